@@ -2,11 +2,9 @@
 
 #include <doctest/doctest.h>
 
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <fstream>
-#include <set>
 
 #include "slam/yard_drive.h"
 #include "temporary_directory.h"

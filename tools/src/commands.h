@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hqslam/nn/super_resolver.h"
+#include "lift/upsample_output.h"
 #include "recording/recording_choice.h"
 #include "run/dense_map.h"
 #include "run/occupancy_grid.h"
@@ -49,10 +50,7 @@ struct UpsampleOptions : InputChoice, LiftingChoice {
   std::string poses;  ///< for networks with a memory; empty: they have none of earlier scans
   std::string out;
   int threads = 0;  ///< 0: what OpenMP chooses
-  bool bin = false;
-  bool pcd = false;
-  bool las = false;
-  bool png = false;
+  UpsampledFormats formats;
 };
 void declare_upsample(CLI::App& app, UpsampleOptions& options);
 int upsample_command(const UpsampleOptions& options);
@@ -184,7 +182,6 @@ void declare_run(CLI::App& app, RunOptions& options);
 /// nothing is written. Throws Error, also if the first scan cannot be read.
 SlamRun run_and_write(const RunOptions& options, const InterruptGuard& interrupt);
 
-/// Returns an ExitStatus. Throws Error.
 int run_command(const RunOptions& options);
 
 struct MapOptions : InputChoice, LiftingChoice {
@@ -197,7 +194,6 @@ struct MapOptions : InputChoice, LiftingChoice {
 };
 
 void declare_map(CLI::App& app, MapOptions& options);
-/// Returns an ExitStatus. Throws Error.
 int map_command(const MapOptions& options);
 
 /// "dense map: 1234567 points, one per 0.1 m, of 300 scans, 12.3 s"

@@ -38,6 +38,8 @@ TEST_CASE("a folder is known by the names and the bytes of its files") {
   hashes.insert(folder_hash(inside));
   CHECK(hashes.size() == 4);
   CHECK(folder_hash(inside) == folder_hash(inside + "/"));
+  std::filesystem::copy(inside, folder.file("elsewhere"));
+  CHECK(folder_hash(inside) == folder_hash(folder.file("elsewhere")));
 }
 
 }  // namespace hqslam::tools

@@ -2,8 +2,6 @@
 
 #include <doctest/doctest.h>
 
-#include <string>
-
 #include "hqslam/core/npy.h"
 #include "hqslam/sim/drive.h"
 #include "temporary_directory.h"

@@ -33,6 +33,12 @@ struct Files {
   }
 };
 
+template <typename... Parts>
+bool lifting_refused_with(const InputChoice& recording, const LiftingChoice& lifting,
+                          const Parts&... parts) {
+  return refused_with([&] { lifted_input(recording, lifting); }, parts...);
+}
+
 }  // namespace
 
 TEST_CASE("a stack of the measured rows and one of all rows both find their sensor by themselves") {
@@ -106,38 +112,19 @@ TEST_CASE("interpolation looks at every fourth row, or at as many as it is told"
 
 TEST_CASE("rows of a sensor that all were measured are not thinned and filled without a word") {
   const Files files;
-  CHECK(refused_with(
-      [&] {
-        lifted_input({files.stack_16, "os1-16"}, {"linear"});
-      },
-      "all 16 rows", "nothing between them", "os1-64"));
+  CHECK(lifting_refused_with({files.stack_16, "os1-16"}, {"linear"}, "all 16 rows",
+                             "nothing between them", "os1-64"));
   CHECK(lifted_input({files.stack_16, "os1-16"}, {"linear", 4}).rows->stride == 4);
 }
 
 TEST_CASE("a sensor that the weights were not made for is one line that says what they expect") {
   const Files files;
-  CHECK(refused_with(
-      [&] {
-        lifted_input({files.stack_64, "hdl-64e"}, {files.weights});
-      },
-      "os1-64", "hdl-64e"));
-  CHECK(refused_with(
-      [&] {
-        lifted_input({files.stack_16, "vlp-16"}, {files.weights});
-      },
-      "16 x 1024", "vlp-16"));
-  CHECK(refused_with(
-      [&] {
-        lifted_input({files.stack_64}, {files.weights, 32});
-      },
-      "16 measured rows", "32"));
-  CHECK(refused_with([&] { lifted_input({files.stack_64}, {"linear"}); }, "--sensor", "stack64"));
-  CHECK(refused_with(
-      [&] {
-        lifted_input({files.stack_16, "os1-64"}, {"linear", 32});
-      },
-      "16 rows", "32"));
-  CHECK(refused_with([&] { lifted_input({files.stack_64}, {files.stack_64}); }, "stack64"));
+  CHECK(lifting_refused_with({files.stack_64, "hdl-64e"}, {files.weights}, "os1-64", "hdl-64e"));
+  CHECK(lifting_refused_with({files.stack_16, "vlp-16"}, {files.weights}, "16 x 1024", "vlp-16"));
+  CHECK(lifting_refused_with({files.stack_64}, {files.weights, 32}, "16 measured rows", "32"));
+  CHECK(lifting_refused_with({files.stack_64}, {"linear"}, "--sensor", "stack64"));
+  CHECK(lifting_refused_with({files.stack_16, "os1-64"}, {"linear", 32}, "16 rows", "32"));
+  CHECK(lifting_refused_with({files.stack_64}, {files.stack_64}, "stack64"));
 }
 
 TEST_CASE("a sender whose beams are still to come is refused for its rows alone") {

@@ -105,16 +105,6 @@ TEST_CASE("the beginning of a drive whose disk was full is replaced") {
   CHECK(NpyStackReader(out + "/scans.npy").images() == 2);
 }
 
-TEST_CASE("what hqslam upsample did not write is not overwritten") {
-  for (const char* name : {"scans.npy", "sensor.json", "upsample.json", "truth.tum", "pcd"}) {
-    CAPTURE(name);
-    const TemporaryDirectory folder;
-    write_file(folder.file(name), "mine");
-    CHECK(refused_with([&] { write_scans(folder.path().string(), 1); }, name, "--out"));
-    CHECK(file_contents(folder.file(name)) == "mine");
-  }
-}
-
 TEST_CASE("the input is never overwritten, by whatever path it is named") {
   const TemporaryDirectory folder;
   const std::string out = folder.file("out");

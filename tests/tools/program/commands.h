@@ -152,7 +152,7 @@ inline const std::vector<Command>& commands() {
        {"upsample {mcap} --method linear --out {out}",
         "upsample {drive} --weights {npz} --out {out}"},
        {"/scans.npy", "/intensity.npy", "/timestamps.txt", "/sensor.json", "/upsample.json", "/bin",
-        "/las"},
+        "/las", "/truth.tum"},
        true},
       {"weights show {weights}", {"weights show {npz}"}},
       {"weights pack {arrays} {network} --out {out}",

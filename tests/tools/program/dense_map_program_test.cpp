@@ -15,8 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// All 64 beams, and long enough for scans to vote.
-
 /// A row of what evaluate-map prints.
 struct MapRow {
   double points, accuracy_01, accuracy_02, far, complete_01, complete_02, f1_01, f1_02;
@@ -169,19 +167,12 @@ TEST_CASE("of a simulation that was stopped a map is held against the scans that
   CHECK(said(stopped) == said(simulated_drive()));
 }
 
-TEST_CASE("files of somebody else are not replaced by a dense map, and wrong input is one line") {
+TEST_CASE("wrong input of maps is one line") {
   const TemporaryDirectory out;
   write_file(out.file("dense_map.pcd"), "mine");
   const auto fails = [&](const std::string& arguments, const char* with) {
-    const ProgramResult result = refused(arguments);
-    CHECK(holds(result.error, with));
+    CHECK(holds(refused(arguments).error, with));
   };
-  fails(fmt::format("map '{0}' --poses '{0}/truth.tum' --out '{1}'", simulated_drive(),
-                    out.path().string()),
-        "dense_map.pcd");
-  fails(fmt::format("run '{}' --dense-map --out '{}'", simulated_drive(), out.path().string()),
-        "dense_map.pcd");
-  CHECK(file_contents(out.file("dense_map.pcd")) == "mine");
   fails(fmt::format("run '{}' --dense-map --map-voxel 0 --out '{}'", simulated_drive(),
                     out.file("x")),
         "--map-voxel");

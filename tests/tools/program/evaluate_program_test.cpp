@@ -21,6 +21,15 @@ Trajectory straight_line() {
   return trajectory;
 }
 
+/// `estimate` held against the straight line.
+ProgramResult evaluate(const Trajectory& estimate, const std::string& options = "",
+                       void (*write)(const Trajectory&, const std::string&) = write_tum) {
+  const TemporaryDirectory folder;
+  write_tum(straight_line(), folder.file("truth.tum"));
+  write(estimate, folder.file("estimate"));
+  return succeeds("evaluate '{0}/estimate' '{0}/truth.tum' {1}", folder.path().string(), options);
+}
+
 ProgramResult evaluate(const std::string& estimate, const std::string& reference,
                        const std::string& options = "") {
   return succeeds("evaluate '{}' '{}' {}", estimate, reference, options);
@@ -29,46 +38,32 @@ ProgramResult evaluate(const std::string& estimate, const std::string& reference
 }  // namespace
 
 TEST_CASE("evaluate names the alignment, and only an alignment takes a constant offset away") {
-  const TemporaryDirectory folder;
   Trajectory estimate = straight_line();
-  for (StampedPose& pose : estimate) {
-    pose.T_map_sensor.translation().y() += 2.0;
-  }
-  write_tum(straight_line(), folder.file("truth.tum"));
-  write_tum(estimate, folder.file("estimate.tum"));
+  for (StampedPose& pose : estimate) pose.T_map_sensor.translation().y() += 2.0;
   for (const auto& [alignment, rmse] :
        {std::pair{"none", "2.0000"}, std::pair{"first", "0.0000"}, std::pair{"se3", "0.0000"}}) {
     CAPTURE(alignment);
-    const ProgramResult result = evaluate(folder.file("estimate.tum"), folder.file("truth.tum"),
-                                          std::string("--align ") + alignment);
+    const ProgramResult result = evaluate(estimate, std::string("--align ") + alignment);
     const std::string label = fmt::format("APE m (align {})", alignment);
     CHECK(holds(result.out, fmt::format("{:<26}{:>10}", label, rmse)));
   }
 }
 
 TEST_CASE("a scale error of one percent is a relative error of one percent") {
-  const TemporaryDirectory folder;
   Trajectory estimate = straight_line();
-  for (StampedPose& pose : estimate) {
-    pose.T_map_sensor.translation() *= 1.01;
-  }
-  write_tum(straight_line(), folder.file("truth.tum"));
-  write_kitti_poses(estimate, folder.file("estimate.kitti"));
-  const ProgramResult result = evaluate(folder.file("estimate.kitti"), folder.file("truth.tum"));
+  for (StampedPose& pose : estimate) pose.T_map_sensor.translation() *= 1.01;
+  const ProgramResult result = evaluate(estimate, "", write_kitti_poses);
   CHECK(holds(result.out, fmt::format("{:<26}{:>10}", "RPE % over 10 m", "1.0000")));
   CHECK(holds(result.out, fmt::format("{:<26}{:>10}", "RPE % over 100 m", "1.0000")));
   CHECK_FALSE(holds(result.out, "over 800 m"));
 }
 
 TEST_CASE("a jump aside is one slip on the path that was compared") {
-  const TemporaryDirectory folder;
   Trajectory estimate = straight_line();
   for (std::size_t i = 150; i < estimate.size(); ++i) {
     estimate[i].T_map_sensor.translation().y() += 0.5;
   }
-  write_tum(straight_line(), folder.file("truth.tum"));
-  write_tum(estimate, folder.file("estimate.tum"));
-  const ProgramResult result = evaluate(folder.file("estimate.tum"), folder.file("truth.tum"));
+  const ProgramResult result = evaluate(estimate);
   CHECK(holds(result.out, fmt::format("{:<26}{:>10}{:>10} per 100 km", "slips", 1, "334.4")));
 }
 

@@ -128,13 +128,4 @@ TEST_CASE("a map is not extended by a drive elsewhere, nor over itself, and stay
   CHECK(file_contents(map) == file_contents(saved_map()));
 }
 
-TEST_CASE("a file that is no saved map is refused before anything is written") {
-  const TemporaryDirectory folder;
-  const std::string trajectory = simulated_drive() + "/truth.tum";
-  const ProgramResult result =
-      refused("run '{}' --map '{}' --out '{}'", simulated_drive(), trajectory, folder.file("out"));
-  CHECK(holds(result.error, trajectory));
-  CHECK_FALSE(std::filesystem::exists(folder.file("out")));
-}
-
 }  // namespace hqslam::test

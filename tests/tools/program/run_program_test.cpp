@@ -215,6 +215,7 @@ TEST_CASE("the demo ends with a table of every way through the drive and a repor
   if (!holds(result.out, "Without DU-Mix")) {
     ways.emplace_back("16 -> 64, DU-Mix", "du-mix");
   }
+  const std::string page = file_contents(folder.file("demo.html"));
   for (const auto& [way, results] : ways) {
     const std::string& name = way;
     CAPTURE(name);
@@ -222,8 +223,11 @@ TEST_CASE("the demo ends with a table of every way through the drive and a repor
     const std::string report = results + "/report.html";
     CHECK(holds(result.out, report));
     CHECK(fs::exists(folder.file(report)));
-    CHECK(holds(file_contents(folder.file("demo.html")), report));
+    CHECK(holds(page, fmt::format("<a href=\"{}\">", report)));
   }
+  CHECK(holds(page, "<th>APE, m</th>"));
+  CHECK(holds(page, "<li>APE: absolute pose error"));
+  CHECK(count(page, "data:image/png") == ways.size());
 }
 
 }  // namespace hqslam::test

@@ -165,6 +165,7 @@ TEST_CASE("a simulated drive that was damaged is simulated anew, and said to be"
   const std::string scans = file_contents(out + "/drives/block-typical/scans.npy");
   for (const auto& [file, damaged] : std::vector<std::pair<const char*, std::string>>{
            {"drive.json", "{\"name\": "},
+           {"sensor.json", "damaged"},
            {"drive.json", std::string(2 << 16, 'x')},
            {"scans.npy", std::string(scans.size(), '\0')},
            {"scans.npy", scans.substr(0, 200) + std::string(scans.size() - 200, '\0')},
@@ -263,22 +264,12 @@ TEST_CASE("stamps that fall are named before the work of a table, which could no
   CHECK(holds(result.error, "--stamps"));
 }
 
-TEST_CASE("a folder that takes no files is noticed before the work") {
-  const ProgramResult result =
-      refused("table --drives block --scans 100000 --methods rows-16 --out /proc");
-  CHECK(holds(result.error, "/proc"));
-  CHECK(result.error.find('\n') == result.error.size() - 1);
-}
-
 TEST_CASE("a wrong table is one line on stderr and status 2, and writes nothing") {
   const TemporaryDirectory folder;
   const std::string out = folder.file("out");
   const std::string drive = simulated_drive();  // 16 rows
   write_file(folder.file("junk.npz"), "no weights");
   for (const std::string& arguments : {
-           std::string("--drives block --methods du-and"),
-           std::string("--drives moon"),
-           std::string("--drives block --weights none.npz"),
            "--drives block --methods rows-16 --weights '" + folder.file("junk.npz") + "'",
            "--drives block --methods rows-16 --weights '" + golden_folder() +
                "/../../weights/du-mix_hdl64e_16to64.npz'",
@@ -286,7 +277,6 @@ TEST_CASE("a wrong table is one line on stderr and status 2, and writes nothing"
            "--drives '" + drive + "/bin' --sensor os1-16",
            std::string("--drives block --scans 0"),
            std::string("--drives block --seeds 3..1"),
-           std::string("--drives block --seeds 1..2 --methods rows-16 --against linear"),
        }) {
     CAPTURE(arguments);
     refused("table " + arguments + " --out '" + out + "'");

@@ -4,38 +4,9 @@
 
 #include <utility>
 
-#include "error_message.h"
-#include "file_contents.h"
-#include "temporary_directory.h"
 #include "tools/example_run.h"
 
 namespace hqslam::tools {
-namespace {
-
-using hqslam::test::TemporaryDirectory;
-
-}  // namespace
-
-TEST_CASE("a TUM file has stamps and a KITTI file has none") {
-  const TemporaryDirectory folder;
-  const Trajectory poses = example_run(5).trajectory;
-  write_tum(poses, folder.file("a.txt"));
-  write_kitti_poses(poses, folder.file("b.txt"));
-  CHECK(read_trajectory_file(folder.file("a.txt")).has_stamps);
-  CHECK_FALSE(read_trajectory_file(folder.file("b.txt")).has_stamps);
-}
-
-TEST_CASE("a comment behind a pose does not take a file's stamps away") {
-  const TemporaryDirectory folder;
-  const Trajectory poses = example_run(5).trajectory;
-  write_tum(poses, folder.file("plain.txt"));
-  std::string text = hqslam::test::file_contents(folder.file("plain.txt"));
-  text.insert(text.find('\n'), " # the start of the drive");
-  hqslam::test::write_file(folder.file("commented.txt"), "# stamp x y z\n" + text);
-  const TrajectoryFile file = read_trajectory_file(folder.file("commented.txt"));
-  CHECK(file.has_stamps);
-  CHECK(file.poses.size() == 5);
-}
 
 TEST_CASE("poses without stamps are those of the other file, one by one") {
   TrajectoryFile file;

@@ -4,6 +4,7 @@
 
 #include <limits>
 #include <string_view>
+#include <utility>
 
 namespace hqslam::tools {
 namespace {
@@ -73,20 +74,13 @@ TEST_CASE("no path and points that are not finite give a picture all the same") 
   CHECK(cloud_in_perspective({points_m, straight_path(3), 0.1}, 20, 30).pixels.size() == 600);
 }
 
-namespace {
-
-std::string base64_of(std::string_view text) { return base64({text.begin(), text.end()}); }
-
-}  // namespace
-
 TEST_CASE("base64 gives the test vectors of RFC 4648") {
-  CHECK(base64_of("") == "");
-  CHECK(base64_of("f") == "Zg==");
-  CHECK(base64_of("fo") == "Zm8=");
-  CHECK(base64_of("foo") == "Zm9v");
-  CHECK(base64_of("foob") == "Zm9vYg==");
-  CHECK(base64_of("fooba") == "Zm9vYmE=");
-  CHECK(base64_of("foobar") == "Zm9vYmFy");
+  using Vector = std::pair<std::string_view, std::string_view>;
+  for (const auto& [text, encoded] :
+       {Vector{"", ""}, Vector{"f", "Zg=="}, Vector{"fo", "Zm8="}, Vector{"foo", "Zm9v"},
+        Vector{"foob", "Zm9vYg=="}, Vector{"fooba", "Zm9vYmE="}, Vector{"foobar", "Zm9vYmFy"}}) {
+    CHECK(base64({text.begin(), text.end()}) == encoded);
+  }
 }
 
 TEST_CASE("a point darkens the pixel that it lies over, y upwards, and no other") {

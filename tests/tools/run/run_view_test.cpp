@@ -1,7 +1,6 @@
-#include "run/run_view.h"
-
 #include <doctest/doctest.h>
 
+#include "run/run_output.h"
 #include "tools/example_run.h"
 
 namespace hqslam::tools {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -24,12 +25,6 @@ namespace {
 constexpr double kStep_m = 1.0;
 constexpr double kLeastPath_m = 20.0;
 
-/// A scan of every metre of path, with the number of its pose.
-struct KeptScan {
-  OrganizedCloud cloud;
-  std::size_t pose = 0;
-};
-
 /// Between the poses before and after.
 Twist velocity_at(const Trajectory& trajectory, std::size_t pose) {
   const StampedPose& before = trajectory[pose == 0 ? 0 : pose - 1];
@@ -39,22 +34,12 @@ Twist velocity_at(const Trajectory& trajectory, std::size_t pose) {
   return (1.0 / duration_s) * logarithm(before.T_map_sensor.inverse() * after.T_map_sensor);
 }
 
-std::vector<slam::LocatedScan> located(std::vector<KeptScan> kept, const Trajectory& trajectory) {
-  std::vector<slam::LocatedScan> result;
-  for (KeptScan& scan : kept) {
-    result.push_back({std::move(scan.cloud), trajectory[scan.pose].T_map_sensor,
-                      velocity_at(trajectory, scan.pose)});
-  }
-  return result;
-}
-
 /// Follows the sensor until it has come as far as asked for, or the way is lost, and keeps what is
 /// calibrated from.
-struct FollowedDrive {
-  std::vector<slam::LocatedScan> scans;
+struct FollowedDrive : Reading {
+  std::vector<slam::LocatedScan> scans;  ///< of every metre of path
   double path_m = 0.0;
   bool is_lost = false;
-  Reading reading;
 };
 FollowedDrive follow(LiftedInput& input, double wanted_m) {
   slam::SlamOptions options;
@@ -63,12 +48,12 @@ FollowedDrive follow(LiftedInput& input, double wanted_m) {
   const auto source = input.open();
   print_warnings(*source, input.recording.input);
   FollowedDrive drive;
-  std::vector<KeptScan> kept;
+  std::vector<std::size_t> pose_of_scan;
   std::optional<Eigen::Vector3d> last_kept_m;
   std::optional<Eigen::Vector3d> last_m;
   const InterruptGuard interrupt;
   Progress progress("calibrate", source->size());
-  read_scans(*source, interrupt, drive.reading, [&](const ReadScan& read) {
+  read_scans(*source, interrupt, drive, [&](const ReadScan& read) {
     const OrganizedCloud cloud = input.measured(read.scan.cloud);
     slam.add_imu(read.scan.imu);
     const slam::ScanReport report = slam.process(cloud, read.scan.stamp_s);
@@ -79,14 +64,18 @@ FollowedDrive follow(LiftedInput& input, double wanted_m) {
     if (last_m) drive.path_m += (position_m - *last_m).norm();
     last_m = position_m;
     if (!last_kept_m || (position_m - *last_kept_m).norm() >= kStep_m) {
-      kept.push_back({cloud, slam.trajectory().size() - 1});
+      drive.scans.emplace_back().cloud = cloud;
+      pose_of_scan.push_back(slam.trajectory().size() - 1);
       last_kept_m = position_m;
     }
     progress.update(read.index + 1);
     return drive.path_m < wanted_m;
   });
   progress.finish();
-  drive.scans = located(std::move(kept), slam.trajectory());
+  for (std::size_t i = 0; i < pose_of_scan.size(); ++i) {
+    drive.scans[i].T_map_sensor = slam.trajectory()[pose_of_scan[i]].T_map_sensor;
+    drive.scans[i].velocity = velocity_at(slam.trajectory(), pose_of_scan[i]);
+  }
   return drive;
 }
 
@@ -151,8 +140,7 @@ int calibrate_command(const CalibrateOptions& options) {
   }
   const std::string page = page_path(options.out);
   guard_output_file(options.out, {options.input, options.sensor}, is_calibrated_sensor);
-  guard_output_file(page, {options.input},
-                    [](const auto& path) { return has_marker(path, kCalibrationPageMarker); });
+  guard_output_file(page, {options.input}, kCalibrationPageMarker);
   LiftingChoice rows;
   rows.rows = options.rows;
   LiftedInput input = lifted_input(options, rows);
@@ -168,9 +156,8 @@ int calibrate_command(const CalibrateOptions& options) {
               options.input, drive.path_m);
   }
   if (!(drive.path_m >= kLeastPath_m)) {
-    if (drive.reading.end == ReadingEnd::kInterrupted) {
-      return exit_status_of(drive.reading, static_cast<std::int64_t>(drive.scans.size()),
-                            std::nullopt);
+    if (drive.end == ReadingEnd::kInterrupted) {
+      return exit_status_of(drive, std::ssize(drive.scans), std::nullopt);
     }
     throw Error(
         "{}: the sensor moved by {:.1f} m, expected at least {} m; give a recording in which it is "
@@ -181,12 +168,12 @@ int calibrate_command(const CalibrateOptions& options) {
   const SensorModel sensor = corrected(input.recorded, input.rows, found);
   validate(sensor);  // what is too far off to be a calibration no other command would take
   write_sensor_json(sensor, options.out);
-  const CalibrationReport report{options.input, input.seen(), drive.path_m,
-                                 static_cast<std::int64_t>(drive.scans.size()), found};
+  const CalibrationReport report{options.input, input.seen(), drive.path_m, std::ssize(drive.scans),
+                                 found};
   write_text_file(calibration_html(report), page);
   to_stdout("{}\n{}", aligned_text(beam_table(report)), calibration_summary(report));
   to_stdout("results: {}, {}\n", options.out, page);
-  return exit_status_of(drive.reading, static_cast<std::int64_t>(drive.scans.size()), std::nullopt);
+  return exit_status_of(drive, std::ssize(drive.scans), std::nullopt);
 }
 
 }  // namespace hqslam::tools

@@ -47,6 +47,17 @@ std::vector<Series> with_sigma(const CalibrationReport& report, const char* name
            of_beams(report, [&](const auto& b) { return scale * (b.*value - b.*sigma); })}};
 }
 
+/// Before and after the corrections.
+std::string distances_chart(const CalibrationReport& report, const char* y_label,
+                            double slam::BeamDistance::*distance) {
+  const auto of = [&](slam::BeamDistance BeamCorrection::*when) {
+    return of_beams(report, [=](const auto& b) { return kMillimetres * (b.*when).*distance; });
+  };
+  return chart_of(report, y_label,
+                  {{"as measured", "upsampling", of(&BeamCorrection::before)},
+                   {"corrected", "features", of(&BeamCorrection::after)}});
+}
+
 }  // namespace
 
 TextTable beam_table(const CalibrationReport& report) {
@@ -87,20 +98,10 @@ std::string calibration_html(const CalibrationReport& report) {
   page.heading(2, "Rings against the ground");
   page.paragraph(
       "How far each beam's points lie above the ground that all beams see, in the mean.");
-  page.html(chart_of(
-      report, "above the ground, mm",
-      {{"as measured", "upsampling",
-        of_beams(report, [](const auto& b) { return kMillimetres * b.before.ground_m; })},
-       {"corrected", "features",
-        of_beams(report, [](const auto& b) { return kMillimetres * b.after.ground_m; })}}));
+  page.html(distances_chart(report, "above the ground, mm", &slam::BeamDistance::ground_m));
   page.heading(2, "Rings against walls");
   page.paragraph("How far they lie this side of upright surfaces.");
-  page.html(
-      chart_of(report, "this side of walls, mm",
-               {{"as measured", "upsampling",
-                 of_beams(report, [](const auto& b) { return kMillimetres * b.before.walls_m; })},
-                {"corrected", "features",
-                 of_beams(report, [](const auto& b) { return kMillimetres * b.after.walls_m; })}}));
+  page.html(distances_chart(report, "this side of walls, mm", &slam::BeamDistance::walls_m));
   page.heading(2, "Corrections");
   page.paragraph(
       "What is added to each beam's elevation and range. A beam that meets no ground says nothing "

@@ -1,15 +1,16 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "commands.h"
-#include "demo/demo_report.h"
 #include "files/installed_weights.h"
 #include "files/result_files.h"
 #include "hqslam/core/npy.h"
@@ -18,7 +19,9 @@
 #include "lift/lifted_input.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
-#include "run/run_view.h"
+#include "report/page.h"
+#include "report/turning_view.h"
+#include "run/run_output.h"
 #include "simulate/simulate_command.h"
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
@@ -91,9 +94,7 @@ std::string ape_text(const SlamRun& run) {
 
 /// The four columns about the images.
 std::vector<std::string> score_cells(const std::optional<UpsamplingScore>& score) {
-  if (!score) {
-    return {"-", "-", "-", "-"};
-  }
+  if (!score) return {"-", "-", "-", "-"};
   return {fmt::format("{:.3f}", score->mae_all_m), fmt::format("{:.3f}", score->mae_valid_m),
           fmt::format("{:.2f} %", 100.0 * score->outlier_share),
           fmt::format("{:.1f}", 1e3 / score->upsampling_ms)};
@@ -106,8 +107,7 @@ TextTable table_of(const std::vector<DemoRow>& rows) {
     const SlamRun& run = row.run;
     std::vector<std::string>& cells = table.rows.emplace_back();
     cells = {row.way.name, fmt::format("{}", run.scans.size()), ape_text(run)};
-    const std::vector<std::string> of_images = score_cells(row.score);
-    cells.insert(cells.end(), of_images.begin(), of_images.end());
+    std::ranges::copy(score_cells(row.score), std::back_inserter(cells));
     cells.push_back(fmt::format("{:.1f}", distribution_of(slam_times(run).times_ms).median));
     cells.push_back(fmt::format("{:.1f}", scans_per_second(run)));
     table.links.push_back(row.way.folder + "/report.html");
@@ -155,6 +155,29 @@ TurningView view_of(const std::filesystem::path& out, const std::vector<DemoRow>
                                              std::move(map.scan.confidence)});
   }
   return view;
+}
+
+/// A page that needs no other file but the runs' reports, to which the table's rows lead: the view,
+/// the table with its notes, and one scan in every form that SLAM got to see.
+std::string demo_html(const TurningView& view, const TextTable& table,
+                      const std::vector<std::string>& notes,
+                      const std::vector<std::pair<std::string, RangeImage>>& images,
+                      double max_range_m) {
+  Page page("hqslam demo");
+  page.heading(1, "hqslam demo");
+  page.style(kTurningViewStyle);
+  page.html(turning_view_html(view));
+  page.table(table);
+  page.list(notes);
+  for (const auto& [caption, image] : images) {
+    page.heading(2, caption);
+    page.picture(color_by_range(image, max_range_m), caption, /*rows=*/true);
+  }
+  page.paragraph(
+      "One scan from the middle of the drive as range images, unrolled from behind over the left, "
+      "front and right: near is bright, far is dark blue, black is no return or, in the network's "
+      "image, a pixel that it is not sure of.");
+  return page.text();
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "commands.h"
+#include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/pcd.h"
@@ -20,7 +21,6 @@
 namespace hqslam::tools {
 namespace {
 
-constexpr double kInDegrees = 57.29577951308232;
 constexpr std::array<double, 3> kStretches_m = {10.0, 100.0, 800.0};
 
 void print_row(std::string_view label, const ErrorStatistics& statistics, double scale) {
@@ -40,14 +40,14 @@ int evaluate_trajectories(const EvaluateOptions& options) {
   to_stdout("{:<26}{:>10}{:>10}{:>10}{:>10}\n", "", "RMSE", "mean", "median", "max");
   print_row(fmt::format("APE m (align {})", options.alignment), ape.translation_statistics, 1.0);
   print_row(fmt::format("APE deg (align {})", options.alignment), ape.rotation_statistics,
-            kInDegrees);
+            kDegreesPerRadian);
   for (const double stretch_m : kStretches_m) {
     const RelativePoseError rpe = relative_pose_error(estimate, reference, stretch_m);
     if (rpe.translation_m.empty()) continue;
     print_row(fmt::format("RPE % over {:.0f} m", stretch_m), rpe.translation_statistics,
               100.0 / stretch_m);
     print_row(fmt::format("RPE deg/100 m over {:.0f} m", stretch_m), rpe.rotation_statistics,
-              kInDegrees * 100.0 / stretch_m);
+              kDegreesPerRadian * 100.0 / stretch_m);
   }
   const std::size_t slipped = slips(estimate, reference).size();
   const Trajectory compared(

@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <Eigen/SVD>
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -45,15 +44,6 @@ struct MapError {
 constexpr double kSample_m = 0.1;
 constexpr double kFar_m = 0.3;
 
-/// The voxel of kSample_m that a point is in, as one number. Cities are smaller than 100 km.
-std::uint64_t voxel_key(const Eigen::Vector3f& point_m) {
-  const auto part = [](float metres) {
-    return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(metres / kSample_m))) &
-           0x1FFFFFU;
-  };
-  return part(point_m.x()) << 42U | part(point_m.y()) << 21U | part(point_m.z());
-}
-
 double share_within(const std::vector<float>& distances_m, double limit_m) {
   const auto within = std::count_if(distances_m.begin(), distances_m.end(),
                                     [&](float distance_m) { return distance_m <= limit_m; });
@@ -73,7 +63,7 @@ std::vector<Eigen::Vector3f> visible_surface_m(sim::DriveSimulator simulator) {
   std::unordered_set<std::uint64_t> taken;
   while (const auto visible = simulator.next_visible()) {
     for (const Eigen::Vector3f& point_m : *visible) {
-      if (taken.insert(voxel_key(point_m)).second) samples_m.push_back(point_m);
+      if (taken.insert(voxel_key(point_m, kSample_m)).second) samples_m.push_back(point_m);
     }
   }
   return samples_m;

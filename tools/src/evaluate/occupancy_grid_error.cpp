@@ -38,7 +38,7 @@ class ThinnedPoints {
           from_sensor_m.z() >= -kBelow_m)) {
       return;
     }
-    if (taken_.insert(key_of(point_m)).second) points_m_.push_back(point_m);
+    if (taken_.insert(voxel_key(point_m, cell_m_)).second) points_m_.push_back(point_m);
   }
   const std::vector<Eigen::Vector3f>& points_m() const { return points_m_; }
   /// Moved to the middle of their cells.
@@ -51,17 +51,10 @@ class ThinnedPoints {
   }
   /// Of the cell that a point is in, whatever its height.
   std::uint64_t flat_key_of(const Eigen::Vector3f& point_m) const {
-    return key_of({point_m.x(), point_m.y(), 0.0F});
+    return voxel_key({point_m.x(), point_m.y(), 0.0F}, cell_m_);
   }
 
  private:
-  std::uint64_t key_of(const Eigen::Vector3f& point_m) const {
-    const auto part = [&](float metres) {
-      return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(metres / cell_m_))) &
-             0x1FFFFFU;
-    };
-    return part(point_m.x()) << 42U | part(point_m.y()) << 21U | part(point_m.z());
-  }
   float cell_m_;
   std::vector<Eigen::Vector3f> points_m_;
   std::unordered_set<std::uint64_t> taken_;

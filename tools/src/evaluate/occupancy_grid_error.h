@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -10,6 +12,16 @@
 #include "hqslam/slam/occupancy_grid.h"
 
 namespace hqslam::tools {
+
+/// The cube of this side that a point is in, as one number: the same for no two within 2^20 sides.
+template <typename Length>
+std::uint64_t voxel_key(const Eigen::Vector3f& point_m, Length side_m) {
+  const auto part = [&](float metres) {
+    return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(metres / side_m))) &
+           0x1FFFFFU;
+  };
+  return part(point_m.x()) << 42U | part(point_m.y()) << 21U | part(point_m.z());
+}
 
 /// A simulated drive and its city.
 struct TrueDrive {

@@ -30,8 +30,8 @@ std::filesystem::path part_of(std::filesystem::path path) { return path += ".par
 constexpr std::array<const char*, 10> kDriveFiles = {
     "scans.npy",   "intensity.npy",     "sensor.json",        "drive.json", "truth.tum",
     "truth.kitti", "truth_columns.npy", "sensor_errors.json", "imu.csv",    "imu_biases.csv"};
-constexpr std::string_view kMarkerFile = "drive.json";  // is replaced, not removed
 constexpr std::array<const char*, 2> kScanFolders = {"bin", "pcd"};
+constexpr ScanFolder kDrive{kDriveFiles, kScanFolders, "drive.json"};
 
 /// The file that says what the drive is comes first: it marks the folder however little else is
 /// there, because a disk was full or the program was killed.
@@ -51,6 +51,16 @@ bool is_numbered_scan(fs::path file, const std::string& extension) {
   return file.extension() == "." + extension && stem.size() >= 6 &&
          std::all_of(stem.begin(), stem.end(),
                      [](unsigned char c) { return std::isdigit(c) != 0; });
+}
+
+/// Removes 000000.EXTENSION, 000001.EXTENSION and so on, and no other file.
+void remove_numbered_scans(const fs::path& folder, const std::string& extension) {
+  if (!fs::is_directory(folder)) return;
+  std::vector<fs::path> scans;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (is_numbered_scan(entry.path(), extension)) scans.push_back(entry.path());
+  }
+  for (const fs::path& scan : scans) fs::remove(scan);
 }
 
 }  // namespace
@@ -91,6 +101,11 @@ void guard_output_file(const std::string& path, const Paths& inputs,
   refuse_to_replace(path, inputs);
   if (fs::exists(path, error) && !is_own(path)) refuse(path, "was not written by this command");
   require_writable(folder);
+}
+
+void guard_output_file(const std::string& path, const Paths& inputs, const char* marker) {
+  guard_output_file(path, inputs,
+                    [&](const std::string& there) { return has_marker(there, marker); });
 }
 
 bool has_marker(const std::string& path, const std::string& marker) {
@@ -147,6 +162,11 @@ void remove_results(const fs::path& folder, std::span<const char* const> names) 
   }
 }
 
+RemovedAtEnd::~RemovedAtEnd() {
+  std::error_code ignored;
+  fs::remove_all(path, ignored);
+}
+
 PartFiles::~PartFiles() {
   std::error_code ignored;
   for (const std::filesystem::path& path : paths_) std::filesystem::remove(part_of(path), ignored);
@@ -169,26 +189,25 @@ void write_text_file(const std::string& text, const std::string& path) {
   replace_file(path, [&](const std::string& part) { write_whole_file(part, text); });
 }
 
-void remove_numbered_scans(const fs::path& folder, const std::string& extension) {
-  if (!fs::is_directory(folder)) return;
-  std::vector<fs::path> scans;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (is_numbered_scan(entry.path(), extension)) scans.push_back(entry.path());
+void guard_scan_folder(const fs::path& folder, const ScanFolder& names, bool is_own,
+                       const std::string& but, const Paths& inputs) {
+  guard_results(folder, names.files, is_own, but, inputs);
+  for (const char* scans : names.scan_folders) {
+    if (!is_own && fs::exists(folder / scans)) guard_results(folder, {&scans, 1}, false, but);
   }
-  for (const fs::path& scan : scans) fs::remove(scan);
+}
+
+void clear_scan_folder(const fs::path& folder, const ScanFolder& names) {
+  for (const char* scans : names.scan_folders) remove_numbered_scans(folder / scans, scans);
+  for (const char* file : names.files) {
+    if (file != names.marker) fs::remove(folder / file);
+  }
 }
 
 void clear_drive_folder(const std::string& folder, const Paths& inputs, bool is_own) {
-  const fs::path path(folder);
-  is_own = is_own || written_by_simulate(path);
-  constexpr const char* kBut = "is not part of a simulated drive";
-  guard_results(path, kDriveFiles, is_own, kBut, inputs);
-  for (const char* scans : kScanFolders) {
-    if (!is_own && fs::exists(path / scans)) guard_results(path, {&scans, 1}, false, kBut);
-  }
-  for (const char* scans : kScanFolders) remove_numbered_scans(path / scans, scans);
-  for (const char* file : kDriveFiles)
-    if (file != kMarkerFile) fs::remove(path / file);
+  guard_scan_folder(folder, kDrive, is_own || written_by_simulate(folder),
+                    "is not part of a simulated drive", inputs);
+  clear_scan_folder(folder, kDrive);
 }
 
 }  // namespace hqslam::tools

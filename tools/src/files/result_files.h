@@ -4,6 +4,8 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "hqslam/core/file_descriptor.h"
@@ -28,6 +30,9 @@ void guard_results(const std::filesystem::path& folder, std::span<const char* co
 /// there and take files.
 void guard_output_file(const std::string& path, const Paths& inputs,
                        const std::function<bool(const std::string&)>& is_own);
+
+/// The same of one that has a marker: has_marker.
+void guard_output_file(const std::string& path, const Paths& inputs, const char* marker);
 
 /// Whether there is a file at `path` that holds `marker` among its first 4096 bytes: the command
 /// that puts the marker there wrote it.
@@ -64,6 +69,16 @@ class FolderLock : public FileLock {
   explicit FolderLock(const std::filesystem::path& folder);
 };
 
+/// A file or folder that is gone, with what is in it, when the object is.
+struct RemovedAtEnd {
+  explicit RemovedAtEnd(std::filesystem::path what) : path(std::move(what)) {}
+  ~RemovedAtEnd();
+  RemovedAtEnd(const RemovedAtEnd&) = delete;
+  RemovedAtEnd& operator=(const RemovedAtEnd&) = delete;
+
+  const std::filesystem::path path;
+};
+
 /// Files that are written under other names and get theirs together, once all are whole. Those that
 /// have none when it ends are removed.
 class PartFiles {
@@ -86,13 +101,23 @@ class PartFiles {
 /// is either what it was or whole. Throws Error.
 void write_text_file(const std::string& text, const std::string& path);
 
+/// What a command writes into a folder of scans: files, and folders of numbered files that end as
+/// the folder is called.
+struct ScanFolder {
+  std::span<const char* const> files;
+  std::span<const char* const> scan_folders;
+  std::string_view marker;  ///< one of the files: it is replaced, not removed
+};
+/// guard_results of all of it.
+void guard_scan_folder(const std::filesystem::path& folder, const ScanFolder& names, bool is_own,
+                       const std::string& but, const Paths& inputs = {});
+/// Removes all of it but the marker, and no other file.
+void clear_scan_folder(const std::filesystem::path& folder, const ScanFolder& names);
+
 /// Makes room for a drive in a folder: removes the files of an earlier simulated drive, so that
 /// none of its scans mixes with the new ones. Throws Error, touching nothing, if the folder holds a
 /// file of one of those names that is not part of a simulated drive, or one of `inputs`. is_own: it
 /// is known to be one, however damaged.
 void clear_drive_folder(const std::string& folder, const Paths& inputs = {}, bool is_own = false);
-
-/// Removes 000000.EXTENSION, 000001.EXTENSION and so on from a folder, and no other file.
-void remove_numbered_scans(const std::filesystem::path& folder, const std::string& extension);
 
 }  // namespace hqslam::tools

@@ -159,12 +159,14 @@ std::string directions_html(const slam::ScanTrace& trace) {
 
 }  // namespace
 
-std::string slam_scan_html(const SlamScanReport& page) {
-  const slam::ScanTrace& trace = page.trace;
-  std::string html =
-      fmt::format("<h1>Scan {}, stage by stage</h1>\n<p class=\"quiet\">{}, at {:.3f} s</p>\n",
-                  page.scan, escape_html(page.recording), page.report.stamp_s);
-  html += numbers_html(page);
+std::string slam_scan_html(const SlamScanReport& report) {
+  const slam::ScanTrace& trace = report.trace;
+  Page page(fmt::format("SLAM of scan {}", report.scan));
+  page.style(kStyle);
+  page.head_html(kSlamScanPageMarker);
+  page.heading(1, fmt::format("Scan {}, stage by stage", report.scan));
+  page.paragraph(fmt::format("{}, at {:.3f} s", report.recording, report.report.stamp_s));
+  std::string html = numbers_html(report);
   html += "<h2>Segmentation and features</h2>\n";
   html += legend_html(
       {{kGroundColour, "ground"}, {kClusterColour, "cluster"}, {kClutterColour, "clutter"}});
@@ -179,8 +181,8 @@ std::string slam_scan_html(const SlamScanReport& page) {
                      "Points by class, 40 m about the sensor; it looks upwards");
   html += residuals_picture(trace);
   html += "</div>\n" + poses_html(trace) + matches_html(trace) + directions_html(trace);
-  return page_html(fmt::format("SLAM of scan {}", page.scan), kStyle, html,
-                   std::string(kSlamScanPageMarker) + "\n");
+  page.html(html);
+  return page.text();
 }
 
 }  // namespace hqslam::tools

@@ -74,8 +74,7 @@ void print_differences(const std::vector<nn::ReferenceDifference>& differences) 
 
 /// SLAM up to one scan of the recording, and the page of that scan.
 int inspect_slam(const InspectOptions& options) {
-  guard_output_file(options.out, {options.input, options.weights},
-                    [](const auto& path) { return has_marker(path, kSlamScanPageMarker); });
+  guard_output_file(options.out, {options.input, options.weights}, kSlamScanPageMarker);
   LiftedInput input = lifted_input(options, {options.weights, options.rows});
   slam::Slam slam(input.seen(), slam_options(options.slam_settings));
   DriveMemory memory(input.lifter());
@@ -141,8 +140,7 @@ int inspect_command(const InspectOptions& options) {
   if (options.weights.empty()) throw Error("inspect: expected --weights, or --slam");
   if (!options.list) {
     if (options.out.empty()) throw Error("inspect: no --out, expected a page to write or --list");
-    guard_output_file(options.out, {options.input, options.weights},
-                      [](const auto& path) { return has_marker(path, kLayersPageMarker); });
+    guard_output_file(options.out, {options.input, options.weights}, kLayersPageMarker);
   }
   LiftedInput input = lifted_input(options, {options.weights});
   nn::SuperResolver network = nn::SuperResolver::load(options.weights);

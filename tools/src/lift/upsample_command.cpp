@@ -54,10 +54,7 @@ UpsampleOutput make_output(const UpsampleOptions& options, const LiftedInput& in
   SensorModel sensor = input.upsampler->sensor();
   put_corrections(sensor, input.rows ? select_rows(input.recorded, *input.rows) : input.recorded);
   sensor.motion_corrected = first.time_offset_s.empty();
-  return {options.out,
-          {options.input, options.upsample, scans},
-          sensor,
-          UpsampledFormats{options.bin, options.pcd, options.png, options.las}};
+  return {options.out, {options.input, options.upsample, scans}, sensor, options.formats};
 }
 
 /// The ranges of the points that are written: those of the measured rows are the recording's.
@@ -110,8 +107,9 @@ void print_summary(const UpsampleRun& run, const nn::Upsampler& upsampler,
     return there ? fmt::format(", {}", name) : "";
   };
   to_stdout("results: {}/scans.npy{}{}, sensor.json, upsample.json{}{}{}{}\n", options.out,
-            if_there("confidence.npy"), if_there("intensity.npy"), options.bin ? ", bin" : "",
-            options.pcd ? ", pcd" : "", options.las ? ", las" : "", options.png ? ", png" : "");
+            if_there("confidence.npy"), if_there("intensity.npy"),
+            options.formats.kitti_bin ? ", bin" : "", options.formats.pcd ? ", pcd" : "",
+            options.formats.las ? ", las" : "", options.formats.png ? ", png" : "");
 }
 
 }  // namespace
@@ -138,10 +136,10 @@ is valid.)");
   declare_confidence(command, options);
   command.option("--poses", &options.poses, kMemoryPosesHelp, {.given = Given::kFile});
   declare_threads(command, options.threads);
-  command.option("--bin", &options.bin, "Also write KITTI .bin files")
-      .option("--pcd", &options.pcd, "Also write .pcd files")
-      .option("--las", &options.las, "Also write .las files")
-      .option("--png", &options.png, "Also write pictures of the range images");
+  command.option("--bin", &options.formats.kitti_bin, "Also write KITTI .bin files")
+      .option("--pcd", &options.formats.pcd, "Also write .pcd files")
+      .option("--las", &options.formats.las, "Also write .las files")
+      .option("--png", &options.formats.png, "Also write pictures of the range images");
 }
 
 int upsample_command(const UpsampleOptions& options) {

@@ -6,7 +6,6 @@
 #include <array>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -25,13 +24,14 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kWrittenBy = "hqslam upsample";
 constexpr const char* kMarker = "\"written_by\": \"hqslam upsample\"";
-constexpr std::string_view kMarkerFile = "upsample.json";  // is replaced, not removed
+constexpr const char* kMarkerFile = "upsample.json";
 constexpr const char* kStampsFile = "timestamps.txt";
 constexpr std::array<const char*, 9> kFiles = {"scans.npy", "confidence.npy", "intensity.npy",
                                                kStampsFile, "sensor.json",    "upsample.json",
                                                "truth.tum", "truth.kitti",    "imu.csv"};
 constexpr std::array<const char*, 3> kFilesOfDrive = {"truth.tum", "truth.kitti", "imu.csv"};
 constexpr std::array<const char*, 4> kScanFolders = {"bin", "pcd", "png", "las"};
+constexpr ScanFolder kUpsampled{kFiles, kScanFolders, kMarkerFile};
 
 bool same_file(const fs::path& a, const fs::path& b) {
   std::error_code error;
@@ -49,23 +49,6 @@ void refuse_to_overwrite_input(const fs::path& folder, const std::string& input)
   if (overwrites) {
     throw Error("{}: would be overwritten; give another --out", input);
   }
-}
-
-/// Throws Error if something in the folder would be replaced that hqslam upsample did not write.
-void guard_folder(const fs::path& folder) {
-  const bool is_own = has_marker((folder / kMarkerFile).string(), kMarker);
-  constexpr const char* kBut = "was not written by hqslam upsample";
-  guard_results(folder, kFiles, is_own, kBut);
-  if (is_own) return;
-  for (const char* scans : kScanFolders) {
-    if (fs::exists(folder / scans)) guard_results(folder, {&scans, 1}, false, kBut);
-  }
-}
-
-void remove_results(const fs::path& folder) {
-  for (const char* scans : kScanFolders) remove_numbered_scans(folder / scans, scans);
-  for (const char* file : kFiles)
-    if (file != kMarkerFile) fs::remove(folder / file);
 }
 
 /// `folder`, made if it is not there: the lock on it comes next.
@@ -88,9 +71,10 @@ void write_origin(const fs::path& folder, const UpsampleOrigin& origin, bool com
 /// file that says where the results came from is first: it marks the folder as ours however little
 /// else is there, because a disk was full or the program was killed.
 fs::path prepared(const fs::path& folder, const UpsampleOrigin& origin) {
-  guard_folder(folder);
+  guard_scan_folder(folder, kUpsampled, has_marker((folder / kMarkerFile).string(), kMarker),
+                    "was not written by hqslam upsample");
   write_origin(folder, origin, false);
-  remove_results(folder);
+  clear_scan_folder(folder, kUpsampled);
   return folder;
 }
 

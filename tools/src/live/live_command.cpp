@@ -23,8 +23,7 @@ live::LiveOptions sensor_options(const LiveOptions& options) {
   live::LiveOptions sensor;
   sensor.sensor = options.sensor;
   sensor.port = options.port;
-  sensor.kept_return = options.kept_return == "last" ? recordings::KeptReturn::kLast
-                                                     : recordings::KeptReturn::kStrongest;
+  sensor.kept_return = kept_return_named(options.kept_return);
   sensor.record = options.record;
   return sensor;
 }

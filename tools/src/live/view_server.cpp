@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
@@ -64,18 +63,17 @@ std::string http(const ViewAnswer& answer) {
 }  // namespace
 
 bool is_own_host(const std::string& host) {
-  std::string name = host.substr(0, host.find(':'));
+  const std::string name = host.substr(0, host.find(':'));
   in_addr any{};
   if (host.starts_with('[') || inet_pton(AF_INET, name.c_str(), &any) == 1) return true;
   std::array<char, 256> own{};
   gethostname(own.data(), own.size() - 1);
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  std::string own_name = own.data();
-  std::transform(own_name.begin(), own_name.end(), own_name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return name == "localhost" ||
-         (!own_name.empty() && (name == own_name || name == own_name + ".local"));
+  const std::string own_name = own.data();
+  const auto is_called = [&](const std::string& other) {
+    return name.size() == other.size() && strncasecmp(name.data(), other.data(), name.size()) == 0;
+  };
+  return is_called("localhost") ||
+         (!own_name.empty() && (is_called(own_name) || is_called(own_name + ".local")));
 }
 
 ViewServer::ViewServer(const std::string& address, std::uint16_t port, Answer answer)

@@ -87,10 +87,14 @@ void read_scans(ScanSource& source, const InterruptGuard& interrupt, Reading& re
   }
 }
 
+std::string scans_text(std::int64_t used, std::optional<std::int64_t> in_recording) {
+  return in_recording ? fmt::format("{} of {} scans", used, *in_recording)
+                      : fmt::format("{} scans", used);
+}
+
 int exit_status_of(const Reading& reading, std::int64_t used,
                    std::optional<std::int64_t> in_recording) {
-  const std::string scans = in_recording ? fmt::format("{} of {} scans", used, *in_recording)
-                                         : fmt::format("{} scans", used);
+  const std::string scans = scans_text(used, in_recording);
   if (reading.left_out.scans > 0 && used > 0) to_stderr("hqslam: {}\n", reading.left_out.text());
   switch (reading.end) {
     case ReadingEnd::kInterrupted:

@@ -53,6 +53,9 @@ struct ReadScan {
 void read_scans(ScanSource& source, const InterruptGuard& interrupt, Reading& reading,
                 const std::function<bool(const ReadScan& read)>& use);
 
+/// "40 of 80 scans", or "40 scans" where nobody knows how many there are.
+std::string scans_text(std::int64_t used, std::optional<std::int64_t> in_recording);
+
 /// What such a reading tells the shell, after so many scans that were used: an ExitStatus, with the
 /// lines on stderr that explain it.
 int exit_status_of(const Reading& reading, std::int64_t used,

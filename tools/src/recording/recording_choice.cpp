@@ -73,6 +73,10 @@ void declare_return(Command& command, std::string& kept_return) {
                  {.shows_default = true, .one_of = {"strongest", "last"}});
 }
 
+recordings::KeptReturn kept_return_named(const std::string& kept_return) {
+  return kept_return == "last" ? recordings::KeptReturn::kLast : recordings::KeptReturn::kStrongest;
+}
+
 void declare_lifting_method(Command& command, LiftingChoice& choice) {
   command
       .option("--rows", &choice.rows, "Use only this many of the sensor's rows, evenly spread",
@@ -123,8 +127,7 @@ recordings::OpenOptions open_options(const InputChoice& choice) {
   recordings::OpenOptions options;
   options.sensor = choice.sensor;
   options.stream = choice.stream;
-  options.kept_return = choice.kept_return == "last" ? recordings::KeptReturn::kLast
-                                                     : recordings::KeptReturn::kStrongest;
+  options.kept_return = kept_return_named(choice.kept_return);
   if (choice.row_order == "lowest-first") options.files.row_order = RowOrder::kLowestFirst;
   if (choice.motion_corrected) options.files.capture_time = CaptureTime::kMotionCorrected;
   if (choice.capture == "rolling") options.files.without_times = CaptureTime::kRolling;
@@ -213,18 +216,13 @@ std::int64_t scans_in(const InputChoice& choice, const ScanSource& source) {
 
 void print_warnings(const ScanSource& source, const std::string& input) {
   const std::int64_t size = source.size().value_or(std::numeric_limits<std::int64_t>::max());
-  if (const std::int64_t planned = planned_scans(input); size < planned) {
-    to_stderr(
-        "hqslam: {}: the simulation was stopped after {} of {} scans; the same hqslam simulate "
-        "makes them all\n",
-        input, size, planned);
-  }
-  if (const std::int64_t planned = scans_to_lift(input); size < planned) {
-    to_stderr(
-        "hqslam: {}: hqslam upsample was stopped after {} of {} scans; the same command makes them "
-        "all\n",
-        input, size, planned);
-  }
+  const auto warn_if_stopped = [&](const char* what, std::int64_t planned, const char* mends) {
+    if (size >= planned) return;
+    to_stderr("hqslam: {}: {} was stopped after {} of {} scans; the same {} makes them all\n",
+              input, what, size, planned, mends);
+  };
+  warn_if_stopped("the simulation", planned_scans(input), "hqslam simulate");
+  warn_if_stopped("hqslam upsample", scans_to_lift(input), "command");
   print_later_warnings(source, 0);
 }
 

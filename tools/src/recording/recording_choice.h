@@ -33,8 +33,9 @@ void declare_input(Command& command, InputChoice& choice, const std::string& wha
 void declare_reading(Command& command, InputChoice& choice);
 /// --imu alone.
 void declare_imu(Command& command, InputChoice& choice);
-/// --return alone.
+/// --return alone, and what it means.
 void declare_return(Command& command, std::string& kept_return);
+recordings::KeptReturn kept_return_named(const std::string& kept_return);
 
 /// What is made of scans before they are used.
 struct LiftingChoice {

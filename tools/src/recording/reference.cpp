@@ -3,11 +3,6 @@
 #include <algorithm>
 
 namespace hqslam::tools {
-namespace {
-
-constexpr std::size_t kFewestPairs = 3;
-
-}  // namespace
 
 Trajectory with_stamps_of(const TrajectoryFile& file, const Trajectory& other) {
   if (file.has_stamps) return file.poses;
@@ -32,7 +27,7 @@ Trajectory with_stamps_of_scans(const TrajectoryFile& file, const Trajectory& ot
 
 std::optional<ReferenceComparison> compare_with_reference(const Trajectory& estimate,
                                                           const TrajectoryFile& reference) {
-  constexpr double kMaxStampDifference_s = 0.02;
+  constexpr std::size_t kFewestPairs = 3;
   ReferenceComparison comparison;
   comparison.reference_path = reference.path;
   const Trajectory stamped = with_stamps_of(reference, estimate);

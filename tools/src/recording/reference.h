@@ -10,6 +10,9 @@
 
 namespace hqslam::tools {
 
+/// Of poses that are taken for those of one time.
+inline constexpr double kMaxStampDifference_s = 0.02;
+
 /// The poses of `file` with stamps that can be compared with those of `other`: where `file` has
 /// none, pose i gets the stamp of pose i of `other`. Poses beyond the length of `other` are left
 /// out.

@@ -10,24 +10,22 @@
 namespace hqslam::tools {
 namespace {
 
-constexpr double kMostStampDifference_s = 0.02;
-
 /// The pose whose stamp is nearest, nothing if it is too far.
 std::optional<std::size_t> pose_at(const Trajectory& trajectory, double stamp_s) {
   const auto later =
-      std::lower_bound(trajectory.begin(), trajectory.end(), stamp_s - kMostStampDifference_s,
+      std::lower_bound(trajectory.begin(), trajectory.end(), stamp_s - kMaxStampDifference_s,
                        [](const StampedPose& a, double limit_s) { return a.stamp_s < limit_s; });
   const auto nearest =
       std::min_element(later,
                        std::find_if(later, trajectory.end(),
                                     [&](const StampedPose& candidate) {
-                                      return candidate.stamp_s > stamp_s + kMostStampDifference_s;
+                                      return candidate.stamp_s > stamp_s + kMaxStampDifference_s;
                                     }),
                        [&](const StampedPose& a, const StampedPose& b) {
                          return std::abs(a.stamp_s - stamp_s) < std::abs(b.stamp_s - stamp_s);
                        });
   const bool is_near =
-      nearest != trajectory.end() && std::abs(nearest->stamp_s - stamp_s) <= kMostStampDifference_s;
+      nearest != trajectory.end() && std::abs(nearest->stamp_s - stamp_s) <= kMaxStampDifference_s;
   if (!is_near) return std::nullopt;
   return static_cast<std::size_t>(nearest - trajectory.begin());
 }

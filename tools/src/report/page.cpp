@@ -157,15 +157,6 @@ std::string row_html(const std::vector<std::string>& cells, const char* element,
 
 }  // namespace
 
-std::string page_html(std::string_view title, std::string_view style, std::string_view body,
-                      std::string_view head) {
-  return fmt::format(
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n{}"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<title>{}</title>\n<style>{}{}</style>\n</head>\n<body>\n{}</body>\n</html>\n",
-      head, title, kReportStyle, style, body);
-}
-
 Page::Page(std::string_view title) : title_(escape_html(title)) {}
 
 void Page::style(std::string_view css) { style_ += css; }
@@ -217,7 +208,13 @@ void Page::picture(const RgbImage& image, std::string_view caption, bool rows) {
                   escape_html(caption), rows ? " class=\"rows\"" : "", picture_source(image));
 }
 
-std::string Page::text() const { return page_html(title_, style_, body_, head_); }
+std::string Page::text() const {
+  return fmt::format(
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n{}"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<title>{}</title>\n<style>{}{}</style>\n</head>\n<body>\n{}</body>\n</html>\n",
+      head_, title_, kReportStyle, style_, body_);
+}
 
 std::string picture_source(const RgbImage& image) {
   return "data:image/png;base64," + base64(encode_png(image));

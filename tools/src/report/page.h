@@ -69,11 +69,6 @@ void add_figures(const Row& row, const std::vector<Figure<Row>>& figures, Json& 
   }
 }
 
-/// A page in the style of all reports, for light and dark, phone and desktop, that needs no other
-/// file. title: as HTML; style: what it adds; head: what else stands in its head.
-std::string page_html(std::string_view title, std::string_view style, std::string_view body,
-                      std::string_view head = "");
-
 /// A headline number of a page.
 struct PageNumber {
   std::string label;

@@ -184,13 +184,7 @@ Json data_of(const TurningView& view) {
 /// As a script's contents: nothing in it ends the script.
 std::string script_text(const std::string& json) {
   std::string text;
-  for (const char c : json) {
-    if (c == '<') {
-      text += "\\u003c";
-    } else {
-      text += c;
-    }
-  }
+  for (const char c : json) text += c == '<' ? std::string("\\u003c") : std::string(1, c);
   return text;
 }
 

@@ -9,7 +9,6 @@
 #include "hqslam/core/error.h"
 #include "recording/reference.h"
 #include "report/cloud_picture.h"
-#include "run/map_input.h"
 #include "run/occupancy_grid.h"
 #include "run/slam_run.h"
 #include "timing/timing.h"
@@ -46,22 +45,18 @@ DenseMapRun build_dense_map(const InputChoice& recording, const LiftingChoice& l
   options.voxel_m = choice.voxel_m;
   options.least_confidence = choice.least_confidence;
   slam::DenseMap map(options);
-  const MapReading inserted = input.read_all(
+  DenseMapRun run;
+  static_cast<MapReading&>(run) = input.read_all(
       poses, "dense map, points", interrupt, [&](const auto& scan, const auto& path) {
         map.insert(input.lifted(scan, path), input.measured_rows(), path);
       });
   input.read_all(
       poses, "dense map, seen through", interrupt,
       [&](const auto& scan, const auto& path) { map.see_through(input.measured(scan), path); });
-  DenseMapRun run;
   run.points = map.points(&run.intensity);
   run.las = choice.las;
   run.voxel_m = choice.voxel_m;
-  run.scans = inserted.scans;
-  run.scans_left_out = inserted.without_pose;
-  run.not_understood = inserted.left_out;
   run.is_full = map.is_full();
-  run.end_message = inserted.end_message;
   run.wall_s = seconds_since(start);
   return run;
 }
@@ -75,11 +70,11 @@ constexpr int kAboveRows = 1200;
 constexpr int kPerspectiveRows = 900;
 
 std::string no_scan_message(const DenseMapRun& run, const MapOptions& options) {
-  if (run.scans_left_out == 0 && run.not_understood.scans > 0) return run.not_understood.text();
+  if (run.without_pose == 0 && run.left_out.scans > 0) return run.left_out.text();
   return fmt::format(
       "{}: none of its poses is within 0.02 s of one of {} scans of {}; give poses with the stamps "
       "of the scans",
-      options.poses, run.scans_left_out, options.input);
+      options.poses, run.without_pose, options.input);
 }
 
 }  // namespace
@@ -104,8 +99,7 @@ void guard_dense_map(const fs::path& folder, const Paths& inputs) {
   }
 }
 
-void write_dense_map(const DenseMapRun& run, const DenseMapPictures& pictures,
-                     const fs::path& folder) {
+void write_dense_map(const DenseMapRun& run, const fs::path& folder) {
   make_result_folder(folder);
   PartFiles parts;  // an earlier map stays until all of this one is there
   // The .ply, by which the others are known as ours, comes first.
@@ -113,16 +107,16 @@ void write_dense_map(const DenseMapRun& run, const DenseMapPictures& pictures,
     if (!run.las && std::string_view(name).ends_with(".las")) continue;
     slam::write_dense_map(run.points, parts.add(folder / name), run.intensity);
   }
-  write_png(pictures.above, parts.add(folder / "dense_map_above.png"));
-  write_png(pictures.perspective, parts.add(folder / "dense_map_perspective.png"));
+  write_png(run.pictures.above, parts.add(folder / "dense_map_above.png"));
+  write_png(run.pictures.perspective, parts.add(folder / "dense_map_perspective.png"));
   parts.rename();
 }
 
 std::string dense_map_summary(const DenseMapRun& run) {
   std::string summary = fmt::format("dense map: {} points, one per {} m, of {} scans, {:.1f} s",
                                     run.points.size(), run.voxel_m, run.scans, run.wall_s);
-  if (run.scans_left_out > 0) {
-    summary += fmt::format("; {} scans without a pose left out", run.scans_left_out);
+  if (run.without_pose > 0) {
+    summary += fmt::format("; {} scans without a pose left out", run.without_pose);
   }
   if (run.is_full) summary += "; full: give a larger --map-voxel for the rest";
   return summary;
@@ -161,13 +155,14 @@ int map_command(const MapOptions& options) {
   if (options.occupancy_grid) guard_occupancy_grid(options.out, inputs);
   make_result_folder(options.out);
   const FolderLock lock(options.out);
-  const DenseMapRun run = build_dense_map(options, options, poses, options.map, interrupt);
+  DenseMapRun run = build_dense_map(options, options, poses, options.map, interrupt);
   if (interrupt.stop_requested()) {
     to_stderr("hqslam: interrupted; no dense map was written\n");
     return kInterrupted;
   }
   if (run.scans == 0) throw Error(no_scan_message(run, options));
-  write_dense_map(run, pictures_of(run, poses.trajectory), options.out);
+  run.pictures = pictures_of(run, poses.trajectory);
+  write_dense_map(run, options.out);
   to_stdout(
       "{}\nresults: {}/dense_map.pcd, dense_map.ply, {}dense_map_above.png, "
       "dense_map_perspective.png\n",
@@ -181,7 +176,7 @@ int map_command(const MapOptions& options) {
     write_occupancy_grid(grid.map, options.out);
     to_stdout("{}\nresults: {}/map.pgm, map.yaml\n", grid.summary, options.out);
   }
-  if (run.not_understood.scans > 0) to_stderr("hqslam: {}\n", run.not_understood.text());
+  if (run.left_out.scans > 0) to_stderr("hqslam: {}\n", run.left_out.text());
   if (!run.end_message.empty()) {
     to_stderr("hqslam: {}; the map is of the scans before it\n", run.end_message);
     return kWrongInput;

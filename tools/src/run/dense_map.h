@@ -8,9 +8,9 @@
 #include "files/result_files.h"
 #include "hqslam/evaluation/png.h"
 #include "hqslam/slam/dense_map.h"
-#include "recording/reading.h"
 #include "recording/recording_choice.h"
 #include "recording/scan_poses.h"
+#include "run/map_input.h"
 #include "terminal/command_options.h"
 #include "terminal/terminal.h"
 
@@ -31,18 +31,21 @@ void declare_dense_map(Command& command, DenseMapChoice& choice,
 /// The poses of a run, but for scans that were not located, or are in another part of the map.
 ScanPoses poses_of(const SlamRun& run);
 
-/// A dense map, finished or not.
-struct DenseMapRun {
+/// A dense map as people look at it.
+struct DenseMapPictures {
+  RgbImage above;
+  RgbImage perspective;
+};
+
+/// A dense map, finished or not, and how its scans were put into it.
+struct DenseMapRun : MapReading {
   std::vector<slam::DenseMapPoint> points;  ///< in the frame of the poses
   std::vector<float> intensity;             ///< of the points; empty: the recording has none
   bool las = false;                         ///< as DenseMapChoice
   double voxel_m = 0.0;
-  std::int64_t scans = 0;           ///< that are in it
-  std::int64_t scans_left_out = 0;  ///< without a pose that is known
-  LeftOut not_understood;           ///< scans that could not be used, whatever their pose
-  bool is_full = false;             ///< points were left out because memory is bounded
-  std::string end_message;          ///< of a scan that could not be read; empty: all could
+  bool is_full = false;  ///< points were left out because memory is bounded
   double wall_s = 0.0;
+  DenseMapPictures pictures;  ///< of pictures_of
 };
 
 /// Reads the recording twice (MapInput): first all scans are put into the map, then they vote about
@@ -51,11 +54,6 @@ DenseMapRun build_dense_map(const InputChoice& recording, const LiftingChoice& l
                             const ScanPoses& poses, const DenseMapChoice& choice,
                             const InterruptGuard& interrupt);
 
-/// A dense map as people look at it.
-struct DenseMapPictures {
-  RgbImage above;
-  RgbImage perspective;
-};
 /// path: of the sensor, in the map's frame.
 DenseMapPictures pictures_of(const DenseMapRun& run, const Trajectory& path);
 
@@ -68,7 +66,6 @@ inline constexpr const char* kDenseMapFiles[] = {"dense_map.pcd", "dense_map.las
 void guard_dense_map(const std::filesystem::path& folder, const Paths& inputs);
 /// Writes each file under another name first and renames it then, so that each is whole whenever
 /// the program stops; makes the folder. Throws Error, leaving no half of a file.
-void write_dense_map(const DenseMapRun& run, const DenseMapPictures& pictures,
-                     const std::filesystem::path& folder);
+void write_dense_map(const DenseMapRun& run, const std::filesystem::path& folder);
 
 }  // namespace hqslam::tools

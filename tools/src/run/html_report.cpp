@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <numeric>
 
 #include "hqslam/core/angles.h"
@@ -9,7 +10,6 @@
 #include "report/page.h"
 #include "report/turning_view.h"
 #include "run/run_output.h"
-#include "run/run_view.h"
 #include "timing/timing.h"
 
 namespace hqslam::tools {
@@ -51,7 +51,8 @@ std::vector<PageNumber> numbers_of(const SlamRun& run) {
 void add_notice(Page& page, const SlamRun& run) {
   if (run.end == ReadingEnd::kComplete) return;
   page.paragraph(
-      fmt::format("The run ended after {}: {}. What is shown is valid up to there.", scans_of(run),
+      fmt::format("The run ended after {}: {}. What is shown is valid up to there.",
+                  scans_text(std::ssize(run.scans), run.scans_in_recording),
                   run.end == ReadingEnd::kInterrupted ? "it was interrupted" : run.end_message),
       "notice");
 }
@@ -158,21 +159,20 @@ void add_statuses(Page& page, const SlamRun& run) {
   page.table(table);
 }
 
-void add_dense_map(Page& page, const DenseMapPage& map) {
-  if (map.run == nullptr || map.pictures == nullptr) return;
+void add_dense_map(Page& page, const DenseMapRun& map) {
   page.heading(2, "Dense map");
   page.paragraph(fmt::format(
       "{} points, one per {} m, of {} scans: measured, and computed where scans agree. Colours "
       "tell heights, blue the lowest. The second picture looks ahead from behind the place where "
       "the sensor was after a third of its path.",
-      map.run->points.size(), map.run->voxel_m, map.run->scans));
-  page.picture(map.pictures->above, "The dense map from above");
-  page.picture(map.pictures->perspective, "The dense map in perspective");
+      map.points.size(), map.voxel_m, map.scans));
+  page.picture(map.pictures.above, "The dense map from above");
+  page.picture(map.pictures.perspective, "The dense map in perspective");
 }
 
 }  // namespace
 
-std::string html_report(const SlamRun& run, const DenseMapPage& dense_map) {
+std::string html_report(const SlamRun& run, const DenseMapRun* dense_map) {
   const std::string upsampled =
       run.upsampled_by.empty() ? "" : fmt::format(" by {}", run.upsampled_by);
   const std::string title = fmt::format("{}, {} rows{}", short_name(run), run.rows, upsampled);
@@ -183,10 +183,10 @@ std::string html_report(const SlamRun& run, const DenseMapPage& dense_map) {
   add_notice(page, run);
   page.numbers(numbers_of(run));
   page.style(kTurningViewStyle);
-  page.html(turning_view_html(view_of(run, dense_map.run)));
+  page.html(turning_view_html(view_of(run, dense_map)));
   page.heading(2, "Trajectory from above");
   page.html(trajectory_plot_html(run));
-  add_dense_map(page, dense_map);
+  if (dense_map != nullptr) add_dense_map(page, *dense_map);
   add_error(page, run);
   add_times(page, run);
   add_statuses(page, run);

@@ -83,7 +83,7 @@ int exit_status_of(const SlamRun& run, const RunOptions& options) {
         run.extended);
     return kWrongInput;
   }
-  return exit_status_of(run, static_cast<std::int64_t>(run.scans.size()), run.scans_in_recording);
+  return exit_status_of(run, std::ssize(run.scans), run.scans_in_recording);
 }
 
 /// Compares the poses of which something is known in one frame: where a place was not recognized,
@@ -158,8 +158,7 @@ std::optional<GivenMap> given_map(const RunOptions& options, const SensorModel& 
 /// All other results are written by now: what goes wrong here costs the dense map alone.
 void add_dense_map(const RunOptions& options, const InterruptGuard& interrupt, RunOutput& output,
                    SlamRun& run) {
-  const DenseMapRun dense_map =
-      build_dense_map(options, options, poses_of(run), options.map, interrupt);
+  DenseMapRun dense_map = build_dense_map(options, options, poses_of(run), options.map, interrupt);
   if (interrupt.stop_requested()) return;
   run.dense_map_summary = dense_map_summary(dense_map);
   output.write_dense_map(run, dense_map);

@@ -50,20 +50,16 @@ using Json = nlohmann::ordered_json;
 constexpr double kCheckpointInterval_s = 5.0;
 /// Of the time between checkpoints what one may take: a long drive's are large.
 constexpr double kCheckpointShare = 0.01;
-constexpr std::array<const char*, 2> kCommands = {"run", "live"};
 constexpr std::array<const char*, 3> kResultsSoFar = {"trajectory.tum", "trajectory.kitti",
                                                       "timings.json"};
 constexpr std::array<const char*, 4> kResultsAtTheEnd = {"covariances.csv", "map.pcd",
                                                          "saved_map.npz", "report.html"};
 
-std::string written_by(const std::string& command) { return "hqslam " + command; }
-
 /// Whether the folder holds the results of an earlier run, which this one may replace.
 bool written_by_hqslam(const fs::path& folder) {
-  return std::any_of(kCommands.begin(), kCommands.end(), [&](const char* command) {
-    return has_marker((folder / "timings.json").string(),
-                      fmt::format("\"written_by\": \"{}\"", written_by(command)));
-  });
+  const std::string timings = folder / "timings.json";
+  return has_marker(timings, R"("written_by": "hqslam run")") ||
+         has_marker(timings, R"("written_by": "hqslam live")");
 }
 
 /// To microseconds: more digits are noise and make the file long.
@@ -143,7 +139,7 @@ std::string timings_json(const SlamRun& run) {
   Json slam_options = Json::object();
   for (const auto& [option, value] : changed_options(run.slam)) slam_options[option] = value;
   const Json json = {
-      {"written_by", written_by(run.command)},
+      {"written_by", "hqslam " + run.command},
       {"input", run.input},
       {"sensor", run.sensor_name},
       {"rows", run.rows},
@@ -173,8 +169,7 @@ std::string timings_json(const SlamRun& run) {
   return text + ",\n  \"per_scan\": " + per_scan(run, durations).dump() + "\n}\n";
 }
 
-RunOutput::RunOutput(const std::string& folder, const Paths& inputs)
-    : folder_(folder), last_checkpoint_(std::chrono::steady_clock::now()) {
+RunOutput::RunOutput(const std::string& folder, const Paths& inputs) : folder_(folder) {
   if (fs::exists(folder_) && !fs::is_directory(folder_)) {
     throw Error("{}: expected a folder for the results, found a file; give another --out", folder);
   }
@@ -203,13 +198,12 @@ void RunOutput::prepare() {
 }
 
 bool RunOutput::checkpoint_due() const {
-  const auto since = std::chrono::steady_clock::now() - last_checkpoint_;
   const double wanted_s = std::max(kCheckpointInterval_s, last_duration_s_ / kCheckpointShare);
-  return first_ || std::chrono::duration<double>(since).count() >= wanted_s;
+  return first_ || seconds_since(last_checkpoint_) >= wanted_s;
 }
 
 void RunOutput::write_checkpoint(const SlamRun& run) {
-  const auto start = std::chrono::steady_clock::now();
+  const SteadyClock::time_point start = SteadyClock::now();
   last_checkpoint_ = start;  // also if it fails: it is not tried again at once
   prepare();
   // The timings first: they mark the folder as ours.
@@ -224,8 +218,8 @@ void RunOutput::write_checkpoint(const SlamRun& run) {
                [&](const std::string& part) { write_tum(run.trajectory, part); });
   replace_file(path("trajectory.kitti"),
                [&](const std::string& part) { write_kitti_poses(run.trajectory, part); });
-  last_checkpoint_ = std::chrono::steady_clock::now();
-  last_duration_s_ = std::chrono::duration<double>(last_checkpoint_ - start).count();
+  last_checkpoint_ = SteadyClock::now();
+  last_duration_s_ = seconds_since(start);
 }
 
 void RunOutput::write_results(const SlamRun& run) {
@@ -242,14 +236,14 @@ void RunOutput::write_results(const SlamRun& run) {
   write_text_file(html_report(run), path("report.html"));
 }
 
-void RunOutput::write_dense_map(const SlamRun& run, const DenseMapRun& dense_map) {
+void RunOutput::write_dense_map(const SlamRun& run, DenseMapRun& dense_map) {
   Trajectory path_of_map;
   for (std::size_t scan = 0; scan < run.trajectory.size(); ++scan) {
     if (run.part_of_scan[scan] == run.map_part) path_of_map.push_back(run.trajectory[scan]);
   }
-  const DenseMapPictures pictures = pictures_of(dense_map, path_of_map);
-  tools::write_dense_map(dense_map, pictures, folder_);
-  write_text_file(html_report(run, {&dense_map, &pictures}), path("report.html"));
+  dense_map.pictures = pictures_of(dense_map, path_of_map);
+  tools::write_dense_map(dense_map, folder_);
+  write_text_file(html_report(run, &dense_map), path("report.html"));
 }
 
 }  // namespace hqslam::tools

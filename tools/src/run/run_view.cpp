@@ -1,8 +1,7 @@
-#include "run/run_view.h"
-
 #include <fmt/format.h>
 
 #include "hqslam/slam/sensor_path.h"
+#include "run/run_output.h"
 
 namespace hqslam::tools {
 namespace {

@@ -110,11 +110,6 @@ std::string map_summary(const SlamRun& run) {
 
 }  // namespace
 
-std::string scans_of(const SlamRun& run) {
-  if (!run.scans_in_recording) return fmt::format("{} scans", run.scans.size());
-  return fmt::format("{} of {} scans", run.scans.size(), *run.scans_in_recording);
-}
-
 double scans_per_second(const SlamRun& run) {
   return run.wall_s > 0.0 ? static_cast<double>(run.scans.size()) / run.wall_s : 0.0;
 }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -18,6 +17,7 @@
 #include "recording/reading.h"
 #include "recording/reference.h"
 #include "run/kept_scans.h"
+#include "timing/timing.h"
 
 namespace hqslam::tools {
 
@@ -68,10 +68,7 @@ struct SlamRun : Reading {
   std::vector<std::string> failed_maps;           ///< of these two: why one could not be made
 };
 
-/// Scans per second over the whole run: reading, upsampling, SLAM and writing.
-/// "40 of 80 scans", or "40 scans".
-std::string scans_of(const SlamRun& run);
-
+/// Over the whole run: reading, upsampling, SLAM and writing.
 double scans_per_second(const SlamRun& run);
 
 /// One time of every scan, in milliseconds.
@@ -149,7 +146,7 @@ class SlamSession {
   SlamRun run_;
   OrganizedCloud cloud_;
   KeptScans kept_scans_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  SteadyClock::time_point start_ = SteadyClock::now();
 };
 
 /// What a run came to, for people, a few lines: scans, path, statuses, what the upsampling took.

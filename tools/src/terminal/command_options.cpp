@@ -1,6 +1,7 @@
 #include "terminal/command_options.h"
 
 #include <CLI/CLI.hpp>
+#include <map>
 
 // Apart from command_line.cpp the only file that knows CLI11, which takes seconds to compile.
 
@@ -8,25 +9,18 @@ namespace hqslam::tools {
 namespace {
 
 void check_given(CLI::Option& option, const OptionRules& rules) {
-  switch (rules.given) {
-    case Given::kFile:
-      if (rules.one_of.empty()) {
-        option.check(CLI::ExistingFile);
-      } else {
-        option.check(CLI::ExistingFile | CLI::IsMember(rules.one_of));
-      }
-      return;
-    case Given::kFolder:
-      option.check(CLI::ExistingDirectory);
-      return;
-    case Given::kFileOrFolder:
-      option.check(CLI::ExistingPath);
-      return;
-    case Given::kNotNegative:
-      option.check(CLI::NonNegativeNumber);
-      return;
-    case Given::kAnything:
-      if (!rules.one_of.empty()) option.check(CLI::IsMember(rules.one_of));
+  static const std::map<Given, CLI::Validator> checks = {
+      {Given::kFile, CLI::ExistingFile},
+      {Given::kFolder, CLI::ExistingDirectory},
+      {Given::kFileOrFolder, CLI::ExistingPath},
+      {Given::kNotNegative, CLI::NonNegativeNumber}};
+  const auto check = checks.find(rules.given);
+  if (rules.one_of.empty()) {
+    if (check != checks.end()) option.check(check->second);
+  } else if (check == checks.end()) {
+    option.check(CLI::IsMember(rules.one_of));
+  } else {
+    option.check(check->second | CLI::IsMember(rules.one_of));
   }
 }
 

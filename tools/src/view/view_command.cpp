@@ -20,6 +20,7 @@ namespace hqslam::tools {
 namespace {
 
 constexpr const char* kTitle = "hqslam view: ";
+constexpr const char* kMarker = "<title>hqslam view: ";
 /// The view has the window to itself.
 constexpr const char* kStyle = R"css(
 body { max-width: none; padding: .6rem; }
@@ -98,9 +99,7 @@ void declare_view(CLI::App& app, ViewOptions& options) {
 }
 
 int view_command(const ViewOptions& options) {
-  guard_output_file(options.out, options.files, [](const std::string& path) {
-    return has_marker(path, std::string("<title>") + kTitle);
-  });
+  guard_output_file(options.out, options.files, kMarker);
   TurningView view;
   std::size_t points = 0;
   for (const std::string& path : options.files) {

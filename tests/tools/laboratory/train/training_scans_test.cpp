@@ -128,13 +128,6 @@ TEST_CASE("a set is its stacks, then its drives, usual or varied, of a sensor th
   CHECK(
       scans->read(2).truth.range_m ==
       sim::DriveSimulator(sim::with_varied_conditions(spec), tiny_sensor()).next()->image.range_m);
-  set.stacks = {"$HQSLAM_NO_SUCH_FOLDER/a.npy"};
-  CHECK(test::refused_with(
-      [&] {
-        stored_scans(set, network_for(tiny_sensor()), {folder.path(), 1, alone}, "scans",
-                     interrupt);
-      },
-      "HQSLAM_NO_SUCH_FOLDER is not set"));
 }
 
 TEST_CASE("a network with a memory gets what every scan recalls of those before it") {

@@ -11,6 +11,7 @@
 
 #include "commands.h"
 #include "files/installed_weights.h"
+#include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
 #include "hqslam/nn/weights_file.h"
@@ -32,27 +33,14 @@ constexpr std::array<int, 2> kRowCounts = {64, 16};
 constexpr int kMostThreads = 2;
 constexpr std::size_t kStepImages = 20;
 
-/// A folder of its own that is removed with what is in it.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "hqslam-bench-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) {
-      throw Error("{}: cannot be made for the simulated drive; set TMPDIR", name);
-    }
-    path_ = name;
+/// A new folder of its own.
+std::string temporary_folder() {
+  std::string name = (fs::temp_directory_path() / "hqslam-bench-XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) {
+    throw Error("{}: cannot be made for the simulated drive; set TMPDIR", name);
   }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
+  return name;
+}
 
 struct Measurements {
   std::string input;
@@ -288,15 +276,15 @@ int bench_command(const BenchOptions& options) {
   const InterruptGuard interrupt;
   const std::vector<std::string> weights = weights_of(options);
   nn::chosen_instruction_set();  // an unknown one is better refused at once
-  std::optional<TemporaryFolder> drive;
+  std::optional<RemovedAtEnd> drive;
   InputChoice input = options.recording;
   if (input.input.empty()) {
-    drive.emplace();
+    drive.emplace(temporary_folder());
     SimulateOptions simulate;
     simulate.drive = options.drive;
     simulate.sensor = "os1-64";
     simulate.scans = options.scans;
-    simulate.out = drive->path().string();
+    simulate.out = drive->path.string();
     simulate_drive(simulate, interrupt);
     input.input = simulate.out;
   }

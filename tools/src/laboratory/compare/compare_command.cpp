@@ -29,12 +29,8 @@ constexpr int kMeasuredRows = 16;
 void guard_outputs(const CompareOptions& options) {
   Paths inputs = options.weights;
   inputs.push_back(options.input);
-  const auto guard = [&](const std::string& path, const char* marker) {
-    if (path.empty()) return;
-    guard_output_file(path, inputs, [&](const auto& there) { return has_marker(there, marker); });
-  };
-  guard(options.json, kCompareJsonMarker);
-  guard(options.curve, kConfidencePageMarker);
+  if (!options.json.empty()) guard_output_file(options.json, inputs, kCompareJsonMarker);
+  if (!options.curve.empty()) guard_output_file(options.curve, inputs, kConfidencePageMarker);
 }
 
 /// There must be rows between the measured ones.

@@ -15,12 +15,8 @@ namespace hqslam::tools {
 
 namespace {
 
-/// Distance to the nearest true point, one value for each pixel that has a return.
-std::vector<float> pixel_distances_m(const OrganizedCloud& cloud, const OrganizedCloud& truth) {
-  return nearest_distances_m(points_of(cloud), points_of(truth));
-}
-
-/// Calls visit(pixel, distance_m) for the computed pixels that have a return.
+/// Calls visit(pixel, distance_m) for the computed pixels that have a return. distances_m: of every
+/// return from the nearest true point.
 template <typename Visit>
 void for_each_computed(const OrganizedCloud& cloud, RowSelection measured,
                        const std::vector<float>& distances_m, const Visit& visit) {
@@ -33,20 +29,13 @@ void for_each_computed(const OrganizedCloud& cloud, RowSelection measured,
   }
 }
 
-/// The image with its measured rows emptied.
-RangeImage computed_rows(RangeImage image, RowSelection measured) {
-  for (int row = 0; row < image.rows; ++row) {
-    if (!measured.contains(row)) continue;
-    for (int column = 0; column < image.columns; ++column) image.at(row, column) = 0.0F;
+/// An image or a cloud with its measured rows emptied.
+template <typename Pixels>
+Pixels computed_rows(Pixels scan, RowSelection measured) {
+  for (std::size_t pixel = 0; pixel < scan.range_m.size(); ++pixel) {
+    if (measured.contains(static_cast<int>(pixel) / scan.columns)) scan.range_m[pixel] = 0.0F;
   }
-  return image;
-}
-
-std::vector<Eigen::Vector3f> computed_points(OrganizedCloud cloud, RowSelection measured) {
-  for (std::size_t pixel = 0; pixel < cloud.range_m.size(); ++pixel) {
-    if (measured.contains(static_cast<int>(pixel) / cloud.columns)) cloud.range_m[pixel] = 0.0F;
-  }
-  return points_of(cloud);
+  return scan;
 }
 
 /// Each computed pixel as the median (the mean of the middle two) of the eight true ranges around
@@ -104,8 +93,8 @@ void add_errors(const nn::LiftedImage& lifted, const OrganizedCloud& measured,
   sum.missing_share += computed.missing_share;
   sum.invented_share += computed.invented_share;
   sum.right_share += computed.right_share;
-  const std::vector<Eigen::Vector3f> computed_m = computed_points(cloud, rows);
-  const std::vector<Eigen::Vector3f> true_m = computed_points(truth, rows);
+  const std::vector<Eigen::Vector3f> computed_m = points_of(computed_rows(cloud, rows));
+  const std::vector<Eigen::Vector3f> true_m = points_of(computed_rows(truth, rows));
   if (!computed_m.empty() && !true_m.empty()) {
     sum.computed_f1 += voxel_overlap(computed_m, true_m).f1;
   }
@@ -158,7 +147,7 @@ void UpsamplingComparison::add(ComparedMethod& method, const OrganizedCloud& tru
   if (!method.unfiltered) return;
   const OrganizedCloud unfiltered = nn::upsampled_cloud(
       method.unfiltered->run(measured_image, recalled), measured, rows, method.upsampler.sensor());
-  for_each_computed(unfiltered, rows, pixel_distances_m(unfiltered, truth),
+  for_each_computed(unfiltered, rows, nearest_distances_m(points_of(unfiltered), points_of(truth)),
                     [&](std::size_t pixel, float distance_m) {
                       if (distance_m >= kGoodDistance_m) return;
                       ++sums.good;
@@ -204,7 +193,7 @@ void FilterComparison::add(const OrganizedCloud& truth) {
   const RangeImage& image = lifted.image;
   const RangeImage true_image = range_image(truth);
   const OrganizedCloud cloud = nn::upsampled_cloud(lifted, measured, rows, unfiltered_.sensor());
-  const std::vector<float> distances_m = pixel_distances_m(cloud, truth);
+  const std::vector<float> distances_m = nearest_distances_m(points_of(cloud), points_of(truth));
   std::vector<std::uint8_t> rejected(image.range_m.size());
   for (FilterTrial& trial : trials_) {
     nn::OutlierRemoval filter(

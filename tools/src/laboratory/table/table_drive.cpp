@@ -9,7 +9,7 @@
 
 #include "files/content_hash.h"
 #include "hqslam/core/error.h"
-#include "hqslam/core/json_limits.h"
+#include "hqslam/core/json_fields.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/core/whole_file.h"
@@ -22,16 +22,13 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// What drive.json in the folder says, null if there is none.
+/// What drive.json in the folder says, null if there is none or it is damaged.
 Json drive_json(const std::string& folder) {
   constexpr std::size_t kMostBytes = 1U << 16U;
   const std::string path = file_of_drive(folder, "drive.json");
   if (path.empty()) return {};
   try {
-    const std::string text = whole_file(path, "a drive.json", kMostBytes);
-    check_json_limits(text, path);
-    const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
-    return json.is_discarded() ? Json() : json;
+    return parsed_json(whole_file(path, "a drive.json", kMostBytes), path);
   } catch (const Error&) {
     return {};
   }

@@ -1,28 +1,10 @@
 #include "laboratory/table/table_figures.h"
 
 #include "hqslam/core/angles.h"
+#include "recording/reference.h"
 
 namespace hqslam::tools {
 namespace {
-
-constexpr std::size_t kFewestPairs = 3;
-constexpr double kMaxStampDifference_s = 0.02;
-
-double path_of_pairs_m(const Trajectory& reference, const PosePairs& pairs) {
-  Trajectory compared;
-  for (const std::size_t index : pairs.reference) compared.push_back(reference[index]);
-  return path_length_m(compared);
-}
-
-/// Loop closing off and on.
-std::array<Trajectory, 2> truth_for(const TableResult& result,
-                                    const std::optional<TrajectoryFile>& truth) {
-  if (!truth) return {};
-  const auto of = [&](const Trajectory& trajectory) {
-    return with_stamps_of_scans(*truth, trajectory, result.scan_of_pose);
-  };
-  return {of(result.trajectory[kLoopClosingOff]), of(result.trajectory[kLoopClosingOn])};
-}
 
 MethodFigures method_figures(const TableMethod& method, const TableResult& result,
                              const TableResult* all_rows,
@@ -30,16 +12,17 @@ MethodFigures method_figures(const TableMethod& method, const TableResult& resul
   MethodFigures figures;
   figures.method = method;
   figures.result = result;
-  const std::array<Trajectory, 2> true_trajectory = truth_for(result, truth);
   for (std::size_t i = 0; i < result.trajectory.size(); ++i) {
+    const Trajectory& trajectory = result.trajectory[i];
     if (all_rows != nullptr && !is_reference(method)) {
-      figures.against_all_rows[i] = error_figures(result.trajectory[i], all_rows->trajectory[i]);
+      figures.against_all_rows[i] = error_figures(trajectory, all_rows->trajectory[i]);
     }
-    figures.against_truth[i] = error_figures(result.trajectory[i], true_trajectory[i]);
-  }
-  if (figures.against_truth[kLoopClosingOff]) {
-    figures.slips = slips(result.trajectory[kLoopClosingOff], true_trajectory[kLoopClosingOff], {},
-                          kMaxStampDifference_s);
+    if (!truth) continue;
+    const Trajectory stamped = with_stamps_of_scans(*truth, trajectory, result.scan_of_pose);
+    figures.against_truth[i] = error_figures(trajectory, stamped);
+    if (i == kLoopClosingOff && figures.against_truth[i]) {
+      figures.slips = slips(trajectory, stamped, {}, kMaxStampDifference_s);
+    }
   }
   return figures;
 }
@@ -47,12 +30,12 @@ MethodFigures method_figures(const TableMethod& method, const TableResult& resul
 }  // namespace
 
 std::optional<ErrorFigures> error_figures(const Trajectory& estimate, const Trajectory& reference) {
-  if (associate(estimate, reference, kMaxStampDifference_s).estimate.size() < kFewestPairs) {
-    return std::nullopt;
-  }
+  std::optional<ReferenceComparison> comparison =
+      compare_with_reference(estimate, {"", reference, true});
+  if (!comparison) return std::nullopt;
   ErrorFigures figures;
-  figures.ape = absolute_pose_error(estimate, reference, Alignment::kSe3, kMaxStampDifference_s);
-  figures.path_m = path_of_pairs_m(reference, figures.ape.pairs);
+  figures.ape = std::move(comparison->error);
+  figures.path_m = path_length_m(comparison->reference);
   figures.pieces = relative_pose_error(estimate, reference, kDriftPiece_m, kMaxStampDifference_s);
   return figures;
 }

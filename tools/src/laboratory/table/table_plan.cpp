@@ -4,9 +4,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <set>
 
 #include "files/installed_weights.h"
@@ -21,36 +21,11 @@ bool any(const TableMethod&) { return true; }
 bool lifts_rows(const TableMethod& method) { return !method.source.empty(); }
 bool sees_all_rows(const TableMethod& method) { return method.rows == kTableAllRows; }
 
-void match_computed_rows(SlamSetup& setup) { setup.sensor.measured_rows.reset(); }
-
-/// What a lifting without any error would give, if it is used as the others are.
-void match_sixteen_rows(SlamSetup& setup) {
-  setup.sensor.measured_rows = selection_for(setup.sensor.rows(), kTableMeasuredRows);
-}
-
-void match_whole_map(SlamSetup& setup) {
-  setup.options.mapping.recent_path_m = std::numeric_limits<double>::max();
-}
-
-void trust_every_residual(SlamSetup& setup) {
-  setup.options.mapping.trusted_residual_m = std::numeric_limits<double>::max();
-}
-
-void allow_bent_ground(SlamSetup& setup) {
-  setup.options.mapping.max_ground_residual_m = setup.options.mapping.max_plane_residual_m;
-}
-
-void run_as_published(SlamSetup& setup) { setup.as_published = true; }
-
 namespace fs = std::filesystem;
 
-/// How the weights of a sensor are called: du-mix_os1_16to64.npz.
-struct SensorWeights {
-  const char* sensor;
-  const char* part_of_name;
-};
-constexpr std::array<SensorWeights, 2> kSensorWeights = {
-    {{"os1-64", "os1"}, {"hdl-64e", "hdl64e"}}};
+/// What the weights of a sensor are called by: du-mix_os1_16to64.npz.
+const std::map<std::string, std::string> kSensorInNames = {{"os1-64", "os1"},
+                                                           {"hdl-64e", "hdl64e"}};
 
 bool is_weights_file(const std::string& source) { return fs::path(source).extension() == ".npz"; }
 
@@ -187,13 +162,23 @@ std::size_t paired_with(const std::vector<TableMethod>& methods, const std::stri
 }  // namespace
 
 const std::vector<SlamVariant>& slam_variants() {
+  using S = SlamSetup;
+  constexpr double kNoLimit = std::numeric_limits<double>::max();
   static const std::vector<SlamVariant> variants = {
-      {"computed-rows", "computed rows matched too", lifts_rows, match_computed_rows},
-      {"16-rows", "16 rows of it matched", sees_all_rows, match_sixteen_rows},
-      {"whole-map", "the whole map matched", any, match_whole_map},
-      {"plain-weights", "no robust weights", any, trust_every_residual},
-      {"bent-ground", "LeGO-LOAM's ground planes", any, allow_bent_ground},
-      {"as-published", "LeGO-LOAM as published", any, run_as_published},
+      {"computed-rows", "computed rows matched too", lifts_rows,
+       [](S& s) { s.sensor.measured_rows.reset(); }},
+      // What a lifting without any error would give, if it is used as the others are.
+      {"16-rows", "16 rows of it matched", sees_all_rows,
+       [](S& s) { s.sensor.measured_rows = selection_for(s.sensor.rows(), kTableMeasuredRows); }},
+      {"whole-map", "the whole map matched", any,
+       [](S& s) { s.options.mapping.recent_path_m = kNoLimit; }},
+      {"plain-weights", "no robust weights", any,
+       [](S& s) { s.options.mapping.trusted_residual_m = kNoLimit; }},
+      {"bent-ground", "LeGO-LOAM's ground planes", any,
+       [](S& s) {
+         s.options.mapping.max_ground_residual_m = s.options.mapping.max_plane_residual_m;
+       }},
+      {"as-published", "LeGO-LOAM as published", any, [](S& s) { s.as_published = true; }},
   };
   return variants;
 }
@@ -245,9 +230,8 @@ bool is_reference(const TableMethod& method) {
 std::string weights_of(const TableMethod& method, const std::string& sensor_name) {
   if (!uses_network(method)) return "";
   if (is_weights_file(method.source)) return method.source;
-  for (const SensorWeights& known : kSensorWeights) {
-    if (sensor_name != known.sensor) continue;
-    const std::string name = fmt::format("{}_{}_{}to{}.npz", method.source, known.part_of_name,
+  if (const auto sensor = kSensorInNames.find(sensor_name); sensor != kSensorInNames.end()) {
+    const std::string name = fmt::format("{}_{}_{}to{}.npz", method.source, sensor->second,
                                          kTableMeasuredRows, kTableAllRows);
     if (const auto path = installed_weights(name)) return *path;
   }

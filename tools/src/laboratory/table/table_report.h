@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -123,7 +124,7 @@ struct StatisticsColumn {
   const char* key;  ///< in files; nullptr: not as an estimate
   int decimals;     ///< in tables
   bool of_others;   ///< says nothing of the method that the others are paired with
-  std::optional<Estimate> (*of)(const MethodStatistics& method);
+  std::function<std::optional<Estimate>(const MethodStatistics& method)> of;
 };
 const std::vector<StatisticsColumn>& summary_columns();
 const std::vector<StatisticsColumn>& pair_columns();

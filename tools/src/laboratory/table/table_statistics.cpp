@@ -127,7 +127,6 @@ std::optional<Estimate> share_of_gap(const TableSample& sample, std::size_t meth
 }  // namespace
 
 Estimate bootstrap(std::size_t n, const SampleFigure& figure) {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   std::vector<std::size_t> members(n);
   std::iota(members.begin(), members.end(), std::size_t{0});
   Estimate estimate{figure(members), kNone, kNone};

@@ -114,26 +114,23 @@ std::string title_of(const TablePass& pass) {
   return title;
 }
 
-/// What a table's steps share.
-struct TableRun {
-  const TablePlan& plan;
-  const TableOptions& options;
-  const InterruptGuard& interrupt;
-  Progress& progress;
-};
+/// Returns false if it was interrupted.
+bool simulate_drive(const TableDrive& drive, const InterruptGuard& interrupt, Progress& progress) {
+  progress.relabel(fmt::format("{}, simulated", drive.name));
+  return prepare_drive(drive, interrupt, [&] { progress.advance(); });
+}
 
 /// Runs what is missing on a drive. Returns false if it was interrupted.
-bool run_drive(DriveWork& work, const TableRun& run) {
-  const auto on_scan = [&] { run.progress.advance(); };
+bool run_drive(DriveWork& work, const TablePlan& plan, const TableOptions& options,
+               const InterruptGuard& interrupt, Progress& progress) {
   if (!work.prepared) {
-    run.progress.relabel(fmt::format("{}, simulated", work.drive.name));
-    if (!prepare_drive(work.drive, run.interrupt, on_scan)) return false;
-    work.prepared = prepared(work.drive, run.options);
-    work.passes = passes_on(*work.prepared, run.plan);
+    if (!simulate_drive(work.drive, interrupt, progress)) return false;
+    work.prepared = prepared(work.drive, options);
+    work.passes = passes_on(*work.prepared, plan);
   }
   for (const TablePass& pass : work.passes) {
-    run.progress.relabel(title_of(pass));
-    const std::vector<TableResult> results = run_pass(pass, run.interrupt, on_scan);
+    progress.relabel(title_of(pass));
+    const std::vector<TableResult> results = run_pass(pass, interrupt, [&] { progress.advance(); });
     if (results.empty()) return false;
     for (const TableResult& result : results) save_result(result, work.prepared->results);
   }
@@ -158,7 +155,7 @@ bool on_drives(std::vector<DriveWork>& works, const TablePlan& plan, std::int64_
 bool run_drives(std::vector<DriveWork>& works, const TablePlan& plan, const TableOptions& options,
                 const InterruptGuard& interrupt) {
   return on_drives(works, plan, scans_left(works, plan), [&](DriveWork& work, Progress& progress) {
-    return run_drive(work, {plan, options, interrupt, progress});
+    return run_drive(work, plan, options, interrupt, progress);
   });
 }
 
@@ -193,8 +190,7 @@ bool simulate_drives(std::vector<DriveWork>& works, const TablePlan& plan,
   std::int64_t scans = 0;
   for (const DriveWork& work : works) scans += work.drive.simulated->scans;
   return on_drives(works, plan, scans, [&](DriveWork& work, Progress& progress) {
-    progress.relabel(fmt::format("{}, simulated", work.drive.name));
-    return prepare_drive(work.drive, interrupt, [&] { progress.advance(); });
+    return simulate_drive(work.drive, interrupt, progress);
   });
 }
 

@@ -101,10 +101,14 @@ std::string training_json(const Training& training, const nn::TrainingState& sta
   return json.dump();
 }
 
-void write_results(const Training& training, const nn::TrainingState& state) {
-  nn::NetworkDescription network = training.configuration.network;
+void write_checkpoint(const Training& training, const nn::TrainingState& state) {
   nn::write_checkpoint(training.checkpoint_path(),
                        {training.configuration_text, state, training.curve, training.loss_sum});
+}
+
+void write_results(const Training& training, const nn::TrainingState& state) {
+  nn::NetworkDescription network = training.configuration.network;
+  write_checkpoint(training, state);
   if (has_confidence(network)) {
     const nn::Validation& v = training.curve.back().validation;
     network.least_confidence =
@@ -174,9 +178,7 @@ int train(Training& training, nn::Trainer& trainer, const InterruptGuard& interr
     write_results(training, trainer.state());
   }
   progress.finish();
-  // Between two points of the curve, only the checkpoint.
-  nn::write_checkpoint(training.checkpoint_path(), {training.configuration_text, trainer.state(),
-                                                    training.curve, training.loss_sum});
+  write_checkpoint(training, trainer.state());  // between two points of the curve nothing else
   return status;
 }
 
