@@ -2,15 +2,26 @@
 
 #include <array>
 
+#include "hqslam/slam/loop_report.h"
 #include "hqslam/slam/scan_trace.h"
 #include "hqslam/slam/status.h"
 
 namespace hqslam::slam {
 
+namespace {
+
+template <typename Value, std::size_t kCount>
+std::string_view name_of(Value value, const std::array<std::string_view, kCount>& names) {
+  const auto index = static_cast<std::size_t>(value);
+  return index < kCount ? names[index] : "unknown";
+}
+
+}  // namespace
+
 std::string_view name(Status status) {
-  constexpr std::array<std::string_view, 6> kNames = {
-      "ok", "too few features", "degenerate", "not converged", "after a gap", "not recognized"};
-  return kNames[static_cast<std::size_t>(status)];
+  return name_of(status,
+                 std::array<std::string_view, 6>{"ok", "too few features", "degenerate",
+                                                 "not converged", "after a gap", "not recognized"});
 }
 
 bool is_registered(Status status) {
@@ -18,15 +29,13 @@ bool is_registered(Status status) {
 }
 
 std::string_view name(LoopStatus status) {
-  constexpr std::array<std::string_view, 8> kNames = {
-      "not searched",  "no candidate", "not verified", "ambiguous",
-      "awaits others", "agrees",       "closed",       "implausible"};
-  return kNames[static_cast<std::size_t>(status)];
+  return name_of(status, std::array<std::string_view, 8>{
+                             "not searched", "no candidate", "not verified", "ambiguous",
+                             "awaits others", "agrees", "closed", "implausible"});
 }
 
 std::string_view name(FeatureKind kind) {
-  constexpr std::array<std::string_view, 4> kNames = {"edge", "post", "ground", "surface"};
-  return kNames[static_cast<std::size_t>(kind)];
+  return name_of(kind, std::array<std::string_view, 4>{"edge", "post", "ground", "surface"});
 }
 
 }  // namespace hqslam::slam

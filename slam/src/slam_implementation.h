@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <optional>
 
 #include "alignment/drift.h"
@@ -16,22 +15,9 @@
 #include "loops/place_recognition.h"
 #include "segmented_trajectory.h"
 #include "states.h"
+#include "stopwatch.h"
 
 namespace hqslam::slam {
-
-/// Seconds since construction or since the last call of lap().
-class Stopwatch {
- public:
-  double lap_s() {
-    const auto now = std::chrono::steady_clock::now();
-    const double elapsed_s = std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-    return elapsed_s;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 /// What is written down about the scan at hand.
 struct Notes {

@@ -49,6 +49,23 @@ ClosedDrive drive_around(const SensorModel& sensor, const std::vector<OrganizedC
   return result;
 }
 
+/// How far the end of the way is from where it was passed first, beyond what is true.
+double closing_error_m(const ClosedDrive& drive, const test::Circuit& circuit) {
+  const std::size_t last = drive.trajectory.size() - 1;
+  const Eigen::Vector3d end_m = circuit.T_village_sensor[last].translation();
+  std::size_t nearest = 0;
+  for (std::size_t i = 0; i < last / 2; ++i) {
+    const auto distance_m = [&](std::size_t k) {
+      return (circuit.T_village_sensor[k].translation() - end_m).norm();
+    };
+    if (distance_m(i) < distance_m(nearest)) nearest = i;
+  }
+  const Pose T_true = circuit.T_village_sensor[nearest].inverse() * circuit.T_village_sensor[last];
+  const Pose T_estimated =
+      drive.trajectory[nearest].T_map_sensor.inverse() * drive.trajectory[last].T_map_sensor;
+  return (T_estimated.translation() - T_true.translation()).norm();
+}
+
 }  // namespace
 
 TEST_CASE("a drive that drifts by metres is closed, smoothly, the same whatever the threads") {
@@ -75,9 +92,7 @@ TEST_CASE("a drive that drifts by metres is closed, smoothly, the same whatever 
   const auto at = static_cast<std::size_t>(first_closed - reports.begin());
   CHECK(reports[at].loop.correction_m > 2.0);
   CHECK(reports[at].loop.older_scan < at / 2);
-  std::vector<Pose> estimated;
-  for (const StampedPose& pose : closed[0].trajectory) estimated.push_back(pose.T_map_sensor);
-  CHECK(test::closing_error_m(estimated, circuit.T_village_sensor) < 0.3);
+  CHECK(closing_error_m(closed[0], circuit) < 0.3);
   const auto variance_m2 = [&](std::size_t i) {
     return reports[i].covariance.topLeftCorner<3, 3>().trace();
   };

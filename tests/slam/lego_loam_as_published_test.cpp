@@ -8,6 +8,8 @@
 #include "hqslam/slam/slam.h"
 #include "lego_loam_as_published/published_features.h"
 #include "lego_loam_as_published/published_odometry.h"
+#include "lego_loam_as_published/published_step.h"
+#include "lego_loam_as_published/segmented_scan.h"
 #include "slam/village.h"
 
 using namespace hqslam;

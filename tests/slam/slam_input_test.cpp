@@ -132,8 +132,8 @@ TEST_CASE("capture times that are no offsets from the middle of the scan in seco
   };
   const auto period_s = static_cast<float>(sensor.scan_period_s);
   const auto refused = [&](const OrganizedCloud& cloud) {
-    return test::refused_with([&] { slam.process(cloud, 0.0); }, "capture times",
-                              "middle of the scan");
+    return test::one_line_with(test::error_message([&] { slam.process(cloud, 0.0); }),
+                               "capture times", "middle of the scan");
   };
   CHECK(refused(changed(1.0F, period_s / 2.0F)));   // from its beginning
   CHECK(refused(changed(1.0F, -period_s / 2.0F)));  // from its end
@@ -149,7 +149,8 @@ TEST_CASE("capture times that are no offsets from the middle of the scan in seco
   }
   CHECK_NOTHROW(slam.process(half, 0.2));
   const OrganizedCloud timeless = changed(std::numeric_limits<float>::quiet_NaN(), 0.0F);
-  CHECK(test::refused_with([&] { slam.process(timeless, 0.3); }, "capture times", "finite"));
+  CHECK(test::one_line_with(test::error_message([&] { slam.process(timeless, 0.3); }),
+                            "capture times", "finite"));
   // Of pixels without a return the times mean nothing.
   OrganizedCloud cloud = sound;
   cloud.range_m[5] = 0.0F;

@@ -174,7 +174,9 @@ TEST_CASE("a drive that begins with empty scans begins where the first good scan
 
 TEST_CASE("a sensor that is carried to another place starts the map anew there") {
   const SensorModel sensor = test::small_sensor(32, 512);
-  const test::Yard elsewhere{.half_length_m = 13.0, .half_width_m = 41.0};
+  test::Yard elsewhere;
+  elsewhere.half_length_m = 13.0;
+  elsewhere.half_width_m = 41.0;
   slam::Slam slam(sensor);
   int ok_elsewhere = 0;
   for (int i = 0; i < 50; ++i) {

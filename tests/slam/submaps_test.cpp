@@ -176,7 +176,8 @@ TEST_CASE(
   for (int i = 0; i < 10; ++i) process(standing);
   for (int i = 0; i < 20; ++i) process(OrganizedCloud(sensor.rows(), sensor.columns));
   const std::size_t points_before = slam.map_points_m().size();
-  const test::Yard elsewhere{.pillars = false};
+  test::Yard elsewhere;
+  elsewhere.pillars = false;
   const OrganizedCloud there = elsewhere.scan(sensor, test::yard_pose(5.0, 3.0, 1.0));
   const slam::ScanReport first = process(there);
   const Pose T_standing_there = slam.trajectory()[19].T_map_sensor.inverse() * first.T_map_sensor;

@@ -156,31 +156,13 @@ inline Circuit circuit() {
   return result;
 }
 
-/// How far the end of the way is from where it was passed first, beyond what is true.
-inline double closing_error_m(const std::vector<Pose>& estimated, const std::vector<Pose>& truth) {
-  const std::size_t last = truth.size() - 1;
-  const auto distance_m = [&](const Pose& pose) {
-    return (pose.translation() - truth[last].translation()).norm();
-  };
-  const auto middle = truth.begin() + static_cast<std::ptrdiff_t>(last / 2);
-  const auto nearest = std::min_element(truth.begin(), middle, [&](const Pose& a, const Pose& b) {
-    return distance_m(a) < distance_m(b);
-  });
-  const auto first = static_cast<std::size_t>(nearest - truth.begin());
-  const Pose T_true = truth[first].inverse() * truth[last];
-  const Pose T_estimated = estimated[first].inverse() * estimated[last];
-  return (T_estimated.translation() - T_true.translation()).norm();
-}
-
-/// The features of a scan.
-inline slam::Features scan_features(const OrganizedCloud& cloud, const SensorModel& sensor) {
-  slam::Segmenter segmenter(sensor, {}, {});
-  return slam::extract_features(cloud, segmenter.segment(cloud), {}, sensor.measured_rows);
-}
-
-/// As mapping takes them.
+/// The features of a scan as mapping takes them.
 inline slam::MapFeatures features_of(const OrganizedCloud& cloud, const SensorModel& sensor) {
-  return slam::map_features(scan_features(cloud, sensor), {});
+  const slam::SlamOptions options;
+  slam::Segmenter segmenter(sensor, options.ground, options.segmentation);
+  return slam::map_features(slam::extract_features(cloud, segmenter.segment(cloud),
+                                                   options.features, sensor.measured_rows),
+                            options.mapping);
 }
 
 }  // namespace hqslam::test

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "alignment/rotation_derivatives.h"
+#include "alignment/cross_matrix.h"
 
 namespace hqslam::slam {
 
@@ -13,13 +13,13 @@ constexpr double kFading_s = 1.0;
 /// Of a new step in what was learnt about accelerations.
 constexpr double kNewShare = 0.05;
 
-}  // namespace
-
 Vector6 six(double linear, double angular) {
   Vector6 result;
   result << linear, linear, linear, angular, angular, angular;
   return result;
 }
+
+}  // namespace
 
 Vector6 vector_of(const Twist& twist) {
   Vector6 result;

@@ -150,7 +150,8 @@ Observability observability(Matrix6 information, double total, FreeParameters fr
   const Eigen::SelfAdjointEigenSolver<Matrix6> solver(information / total);
   result.share = solver.eigenvalues();
   result.direction = solver.eigenvectors();
-  const Vector6 scale = six(1.0, kLever_m);
+  Vector6 scale;
+  scale << 1, 1, 1, kLever_m, kLever_m, kLever_m;
   for (int i = 0; i < 6; ++i) {
     if (solver.eigenvalues()[i] >= min_share) continue;
     ++result.degenerate_directions;

@@ -20,7 +20,8 @@ ScanInformation scan_information(const std::vector<PlaneConstraint>& constraints
   Matrix6 turn = Matrix6::Zero();
   turn.topLeftCorner<3, 3>() = R_map_sensor;
   turn.bottomRightCorner<3, 3>() = R_map_sensor;
-  const Vector6 scale = six(1.0, 1.0 / kLever_m);
+  Vector6 scale;
+  scale << Eigen::Vector3d::Ones(), Eigen::Vector3d::Constant(1.0 / kLever_m);
   const Matrix6 scaled = scale.asDiagonal() * sum * scale.asDiagonal();
   return {turn.transpose() * sum * turn, turn.transpose() * gradient,
           observability(scaled, total, FreeParameters::kAll).degenerate_directions,

@@ -2,16 +2,22 @@
 
 #include <algorithm>
 
+#include "check_option.h"
+#include "dense_map/block_surroundings.h"
 #include "dense_map/mapped_scan.h"
+#include "dense_map/path_table.h"
 #include "dense_map/see_through.h"
 #include "dense_map/voxel_grid.h"
 #include "dense_map/voxel_votes.h"
-#include "hqslam/core/error.h"
-#include "hqslam/core/point_columns.h"
 
 namespace hqslam::slam {
 
 namespace {
+
+DenseMapOptions validated(const DenseMapOptions& options) {
+  validate(options);
+  return options;
+}
 
 template <typename Value>
 std::vector<Value> joined(const std::vector<std::vector<Value>>& parts) {
@@ -37,9 +43,7 @@ struct DenseMap::Implementation {
   bool full = false;
 
   explicit Implementation(const DenseMapOptions& options_)
-      : options(options_), grid(options.voxel_m) {
-    validate(options);
-  }
+      : options(validated(options_)), grid(options.voxel_m) {}
 
   PointVote vote_of(const OrganizedCloud& cloud, std::size_t pixel, bool measured_row) const {
     if (!cloud.confidence.empty()) {
@@ -164,26 +168,6 @@ std::vector<DenseMapPoint> DenseMap::points(std::vector<float>* intensity) const
   }
   if (intensity != nullptr) *intensity = joined(intensity_of_block);
   return joined(points_of_block);
-}
-
-void write_dense_map(const std::vector<DenseMapPoint>& points, const std::string& path,
-                     const std::vector<float>& intensity) {
-  if (!intensity.empty() && intensity.size() != points.size()) {
-    throw Error("{}: {} intensities for {} points, expected as many", path, intensity.size(),
-                points.size());
-  }
-  const DenseMapPoint none;
-  const DenseMapPoint& first = points.empty() ? none : points.front();
-  constexpr std::size_t kStep = sizeof(DenseMapPoint);
-  std::vector<PointColumn> columns = {{"x", {'F', 4}, &first.point_m.x(), kStep},
-                                      {"y", {'F', 4}, &first.point_m.y(), kStep},
-                                      {"z", {'F', 4}, &first.point_m.z(), kStep}};
-  if (!intensity.empty()) {
-    columns.push_back({"intensity", {'F', 4}, intensity.data(), sizeof(float)});
-  }
-  columns.push_back({"confidence", {'F', 4}, &first.confidence, kStep});
-  columns.push_back({"times_seen", {'U', 4}, &first.times_seen, kStep});
-  write_points(columns, points.size(), path, "written by hqslam");
 }
 
 }  // namespace hqslam::slam

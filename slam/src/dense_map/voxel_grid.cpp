@@ -31,9 +31,11 @@ Voxel* VoxelGrid::find(const Eigen::Vector3i& voxel) {
 }
 
 Voxel& VoxelGrid::find_or_add(const Eigen::Vector3i& voxel) {
-  const std::uint32_t found =
-      index_.find_or_add(CellIndex::key_of(block_of(voxel)), blocks_.size());
-  if (found == blocks_.size()) {
+  const std::uint64_t key = CellIndex::key_of(block_of(voxel));
+  std::uint32_t found = index_.find(key);
+  if (found == CellIndex::kNone) {
+    found = static_cast<std::uint32_t>(blocks_.size());
+    index_.add(key, found);
     blocks_.emplace_back(block_of(voxel));
     if (keeps_intensities_) intensities_.emplace_back();
   }
@@ -58,25 +60,6 @@ VoxelIntensity* VoxelGrid::intensity(const Eigen::Vector3i& voxel) {
   if (!keeps_intensities_) return nullptr;
   const std::uint32_t block = index_.find(block_of(voxel));
   return &intensities_[block][blocks_[block].rank(local_of(voxel))];
-}
-
-BlockSurroundings::BlockSurroundings(const VoxelGrid& grid, const VoxelBlock& block)
-    : index_(block.index()) {
-  for (int dz = -1; dz <= 1; ++dz) {
-    for (int dy = -1; dy <= 1; ++dy) {
-      for (int dx = -1; dx <= 1; ++dx) {
-        const Eigen::Vector3i offset(dx, dy, dz);
-        blocks_[static_cast<std::size_t>(place_of(offset))] = grid.find_block(index_ + offset);
-      }
-    }
-  }
-}
-
-const Voxel* BlockSurroundings::find(const Eigen::Vector3i& voxel) const {
-  const int place = place_of(VoxelGrid::block_of(voxel) - index_);
-  const VoxelBlock* const block = blocks_[static_cast<std::size_t>(place)];
-  const int local = VoxelGrid::local_of(voxel);
-  return block != nullptr && block->has(local) ? &block->at(local) : nullptr;
 }
 
 }  // namespace hqslam::slam

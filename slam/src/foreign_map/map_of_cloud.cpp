@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "foreign_map/surfels.h"
+#include "foreign_map/viewpoints.h"
 #include "foreign_map/virtual_scan.h"
 #include "front_end/features.h"
 #include "front_end/segmentation.h"
@@ -38,7 +39,8 @@ std::vector<Surfel> checked_surfels(const std::vector<Eigen::Vector3f>& points_m
   if (surfels.size() < kFewestSurfels) {
     throw Error(
         "expected a cloud with at least {} places of 0.1 m that have neighbours within 0.5 m, "
-        "found {} among {} points; give a denser one, in metres",
+        "found "
+        "{} among {} points; give a denser one, in metres",
         kFewestSurfels, surfels.size(), points_m.size());
   }
   return surfels;
@@ -49,7 +51,8 @@ std::vector<Pose> checked_viewpoints(const std::vector<Surfel>& surfels) {
   if (result.empty()) {
     throw Error(
         "expected ground to stand on, 50 m2 and more without steps, found none; the cloud must be "
-        "in metres, with z up");
+        "in "
+        "metres, with z up");
   }
   if (result.size() > kMostPlaces) {
     throw Error("expected at most {} places to stand at, 4 m apart, found {}; cut the cloud",

@@ -239,7 +239,12 @@ Features extract_features(const OrganizedCloud& cloud, const Segmentation& segme
   }
   Features all;
   for (int i = 0; i < static_cast<int>(of_row.size()); ++i) {
-    for (const auto kind : kFeatureKinds) append(all.*kind, of_row[i].*kind, i);
+    append(all.sharp_edges, of_row[i].sharp_edges, i);
+    append(all.edges, of_row[i].edges, i);
+    append(all.flat_points, of_row[i].flat_points, i);
+    append(all.ground, of_row[i].ground, i);
+    append(all.surfaces, of_row[i].surfaces, i);
+    append(all.posts, of_row[i].posts, i);
   }
   return all;
 }

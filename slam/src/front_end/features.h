@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -34,11 +33,6 @@ struct Features {
                                           ///< the outliers of every fifth column; thinned
   std::vector<FeaturePoint> posts;  ///< narrow things that stand alone, one point per row: posts.h
 };
-
-/// All of them.
-inline constexpr std::array kFeatureKinds = {&Features::sharp_edges, &Features::edges,
-                                             &Features::flat_points, &Features::ground,
-                                             &Features::surfaces,    &Features::posts};
 
 /// Chooses edge and planar features of a scan.
 ///

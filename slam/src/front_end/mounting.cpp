@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "front_end/segmentation.h"
+#include "front_end/ground.h"
 #include "front_end/voxel_thinning.h"
 
 namespace hqslam::slam {

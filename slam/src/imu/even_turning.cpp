@@ -51,7 +51,10 @@ EvenTurning::EvenTurning(const std::vector<ImuStep>& scan, double before_stamp_s
 }
 
 void EvenTurning::apply(Features& features) const {
-  for (const auto kind : kFeatureKinds) apply(features.*kind);
+  for (auto* points : {&features.sharp_edges, &features.edges, &features.flat_points,
+                       &features.ground, &features.surfaces, &features.posts}) {
+    apply(*points);
+  }
 }
 
 void EvenTurning::apply(std::vector<FeaturePoint>& points) const {

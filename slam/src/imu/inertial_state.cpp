@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "alignment/rotation_derivatives.h"
+#include "alignment/cross_matrix.h"
 #include "hqslam/core/imu_sample.h"
 
 namespace hqslam::slam {

@@ -6,6 +6,7 @@
 #include "published_features.h"
 #include "published_mapping.h"
 #include "published_odometry.h"
+#include "segmented_scan.h"
 
 namespace hqslam::slam {
 

@@ -59,18 +59,15 @@ int second_nearest(const std::vector<Eigen::Vector3f>& points_m, const std::vect
   return best;
 }
 
-/// Neighbours of a feature; of a line the second and the third are one.
-struct Match {
+struct LineMatch {
   int first = kNone;
   int second = kNone;
-  int third = kNone;
 };
 
-/// What a feature says of the motion.
-struct Constraint {
-  Eigen::Vector3d row;  ///< how its distance changes with the three parameters
-  double distance_m;
-  double weight;  ///< once the first search is over
+struct PlaneMatch {
+  int first = kNone;
+  int second = kNone;  ///< same row
+  int third = kNone;   ///< another row
 };
 
 }  // namespace
@@ -80,27 +77,43 @@ Eigen::Vector3d PublishedOdometry::at_start(const FeaturePoint& point) const {
   return pose_of(s * motion_) * point.point_m.cast<double>();
 }
 
-/// One of the two steps. find(p) looks for neighbours, constrain(p, raw, match, dR) says what a
-/// feature with some makes of the motion: of three parameters, of which the first `angles` are
-/// angles.
-template <typename Find, typename Constrain>
-void PublishedOdometry::take_steps(const std::vector<FeaturePoint>& features,
-                                   const std::array<int, 3>& parameters, int angles,
-                                   const Find& find, const Constrain& constrain) {
-  std::vector<Match> matches(features.size());
+void PublishedOdometry::match_surfaces(const std::vector<FeaturePoint>& flat) {
+  std::vector<PlaneMatch> matches(flat.size());
   PublishedSteps<3> steps(kGain, kMinEigenvalue);
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     const std::array<Eigen::Matrix3d, 3> dR = rotation_derivatives(motion_);
     int used = 0;
-    for (std::size_t i = 0; i < features.size(); ++i) {
-      const Eigen::Vector3d p = at_start(features[i]);
-      Match& match = matches[i];
-      if (iteration % kSearchEvery == 0) match = find(p.cast<float>());
+    for (std::size_t i = 0; i < flat.size(); ++i) {
+      const Eigen::Vector3d p = at_start(flat[i]);
+      PlaneMatch& match = matches[i];
+      if (iteration % kSearchEvery == 0) {
+        const Eigen::Vector3f query_m = p.cast<float>();
+        const auto search = [&](const auto& wanted) {
+          return second_nearest(last_.surfaces_m, last_.surface_rows, query_m, match.first,
+                                static_cast<int>(flat.size()), wanted);
+        };
+        match = {nearest(last_.surfaces_m, query_m), kNone, kNone};
+        if (match.first != kNone) {
+          const int row = last_.surface_rows[match.first];
+          match.second = search([&](int other) { return other == row; });
+          match.third = search([&](int other) { return other != row; });
+        }
+      }
       if (match.second == kNone || match.third == kNone) continue;
-      const Constraint c = constrain(p, features[i].point_m.cast<double>(), match, dR);
-      const double weight = iteration < kSearchEvery ? 1.0 : c.weight;
-      if (!(weight > kMinWeight) || c.distance_m == 0.0) continue;
-      steps.add(weight * c.row, weight * c.distance_m);
+      const Eigen::Vector3d a = last_.surfaces_m[match.first].cast<double>();
+      const Eigen::Vector3d b = last_.surfaces_m[match.second].cast<double>();
+      const Eigen::Vector3d c = last_.surfaces_m[match.third].cast<double>();
+      const Eigen::Vector3d normal = (b - a).cross(c - a).normalized();
+      const double distance_m = normal.dot(p - a);
+      const double weight = iteration < kSearchEvery
+                                ? 1.0
+                                : 1.0 - kWeightFall * std::abs(distance_m) / std::sqrt(p.norm());
+      if (!(weight > kMinWeight) || distance_m == 0.0) continue;
+      const Eigen::Vector3d raw = flat[i].point_m.cast<double>();
+      // The Jacobian is that of the end of the sweep for every point.
+      steps.add(
+          weight * Eigen::Vector3d(normal.dot(dR[0] * raw), normal.dot(dR[1] * raw), normal.z()),
+          weight * distance_m);
       ++used;
     }
     if (used < kMinCorrespondences) {
@@ -108,62 +121,53 @@ void PublishedOdometry::take_steps(const std::vector<FeaturePoint>& features,
       continue;
     }
     const Eigen::Vector3d step = steps.take();
-    for (int k = 0; k < 3; ++k) motion_(parameters[k]) += step(k);
-    if (degrees(step.head(angles).norm()) < kConverged_deg &&
-        step.tail(3 - angles).norm() < kConverged_m) {
-      break;
-    }
+    motion_(0) += step(0);
+    motion_(1) += step(1);
+    motion_(5) += step(2);
+    if (degrees(step.head<2>().norm()) < kConverged_deg && std::abs(step(2)) < kConverged_m) break;
   }
 }
 
-void PublishedOdometry::match_surfaces(const std::vector<FeaturePoint>& flat) {
-  const auto find = [&](const Eigen::Vector3f& query_m) {
-    const int first = nearest(last_.surfaces_m, query_m);
-    if (first == kNone) return Match();
-    const auto search = [&](const auto& wanted) {
-      return second_nearest(last_.surfaces_m, last_.surface_rows, query_m, first,
-                            static_cast<int>(flat.size()), wanted);
-    };
-    const int row = last_.surface_rows[first];
-    return Match{first, search([&](int other) { return other == row; }),
-                 search([&](int other) { return other != row; })};
-  };
-  take_steps(flat, {0, 1, 5}, 2, find,
-             [&](const Eigen::Vector3d& p, const Eigen::Vector3d& raw, const Match& match,
-                 const auto& dR) {
-               const Eigen::Vector3d a = last_.surfaces_m[match.first].cast<double>();
-               const Eigen::Vector3d b = last_.surfaces_m[match.second].cast<double>();
-               const Eigen::Vector3d c = last_.surfaces_m[match.third].cast<double>();
-               const Eigen::Vector3d normal = (b - a).cross(c - a).normalized();
-               const double distance_m = normal.dot(p - a);
-               // The Jacobian is that of the end of the sweep for every point.
-               return Constraint{{normal.dot(dR[0] * raw), normal.dot(dR[1] * raw), normal.z()},
-                                 distance_m,
-                                 1.0 - kWeightFall * std::abs(distance_m) / std::sqrt(p.norm())};
-             });
-}
-
 void PublishedOdometry::match_edges(const std::vector<FeaturePoint>& sharp) {
-  const auto find = [&](const Eigen::Vector3f& query_m) {
-    const int first = nearest(last_.edges_m, query_m);
-    if (first == kNone) return Match();
-    const int row = last_.edge_rows[first];
-    const int second =
-        second_nearest(last_.edges_m, last_.edge_rows, query_m, first,
-                       static_cast<int>(sharp.size()), [&](int other) { return other != row; });
-    return Match{first, second, second};
-  };
-  take_steps(sharp, {2, 3, 4}, 1, find,
-             [&](const Eigen::Vector3d& p, const Eigen::Vector3d& raw, const Match& match,
-                 const auto& dR) {
-               const WeightedDistance line =
-                   distance_from_line(p, last_.edges_m[match.first].cast<double>(),
-                                      last_.edges_m[match.second].cast<double>());
-               return Constraint{
-                   {line.gradient.dot(dR[2] * raw), line.gradient.x(), line.gradient.y()},
-                   line.distance_m,
-                   1.0 - kWeightFall * line.distance_m};
-             });
+  std::vector<LineMatch> matches(sharp.size());
+  PublishedSteps<3> steps(kGain, kMinEigenvalue);
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    const std::array<Eigen::Matrix3d, 3> dR = rotation_derivatives(motion_);
+    int used = 0;
+    for (std::size_t i = 0; i < sharp.size(); ++i) {
+      const Eigen::Vector3d p = at_start(sharp[i]);
+      LineMatch& match = matches[i];
+      if (iteration % kSearchEvery == 0) {
+        const Eigen::Vector3f query_m = p.cast<float>();
+        match = {nearest(last_.edges_m, query_m), kNone};
+        if (match.first != kNone) {
+          const int row = last_.edge_rows[match.first];
+          match.second = second_nearest(last_.edges_m, last_.edge_rows, query_m, match.first,
+                                        static_cast<int>(sharp.size()),
+                                        [&](int other) { return other != row; });
+        }
+      }
+      if (match.second == kNone) continue;
+      const WeightedDistance line = distance_from_line(p, last_.edges_m[match.first].cast<double>(),
+                                                       last_.edges_m[match.second].cast<double>());
+      const double weight = iteration < kSearchEvery ? 1.0 : 1.0 - kWeightFall * line.distance_m;
+      if (!(weight > kMinWeight) || line.distance_m == 0.0) continue;
+      const Eigen::Vector3d raw = sharp[i].point_m.cast<double>();
+      steps.add(weight * Eigen::Vector3d(line.gradient.dot(dR[2] * raw), line.gradient.x(),
+                                         line.gradient.y()),
+                weight * line.distance_m);
+      ++used;
+    }
+    if (used < kMinCorrespondences) {
+      steps.discard();
+      continue;
+    }
+    const Eigen::Vector3d step = steps.take();
+    motion_(2) += step(0);
+    motion_(3) += step(1);
+    motion_(4) += step(2);
+    if (degrees(std::abs(step(0))) < kConverged_deg && step.tail<2>().norm() < kConverged_m) break;
+  }
 }
 
 LastScan PublishedOdometry::at_end(const PublishedFeatures& features) const {

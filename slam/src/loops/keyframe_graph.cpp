@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "loops/loop_correction.h"
 #include "loops/loop_search.h"
-#include "loops/pose_graph.h"
 
 namespace hqslam::slam {
 
@@ -128,8 +128,10 @@ std::size_t KeyframeGraph::submap_of(std::size_t node) const {
 LoopedDrift KeyframeGraph::improve_drift(const PoseGraphEdge& loop) {
   const DriftState from = nodes_[loop.from].drift;
   const DriftState to = nodes_[loop.to].drift;
-  const Matrix6 of_loop =
-      six(loop.translation_sigma_m, loop.rotation_sigma_rad).cwiseAbs2().asDiagonal();
+  Vector6 sigma;
+  sigma << Eigen::Vector3d::Constant(loop.translation_sigma_m),
+      Eigen::Vector3d::Constant(loop.rotation_sigma_rad);
+  const Matrix6 of_loop = sigma.cwiseAbs2().asDiagonal();
   LoopedDrift result;
   result.last_segment = segment_of(last());
   result.T_map_last = T_map_last();

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "loops/pose_graph.h"
+#include "loops/loop_correction.h"
 
 namespace hqslam::slam {
 

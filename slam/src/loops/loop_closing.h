@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "hqslam/slam/status.h"
+#include "hqslam/slam/loop_report.h"
 #include "loops/keyframe_graph.h"
 #include "loops/loop_search.h"
 

@@ -1,6 +1,7 @@
 #include "loops/loop_verification.h"
 
 #include <cmath>
+#include <optional>
 
 #include "front_end/motion_correction.h"
 #include "map/map_matching.h"
@@ -21,6 +22,25 @@ constexpr double kMaxResidual_m = 0.08;
 /// A pose pushed this far comes back to within the second where it cannot slide.
 constexpr double kPush_m = 1.0;
 constexpr double kMaxReturn_m = 0.15;
+
+class FitSum {
+ public:
+  void add(std::optional<double> distance_m) {
+    ++features_;
+    if (!distance_m || *distance_m > kMaxDistance_m) return;
+    ++fitting_;
+    squares_m2_ += *distance_m * *distance_m;
+  }
+  Fit result() const {
+    if (fitting_ == 0) return {};
+    return {static_cast<double>(fitting_) / features_, std::sqrt(squares_m2_ / fitting_)};
+  }
+
+ private:
+  int features_ = 0;
+  int fitting_ = 0;
+  double squares_m2_ = 0.0;
+};
 
 /// Of a sensor that stands about there.
 MappingResult registered_at(const MapFeatures& features, const Mapping& map,
@@ -44,46 +64,46 @@ bool slides(const MapFeatures& features, const Mapping& older_map, const Pose& T
 }  // namespace
 
 Fit fit_of(const MapFeatures& features, const FeatureMaps& map, const MotionState& state) {
-  int asked = 0;
-  int fitting = 0;
-  double squares_m2 = 0.0;
-  const auto add = [&](double distance_m) {
-    if (distance_m > kMaxDistance_m) return;
-    ++fitting;
-    squares_m2 += distance_m * distance_m;
-  };
+  FitSum sum;
   for (const Eigen::Vector3f& edge_m : motion_corrected(features.edges, state.velocity)) {
     const Eigen::Vector3d point_m = state.T_map_sensor * edge_m.cast<double>();
     const auto line = fit_line(map.edges.nearest(point_m.cast<float>()));
-    ++asked;
-    if (line) add(line->direction.cross(point_m - line->point_m).norm());
+    sum.add(line ? std::optional(line->direction.cross(point_m - line->point_m).norm())
+                 : std::nullopt);
   }
   for (const Eigen::Vector3f& surface_m :
        motion_corrected(features.surfaces_to_register, state.velocity)) {
     const Eigen::Vector3d point_m = state.T_map_sensor * surface_m.cast<double>();
     const auto plane = fit_plane(map.planes.nearest(point_m.cast<float>()), kMaxPlaneResidual_m);
-    ++asked;
-    if (plane) add(std::abs(plane->normal.dot(point_m - plane->point_m)));
+    sum.add(plane ? std::optional(std::abs(plane->normal.dot(point_m - plane->point_m)))
+                  : std::nullopt);
   }
-  if (fitting == 0) return {};
-  return {static_cast<double>(fitting) / asked, std::sqrt(squares_m2 / fitting)};
+  return sum.result();
 }
 
-std::optional<VerifiedLoop> verify_loop(const MapFeatures& features, const Mapping& older_map,
-                                        const Pose& T_map_sensor_start) {
+VerifiedLoop verify_loop(const MapFeatures& features, const Mapping& older_map,
+                         const Pose& T_map_sensor_start) {
+  VerifiedLoop result;
   MappingResult found = registered_at(features, older_map, T_map_sensor_start);
   if (found.status == Status::kNotConverged) {
     found = registered_at(features, older_map, found.state.T_map_sensor);
   }
+  result.T_map_sensor = found.state.T_map_sensor;
   // Where the pose can slide, edges that are none keep it moving to and fro.
-  if (found.status != Status::kOk) return std::nullopt;
-  const Pose& T_map_sensor = found.state.T_map_sensor;
-  const Fit fit = fit_of(features, older_map.map(), found.state);
-  if (fit.overlap < kMinOverlap || fit.residual_m > kMaxResidual_m ||
-      slides(features, older_map, T_map_sensor)) {
-    return std::nullopt;
+  const bool settled = found.status == Status::kOk || found.status == Status::kDegenerate;
+  if (!settled) return result;
+  result.fit = fit_of(features, older_map.map(), found.state);
+  if (result.fit.overlap < kMinOverlap) {
+    result.verdict = LoopVerdict::kLittleOverlap;
+  } else if (result.fit.residual_m > kMaxResidual_m) {
+    result.verdict = LoopVerdict::kLargeResidual;
+  } else if (found.status == Status::kDegenerate ||
+             slides(features, older_map, found.state.T_map_sensor)) {
+    result.verdict = LoopVerdict::kNotObservable;
+  } else {
+    result.verdict = LoopVerdict::kAccepted;
   }
-  return VerifiedLoop{T_map_sensor, fit};
+  return result;
 }
 
 }  // namespace hqslam::slam

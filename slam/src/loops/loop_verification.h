@@ -1,7 +1,5 @@
 #pragma once
 
-#include <optional>
-
 #include "map/mapping.h"
 
 namespace hqslam::slam {
@@ -14,7 +12,16 @@ struct Fit {
 /// Features are corrected for the state's motion. The ground takes no part: it fits everywhere.
 Fit fit_of(const MapFeatures& features, const FeatureMaps& map, const MotionState& state);
 
+enum class LoopVerdict {
+  kAccepted,
+  kNotRegistered,  ///< too little matched, or no pose was settled on
+  kNotObservable,  ///< some direction could slide
+  kLittleOverlap,
+  kLargeResidual,
+};
+
 struct VerifiedLoop {
+  LoopVerdict verdict = LoopVerdict::kNotRegistered;
   Pose T_map_sensor = Pose::Identity();
   Fit fit;
 };
@@ -22,10 +29,10 @@ struct VerifiedLoop {
 /// Whether a place is the one that the sensor is at.
 ///
 /// In: what the sensor saw lately (RecentFeatures), the map of the place as it was before, a
-/// pose to start from. Out: the registered pose; nothing if it is another place. Registered
+/// pose to start from. Out: the registered pose, and a verdict. Registered
 /// as any scan is (Mapping::register_scan); judged more strictly, by distances from lines and
-/// planes, and refused where some direction could slide.
-std::optional<VerifiedLoop> verify_loop(const MapFeatures& features, const Mapping& older_map,
-                                        const Pose& T_map_sensor_start);
+/// planes.
+VerifiedLoop verify_loop(const MapFeatures& features, const Mapping& older_map,
+                         const Pose& T_map_sensor_start);
 
 }  // namespace hqslam::slam

@@ -122,8 +122,10 @@ const FeatureMap::Cube* FeatureMap::find(const Eigen::Vector3i& cube) const {
 }
 
 FeatureMap::Cube& FeatureMap::find_or_add(std::uint64_t key) {
-  const std::uint32_t number = index_.find_or_add(key, cubes_.size());
-  return number < cubes_.size() ? cubes_[number] : cubes_.emplace_back(Cube{key, {}});
+  const std::uint32_t found = index_.find(key);
+  if (found != CellIndex::kNone) return cubes_[found];
+  index_.add(key, static_cast<std::uint32_t>(cubes_.size()));
+  return cubes_.emplace_back(Cube{key, {}});
 }
 
 void FeatureMap::insert(const std::vector<Eigen::Vector3f>& points_m, std::uint32_t keyframe,

@@ -7,6 +7,7 @@
 #include "front_end/features.h"
 #include "map/feature_maps.h"
 #include "map/map_matching.h"
+#include "map/nearby_fit.h"
 
 namespace hqslam::slam {
 

@@ -1,10 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
 #include <optional>
 #include <variant>
 
@@ -34,60 +30,5 @@ std::optional<MapPlane> fit_plane(const Neighbours& neighbours, double max_resid
 /// the line that the row drew on it.
 using MapSurface = std::variant<MapPlane, MapLine>;
 std::optional<MapSurface> fit_surface(const Neighbours& neighbours, double max_residual_m);
-
-/// The line or plane (`Fit`) that the k = kNeighbours points of the map nearest to a feature make,
-/// looked for anew only when they may have become others.
-///
-/// While a scan is registered its features move by less and less. With d the distance of the last
-/// of the k nearest points and e that of the next, a feature that moved by s still has the same k
-/// if d + s < e - s, so by less than (e - d) / 2; and their fit is the same. LOAM searches in every
-/// iteration.
-template <typename Fit, int kNeighbours = Neighbours::kWanted>
-class NearbyFit {
- public:
-  NearbyFit() {
-    points_m_.fill(Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()));
-  }
-
-  /// query_m: map frame. reach_m: how far the last neighbour may be, at most the map's own reach.
-  /// fit(neighbours): a Fit or nothing, of at least k neighbours. map and fit: the same in every
-  /// call.
-  template <typename Make>
-  std::optional<Fit> at(const FeatureMap& map, const Eigen::Vector3f& query_m, double reach_m,
-                        const Make& fit) {
-    const auto reach = static_cast<float>(reach_m);
-    const float moved_m = (query_m - query_m_).norm();
-    if (moved_m < same_within_m_) {
-      if (last_m_ + moved_m <= reach) return fit_;
-      if (last_m_ - moved_m > reach) return std::nullopt;
-    }
-    search(map, query_m, fit);
-    return last_m_ <= reach ? fit_ : std::nullopt;
-  }
-
- private:
-  template <typename Make>
-  void search(const FeatureMap& map, const Eigen::Vector3f& query_m, const Make& fit) {
-    const Neighbours found = map.nearest(query_m);
-    const bool enough = found.count >= kNeighbours;
-    float next_m2 = found.sixth_squared_m2;
-    if constexpr (kNeighbours < Neighbours::kWanted) {
-      if (found.count > kNeighbours) next_m2 = found.squared_distance_m2[kNeighbours];
-    }
-    query_m_ = query_m;
-    last_m_ = enough ? std::sqrt(found.squared_distance_m2[kNeighbours - 1])
-                     : std::numeric_limits<float>::infinity();
-    same_within_m_ = enough ? (std::sqrt(next_m2) - last_m_) / 2.0F : 0.0F;
-    if (!enough || std::equal(points_m_.begin(), points_m_.end(), found.points_m.begin())) return;
-    std::copy_n(found.points_m.begin(), kNeighbours, points_m_.begin());
-    fit_ = fit(found);
-  }
-
-  Eigen::Vector3f query_m_ = Eigen::Vector3f::Zero();
-  float last_m_ = 0.0F;
-  float same_within_m_ = 0.0F;  ///< about query_m_; 0: nothing is known
-  std::optional<Fit> fit_;
-  std::array<Eigen::Vector3f, kNeighbours> points_m_;  ///< that it was made of; before: not finite
-};
 
 }  // namespace hqslam::slam

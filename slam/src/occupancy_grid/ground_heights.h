@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "map/cell_index.h"
+#include "occupancy_grid/cell_chunks.h"
 
 namespace hqslam::slam {
 

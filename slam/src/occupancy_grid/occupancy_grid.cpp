@@ -6,12 +6,14 @@
 #include <limits>
 #include <numbers>
 
+#include "check_option.h"
 #include "dense_map/grid_walk.h"
 #include "dense_map/mapped_scan.h"
-#include "front_end/segmentation.h"
+#include "dense_map/path_table.h"
+#include "front_end/ground.h"
 #include "hqslam/core/error.h"
 #include "hqslam/slam/dense_map.h"
-#include "map/cell_index.h"
+#include "occupancy_grid/cell_chunks.h"
 #include "occupancy_grid/ground_heights.h"
 
 namespace hqslam::slam {

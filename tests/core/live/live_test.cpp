@@ -15,7 +15,7 @@
 #include "file_contents.h"
 #include "hqslam/recordings/recording.h"
 #include "loopback.h"
-#include "packet_recorder.h"
+#include "pcap_writer.h"
 #include "temporary_directory.h"
 #include "udp_socket.h"
 

@@ -26,19 +26,6 @@ const Pose kHere = Pose::Identity();
 
 Pose ahead(double x_m) { return pose_from_xyz_rpy({x_m, 0, 0}, 0, 0, 0); }
 
-/// How unsure the pose is of a scan that was registered against the map where the last one was.
-Matrix6 here(const slam::Drift& drift, const MotionState& registered) {
-  return drift.covariance(kHere, drift.against_map(registered));
-}
-
-slam::Drift with_unsure_heading() {
-  slam::Drift drift = sixteen_rows();
-  MotionState lost = known_to(0.0);
-  lost.covariance(5, 5) = 0.1 * 0.1;
-  drift.lose(lost.covariance.topLeftCorner<6, 6>(), false);
-  return drift;
-}
-
 }  // namespace
 
 TEST_CASE("drift grows with the path, not with the number of scans") {
@@ -47,19 +34,21 @@ TEST_CASE("drift grows with the path, not with the number of scans") {
   const MotionState state = known_to(0.01);
   in_one_step.grow(ahead(1e-6), state);
   in_ten.grow(ahead(1e-6), state);
-  const Matrix6 start = here(in_one_step, state);
+  const Matrix6 start = in_one_step.covariance(kHere, in_one_step.against_map(state));
   // Steps so small that the lever of a turn is none.
   in_one_step.grow(ahead(0.01), state);
   for (int i = 0; i < 10; ++i) in_ten.grow(ahead(0.001), state);
-  const double grown = here(in_one_step, state)(2, 2) - start(2, 2);
+  const double grown =
+      in_one_step.covariance(kHere, in_one_step.against_map(state))(2, 2) - start(2, 2);
   CHECK(grown > 0.0);
-  CHECK(here(in_ten, state)(2, 2) - start(2, 2) == doctest::Approx(grown).epsilon(1e-3));
+  CHECK(in_ten.covariance(kHere, in_ten.against_map(state))(2, 2) - start(2, 2) ==
+        doctest::Approx(grown).epsilon(1e-3));
 }
 
 TEST_CASE("a scan against the map: each axis by its factor, whatever the rows") {
   for (const char* preset : {"os1-16", "os1-64"}) {
     const slam::Drift drift(sensor_preset(preset));
-    const Matrix6 usual = here(drift, known_to(0.005)) / 25e-6;
+    const Matrix6 usual = drift.covariance(kHere, drift.against_map(known_to(0.005))) / 25e-6;
     CHECK(usual(0, 0) == doctest::Approx(23.0));
     CHECK(usual(1, 1) == doctest::Approx(23.0));
     CHECK(usual(2, 2) == doctest::Approx(1.35));
@@ -72,7 +61,8 @@ TEST_CASE("a scan against the map: each axis by its factor, whatever the rows") 
 TEST_CASE("where little is seen of what stands x, y and yaw are less certain than they say") {
   const slam::Drift drift = sixteen_rows();
   const auto of_stated = [&](double sigma_m, int axis) {
-    return here(drift, known_to(sigma_m))(axis, axis) / (sigma_m * sigma_m);
+    return drift.covariance(kHere, drift.against_map(known_to(sigma_m)))(axis, axis) /
+           (sigma_m * sigma_m);
   };
   for (const int axis : {0, 1, 5}) {
     CAPTURE(axis);
@@ -89,11 +79,11 @@ TEST_CASE("where little is seen of what stands x, y and yaw are less certain tha
 TEST_CASE("a sensor that is shaken is less certain along and about the axes that it is shaken on") {
   slam::Drift drift = sixteen_rows();  // 0.1 s a scan
   const MotionState state = known_to(0.005);
-  const Matrix6 still = here(drift, state);
+  const Matrix6 still = drift.covariance(kHere, drift.against_map(state));
   Twist velocity;
   velocity.linear.x() = 8.0;
   drift.learn(velocity);  // a drive that begins is no jolt
-  CHECK(here(drift, state) == still);
+  CHECK(drift.covariance(kHere, drift.against_map(state)) == still);
   for (int i = 0; i < 500; ++i) {
     velocity.linear.z() = i % 2 == 0 ? 0.1 : -0.1;
     velocity.angular.y() = i % 2 == 0 ? 0.5 : -0.5;
@@ -102,9 +92,9 @@ TEST_CASE("a sensor that is shaken is less certain along and about the axes that
   Matrix6 shaken = still;
   shaken(2, 2) += 0.3 * std::pow(0.1 * 0.2, 2);
   shaken(4, 4) += 0.0097 * std::pow(0.1 * 1.0, 2);
-  CHECK(here(drift, state).isApprox(shaken, 1e-6));
+  CHECK(drift.covariance(kHere, drift.against_map(state)).isApprox(shaken, 1e-6));
   for (int i = 0; i < 500; ++i) drift.learn(velocity);
-  CHECK(here(drift, state).isApprox(still, 1e-6));
+  CHECK(drift.covariance(kHere, drift.against_map(state)).isApprox(still, 1e-6));
 }
 
 TEST_CASE("a sensor that is shaken from the first scan on is known to be from the third") {
@@ -115,7 +105,8 @@ TEST_CASE("a sensor that is shaken from the first scan on is known to be from th
     velocity.angular.y() = rate_rad_per_s;
     drift.learn(velocity);
   }
-  CHECK(here(drift, exact)(4, 4) == doctest::Approx(0.0097 * std::pow(0.1 * 1.0, 2)));
+  CHECK(drift.covariance(kHere, drift.against_map(exact))(4, 4) ==
+        doctest::Approx(0.0097 * std::pow(0.1 * 1.0, 2)));
 }
 
 TEST_CASE("what the first scans are off by as they are shaken stays in the map for good") {
@@ -128,7 +119,7 @@ TEST_CASE("what the first scans are off by as they are shaken stays in the map f
   }
   for (int i = 0; i < 1000; ++i) drift.grow(ahead(0.02), exact, true);
   for (int i = 0; i < 500; ++i) drift.learn(velocity);
-  const Matrix6 covariance = here(drift, exact);
+  const Matrix6 covariance = drift.covariance(kHere, drift.against_map(exact));
   // Once, and 1.35 % a metre of what later ones are off by.
   CHECK(covariance(4, 4) - covariance(3, 3) ==
         doctest::Approx((1.0 + 0.0135 * 20.0) * 0.0097 * std::pow(0.1 * 1.0, 2)).epsilon(0.01));
@@ -139,7 +130,7 @@ TEST_CASE("a start tilts the map within the first metres, by the spacing of the 
   const MotionState exact = known_to(0.0);
   constexpr double kPath_m = 20.0;
   for (int i = 0; i < 1000; ++i) drift.grow(ahead(kPath_m / 1000), exact, true);
-  const Matrix6 covariance = here(drift, exact);
+  const Matrix6 covariance = drift.covariance(kHere, drift.against_map(exact));
   const double tilt_rad = 0.019 * 0.0368;
   const double lean_rad2_per_m = std::pow(1.2e-4, 2);  // what gravity leaves of beams that are off
   const auto of_start = [&](int axis) {
@@ -161,7 +152,7 @@ TEST_CASE(
     slam::Drift drift = sixteen_rows();
     const MotionState exact = known_to(0.0);
     for (int i = 0; i < steps_m; ++i) drift.grow(ahead(1.0), exact, is_levelled);
-    return std::sqrt(here(drift, exact)(at, at));
+    return std::sqrt(drift.covariance(kHere, drift.against_map(exact))(at, at));
   };
   constexpr int kAhead = 0;
   constexpr int kPitch = 4;
@@ -172,30 +163,39 @@ TEST_CASE(
 }
 
 TEST_CASE("what is known of the last scan is carried along to this one") {
-  slam::Drift drift = with_unsure_heading();
+  slam::Drift drift = sixteen_rows();
+  MotionState lost = known_to(0.0);
+  lost.covariance(5, 5) = 0.1 * 0.1;
+  drift.lose(lost.covariance.topLeftCorner<6, 6>(), false);
   const MotionState exact = known_to(0.0);
   CHECK(drift.covariance(ahead(20.0), drift.against_map(exact))(1, 1) == doctest::Approx(4.0));
   slam::Drift moved = drift;
   moved.move(ahead(20.0));
-  CHECK(here(moved, exact).isApprox(drift.covariance(ahead(20.0), drift.against_map(exact))));
+  CHECK(moved.covariance(kHere, moved.against_map(exact))
+            .isApprox(drift.covariance(ahead(20.0), drift.against_map(exact))));
 }
 
 TEST_CASE("a heading that is off leads aside") {
-  slam::Drift drift = with_unsure_heading();
+  slam::Drift drift = sixteen_rows();
+  MotionState lost = known_to(0.0);
+  lost.covariance(5, 5) = 0.1 * 0.1;
+  drift.lose(lost.covariance.topLeftCorner<6, 6>(), false);
   const MotionState exact = known_to(0.0);
-  const double before_m2 = here(drift, exact)(1, 1);
+  const double before_m2 = drift.covariance(kHere, drift.against_map(exact))(1, 1);
   drift.grow(ahead(20.0), exact);
-  CHECK(here(drift, exact)(1, 1) - before_m2 >= doctest::Approx(4.0));
-  CHECK(here(drift, exact)(5, 5) >= doctest::Approx(0.01));
+  CHECK(drift.covariance(kHere, drift.against_map(exact))(1, 1) - before_m2 >=
+        doctest::Approx(4.0));
+  CHECK(drift.covariance(kHere, drift.against_map(exact))(5, 5) >= doctest::Approx(0.01));
 }
 
 TEST_CASE("what nothing measured stays uncertain for good") {
   slam::Drift drift = sixteen_rows();
   const MotionState exact = known_to(0.0);
-  const double before_m2 = here(drift, exact)(0, 0);
+  const double before_m2 = drift.covariance(kHere, drift.against_map(exact))(0, 0);
   drift.lose(9.0 * Matrix6::Identity(), false);
   for (int i = 0; i < 100; ++i) drift.grow(ahead(0.5), exact);
-  CHECK(here(drift, exact)(0, 0) - before_m2 >= doctest::Approx(9.0));
+  CHECK(drift.covariance(kHere, drift.against_map(exact))(0, 0) - before_m2 >=
+        doctest::Approx(9.0));
 }
 
 TEST_CASE("a loop takes away what was not measured, but not what has come up since") {
@@ -206,18 +206,19 @@ TEST_CASE("a loop takes away what was not measured, but not what has come up sin
     drift.lose(9.0 * Matrix6::Identity(), is_carried);
     const slam::DriftState before = drift.state();
     for (int i = 0; i < 10; ++i) drift.grow(ahead(0.5), known_to(0.01));
-    CHECK(std::isinf(here(drift, exact)(0, 0)) == is_carried);
+    CHECK(std::isinf(drift.covariance(kHere, drift.against_map(exact))(0, 0)) == is_carried);
     slam::Drift never_lost = sixteen_rows();
     for (int i = 0; i < 10; ++i) never_lost.grow(ahead(0.5), known_to(0.01));
     const slam::DriftState after{before.drift, 1e-4 * Matrix6::Identity(), false};
     slam::Drift found = drift;
     found.set(improved(drift.state(), {before, after}, ahead(5.0), true));
-    const double of_drift_m2 = here(never_lost, exact)(0, 0);
-    CHECK(here(found, exact)(0, 0) == doctest::Approx(of_drift_m2 + 1e-4));
+    const double of_drift_m2 = never_lost.covariance(kHere, never_lost.against_map(exact))(0, 0);
+    CHECK(found.covariance(kHere, found.against_map(exact))(0, 0) ==
+          doctest::Approx(of_drift_m2 + 1e-4));
     // Where the way was lost again since, nothing follows for the pose now.
     slam::Drift lost_again = drift;
     lost_again.lose(4.0 * Matrix6::Identity(), true);
     lost_again.set(improved(lost_again.state(), {before, after}, ahead(5.0), false));
-    CHECK(std::isinf(here(lost_again, exact)(0, 0)));
+    CHECK(std::isinf(lost_again.covariance(kHere, lost_again.against_map(exact))(0, 0)));
   }
 }

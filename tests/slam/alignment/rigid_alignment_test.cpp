@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "slam/helpers.h"
+#include "slam/alignment/random_unit.h"
 
 using namespace hqslam;
 using slam::FreeParameters;

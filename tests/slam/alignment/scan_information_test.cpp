@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "slam/helpers.h"
+#include "slam/alignment/random_unit.h"
 
 using namespace hqslam;
 using slam::ExpectedState;

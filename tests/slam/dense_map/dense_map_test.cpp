@@ -10,15 +10,12 @@
 #include <random>
 
 #include "error_message.h"
-#include "file_contents.h"
-#include "hqslam/core/pcd.h"
-#include "hqslam/core/point_fields.h"
-#include "slam/helpers.h"
-#include "temporary_directory.h"
+#include "slam/cloud_of.h"
 
 using namespace hqslam;
 using namespace hqslam::slam;
-using namespace hqslam::test;
+using hqslam::test::error_message;
+using hqslam::test::one_line_with;
 
 namespace {
 
@@ -92,9 +89,6 @@ std::vector<DenseMapPoint> map_of(const std::vector<OrganizedCloud>& scans, bool
   for (const std::size_t i : order) map.see_through(scans[i], SensorPath(trajectory, i));
   return map.points(&intensity);
 }
-
-const std::vector<DenseMapPoint> kPoints = {{{1.0F, 2.0F, 3.0F}, 0.75F, 4},
-                                            {{-1.5F, 0.25F, 0.0F}, 0.5F, 70000}};
 
 }  // namespace
 
@@ -275,70 +269,29 @@ TEST_CASE("clouds, poses and options that cannot be are errors of one line") {
   DenseMap map({});
   OrganizedCloud cloud = test::cloud_of({{5.0F, 0.0F, 0.0F}, {6.0F, 0.0F, 0.0F}});
   cloud.confidence = {1.0F};
-  CHECK(refused_with([&] { map.insert(cloud, std::nullopt, kOrigin); }, "1x2", "1 confidences"));
+  CHECK(one_line_with(error_message([&] { map.insert(cloud, std::nullopt, kOrigin); }), "1x2",
+                      "1 confidences"));
   cloud.confidence.clear();
   cloud.intensity = {1.0F, 2.0F, 3.0F};
-  CHECK(refused_with([&] { map.insert(cloud, std::nullopt, kOrigin); }, "1x2", "3 intensities"));
+  CHECK(one_line_with(error_message([&] { map.insert(cloud, std::nullopt, kOrigin); }), "1x2",
+                      "3 intensities"));
   cloud.intensity.clear();
   cloud.range_m.pop_back();
-  CHECK(refused_with([&] { map.see_through(cloud, kOrigin); }, "1 ranges"));
+  CHECK(one_line_with(error_message([&] { map.see_through(cloud, kOrigin); }), "1 ranges"));
   Pose nowhere = Pose::Identity();
   nowhere.translation().x() = std::numeric_limits<double>::infinity();
-  CHECK(refused_with(
-      [&] {
+  CHECK(one_line_with(
+      error_message([&] {
         map.insert(test::cloud_of({{5.0F, 0.0F, 0.0F}}), std::nullopt, SensorPath(nowhere));
-      },
+      }),
       "pose", "not finite"));
   DenseMapOptions options;
   options.voxel_m = 0.0;
-  CHECK(refused_with([&] { DenseMap{options}; }, "voxel_m", "0.02"));
+  CHECK(one_line_with(error_message([&] { DenseMap{options}; }), "voxel_m", "0.02"));
   options = {};
   options.least_confidence = 1.0;
-  CHECK(refused_with([&] { validate(options); }, "least_confidence", "0.999"));
+  CHECK(one_line_with(error_message([&] { validate(options); }), "least_confidence", "0.999"));
   options = {};
   options.max_range_m = std::numeric_limits<double>::quiet_NaN();
-  CHECK(refused_with([&] { validate(options); }, "max_range_m"));
-}
-
-TEST_CASE("a .pcd map reads back, with its confidences and counts behind the coordinates") {
-  const TemporaryDirectory folder;
-  write_dense_map(kPoints, folder.file("map.pcd"));
-  const hqslam::Scan scan = read_pcd(folder.file("map.pcd"));
-  REQUIRE(scan.points_m.size() == 2);
-  CHECK(scan.points_m[1] == kPoints[1].point_m);
-  const std::string bytes = file_contents(folder.file("map.pcd"));
-  CHECK(bytes.find("FIELDS x y z confidence times_seen") != std::string::npos);
-  std::uint32_t seen = 0;
-  std::memcpy(&seen, bytes.data() + bytes.size() - 4, 4);
-  CHECK(seen == 70000);
-}
-
-TEST_CASE("a .ply map has the header of the format and 20 bytes for each point") {
-  const TemporaryDirectory folder;
-  write_dense_map(kPoints, folder.file("map.ply"));
-  const std::string bytes = file_contents(folder.file("map.ply"));
-  CHECK(bytes.starts_with("ply\nformat binary_little_endian 1.0\n"));
-  CHECK(bytes.find("element vertex 2\n") != std::string::npos);
-  const std::size_t body = bytes.find("end_header\n") + 11;
-  REQUIRE(bytes.size() == body + 40);
-  float confidence = 0.0F;
-  std::memcpy(&confidence, bytes.data() + body + 12, 4);
-  CHECK(confidence == 0.75F);
-}
-
-TEST_CASE("a map's intensities stand before its confidences") {
-  const TemporaryDirectory folder;
-  for (const char* name : {"map.pcd", "map.ply", "map.las"}) {
-    write_dense_map(kPoints, folder.file(name), {300.0F, 0.0F});
-    const hqslam::Scan scan = read_point_file(folder.file(name)).scan;
-    CHECK(scan.intensity == std::vector<float>{300.0F, 0.0F});
-    CHECK(scan.confidence == std::vector<float>{0.75F, 0.5F});
-  }
-}
-
-TEST_CASE("a map that cannot be written is an error of one line") {
-  CHECK(refused_with([] { write_dense_map(kPoints, "/nowhere/map.ply"); }, "/nowhere/map.ply",
-                     "cannot be written"));
-  CHECK(refused_with([] { write_dense_map(kPoints, "/nowhere/map.ply", {1.0F}); },
-                     "1 intensities for 2 points"));
+  CHECK(one_line_with(error_message([&] { validate(options); }), "max_range_m"));
 }

@@ -49,7 +49,8 @@ TEST_CASE("correction is that of a body with a constant twist, for random twists
 
 TEST_CASE("a scan from a sensor that turns, rolls and pitches, corrected, is the walls again") {
   const SensorModel sensor = test::small_sensor(8, 360);
-  const test::Yard yard{.pillars = false};
+  test::Yard yard;
+  yard.pillars = false;
   const test::SteadyDrive drive{test::yard_pose(3, -2, 0.4), {12, 1, 0.5}, {0.4, -0.3, 1.2}};
   const OrganizedCloud cloud =
       yard.rolling_scan(sensor, [&](double time_s) { return drive.at(time_s); });

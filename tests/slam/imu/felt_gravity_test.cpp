@@ -3,7 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "hqslam/core/imu_sample.h"
-#include "slam/helpers.h"
+#include "slam/imu/accelerometer.h"
 #include "slam/steady_drive.h"
 
 using namespace hqslam;

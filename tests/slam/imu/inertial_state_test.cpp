@@ -6,7 +6,7 @@
 
 #include "alignment/scan_information.h"
 #include "hqslam/core/imu_sample.h"
-#include "slam/helpers.h"
+#include "slam/imu/accelerometer.h"
 #include "slam/steady_drive.h"
 
 using namespace hqslam;

@@ -5,7 +5,8 @@
 #include <cmath>
 
 #include "hqslam/core/imu_sample.h"
-#include "slam/helpers.h"
+#include "slam/imu/accelerometer.h"
+#include "slam/loops/worst_error.h"
 
 using namespace hqslam;
 using slam::FeltGravity;

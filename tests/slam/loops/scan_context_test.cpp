@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-#include "slam/helpers.h"
+#include "slam/cloud_of.h"
 #include "slam/village.h"
 #include "slam/yard.h"
 

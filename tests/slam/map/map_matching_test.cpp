@@ -2,46 +2,16 @@
 
 #include <doctest/doctest.h>
 
-#include <random>
-
-using namespace hqslam;
-using namespace hqslam::slam;
+using hqslam::slam::Neighbours;
 
 namespace {
 
 Neighbours five(const std::array<Eigen::Vector3f, 5>& points_m) { return {5, points_m, {}}; }
 
-Eigen::Vector3f random_point(std::mt19937& generator, float half_side_m) {
-  std::uniform_real_distribution<float> coordinate(-half_side_m, half_side_m);
-  return {coordinate(generator), coordinate(generator), 0.1F * coordinate(generator)};
-}
-
-FeatureMap random_map(std::mt19937& generator) {
-  FeatureMap map(0.4, 1.0);
-  for (int i = 0; i < 3000; ++i) map.insert({random_point(generator, 8.0F)});
-  return map;
-}
-
-/// A fit that tells its five points apart from any others.
-std::optional<MapPlane> mean_of(const Neighbours& neighbours) {
-  MapPlane result{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
-  for (const auto& point_m : neighbours.points_m) result.point_m += point_m.cast<double>();
-  return result;
-}
-
-std::optional<MapPlane> searched_anew(const FeatureMap& map, const Eigen::Vector3f& query_m,
-                                      double reach_m) {
-  const Neighbours found = map.nearest(query_m);
-  const bool near_enough =
-      found.count == Neighbours::kWanted &&
-      found.squared_distance_m2.back() <= static_cast<float>(reach_m * reach_m);
-  return near_enough ? mean_of(found) : std::nullopt;
-}
-
 }  // namespace
 
 TEST_CASE("five points along a pole give the pole") {
-  const auto line = fit_line(
+  const auto line = hqslam::slam::fit_line(
       five({{{3, 4, 0}, {3.01F, 4, 0.3F}, {3, 4.01F, 0.6F}, {2.99F, 4, 0.9F}, {3, 3.99F, 1.2F}}}));
   REQUIRE(line);
   CHECK(std::abs(line->direction.z()) > 0.999);
@@ -49,16 +19,18 @@ TEST_CASE("five points along a pole give the pole") {
 }
 
 TEST_CASE("five points of a patch are no line") {
-  CHECK(!fit_line(five({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0.5F, 0.5F, 0}}})));
+  CHECK(!hqslam::slam::fit_line(
+      five({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0.5F, 0.5F, 0}}})));
 }
 
 TEST_CASE("five points along a ring are no plane: any plane goes through a line") {
-  CHECK(!fit_plane(
+  CHECK(!hqslam::slam::fit_plane(
       five({{{0, 0, 0}, {0.4F, 0, 0.01F}, {0.8F, 0.01F, 0}, {1.2F, 0, 0}, {1.6F, 0, 0.01F}}}),
       0.2));
 }
 
 TEST_CASE("what neighbours on a surface make is a plane, or of one row the line it drew there") {
+  using namespace hqslam::slam;
   const auto patch =
       fit_surface(five({{{0, 0, 2}, {1, 0, 2}, {0, 1, 2}, {1, 1, 2}, {2, 1, 2}}}), 0.2);
   REQUIRE(patch);
@@ -73,90 +45,22 @@ TEST_CASE("what neighbours on a surface make is a plane, or of one row the line 
 }
 
 TEST_CASE("a plane through the origin of the map is found like any other") {
-  const auto plane =
-      fit_plane(five({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {-1, 0.5F, 0}}}), 0.2);
+  const auto plane = hqslam::slam::fit_plane(
+      five({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {-1, 0.5F, 0}}}), 0.2);
   REQUIRE(plane);
   CHECK(std::abs(plane->normal.z()) == doctest::Approx(1.0));
 }
 
 TEST_CASE("a point off the plane by more than the limit spoils it") {
   const auto points = five({{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {2, 2, 0}, {1, 1, 0.9F}}});
-  CHECK(!fit_plane(points, 0.2));
-  CHECK(fit_plane(points, 0.8));
+  CHECK(!hqslam::slam::fit_plane(points, 0.2));
+  CHECK(hqslam::slam::fit_plane(points, 0.8));
 }
 
 TEST_CASE("fewer than five neighbours give neither line nor plane") {
   Neighbours few = five({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 0, 1}}});
   few.count = 4;
-  CHECK(!fit_line(few));
-  CHECK(!fit_plane(few, 10.0));
-  CHECK(!fit_surface(few, 10.0));
-}
-
-TEST_CASE("what is remembered of a feature that moves is what a new search would find") {
-  std::mt19937 generator(1);
-  const FeatureMap map = random_map(generator);
-  int fits = 0;
-  int searches = 0;
-  const auto counted = [&](const Neighbours& neighbours) {
-    ++searches;
-    return mean_of(neighbours);
-  };
-  for (int feature = 0; feature < 300; ++feature) {
-    NearbyFit<MapPlane> nearby;
-    Eigen::Vector3f query_m = random_point(generator, 9.0F);
-    float step_m = 0.1F;
-    for (const double reach_m : {1.0, 1.0, 0.6, 0.6, 0.6, 1.0}) {
-      const auto expected = searched_anew(map, query_m, reach_m);
-      const auto found = nearby.at(map, query_m, reach_m, counted);
-      REQUIRE(found.has_value() == expected.has_value());
-      if (found) {
-        ++fits;
-        CHECK((found->point_m - expected->point_m).norm() < 1e-9);
-      }
-      query_m += step_m * random_point(generator, 1.0F).normalized();
-      step_m *= 0.3F;
-    }
-  }
-  CHECK(fits > 500);
-  CHECK(searches < fits);
-}
-
-TEST_CASE("the nearest point alone is remembered as well as five are") {
-  std::mt19937 generator(3);
-  const FeatureMap map = random_map(generator);
-  const auto first = [](const Neighbours& near) {
-    return std::optional<Eigen::Vector3f>(near.points_m[0]);
-  };
-  int found = 0;
-  for (int feature = 0; feature < 300; ++feature) {
-    NearbyFit<Eigen::Vector3f, 1> nearby;
-    Eigen::Vector3f query_m = random_point(generator, 9.0F);
-    for (const float step_m : {0.1F, 0.03F, 0.01F, 0.003F}) {
-      const Neighbours anew = map.nearest(query_m);
-      const auto remembered = nearby.at(map, query_m, 0.6, first);
-      REQUIRE(remembered.has_value() == (anew.count > 0 && anew.squared_distance_m2[0] <= 0.36F));
-      if (remembered) {
-        ++found;
-        CHECK(*remembered == anew.points_m[0]);
-      }
-      query_m += step_m * random_point(generator, 1.0F).normalized();
-    }
-  }
-  CHECK(found > 500);
-}
-
-TEST_CASE("a feature that stays where it is is searched once") {
-  std::mt19937 generator(2);
-  const FeatureMap map = random_map(generator);
-  NearbyFit<MapPlane> nearby;
-  int searches = 0;
-  const auto counted = [&](const Neighbours& neighbours) {
-    ++searches;
-    return mean_of(neighbours);
-  };
-  for (int i = 0; i < 5; ++i) {
-    CHECK(nearby.at(map, Eigen::Vector3f::Zero(), 1.0, counted).has_value());
-  }
-  CHECK(searches == 1);
+  CHECK(!hqslam::slam::fit_line(few));
+  CHECK(!hqslam::slam::fit_plane(few, 10.0));
+  CHECK(!hqslam::slam::fit_surface(few, 10.0));
 }

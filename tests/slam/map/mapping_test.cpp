@@ -5,12 +5,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "slam/village.h"
+#include "slam/yard.h"
 
 using namespace hqslam;
 using slam::Status;
 
 namespace {
+
+slam::MapFeatures features_for_map(const SensorModel& sensor, const OrganizedCloud& cloud) {
+  slam::Segmenter segmenter(sensor, {}, {});
+  return slam::map_features(slam::extract_features(cloud, segmenter.segment(cloud), {}), {});
+}
 
 /// A sensor that is believed to be here: metres, radians.
 slam::MotionState believed(const Pose& T_map_sensor, double sigma = 0.3) {
@@ -31,12 +36,9 @@ struct MappedYard {
   explicit MappedYard(const test::Yard& yard_ = {}) : yard(yard_) {
     for (int i = 0; i <= 10; ++i) {
       const Pose T_yard_sensor = test::yard_pose(-5 + i, 0, 0);
-      mapping.insert(seen_from(T_yard_sensor), T_yard_map.inverse() * T_yard_sensor, {});
+      mapping.insert(features_for_map(sensor, yard.scan(sensor, T_yard_sensor)),
+                     T_yard_map.inverse() * T_yard_sensor, {});
     }
-  }
-
-  slam::MapFeatures seen_from(const Pose& T_yard_sensor) const {
-    return test::features_of(yard.scan(sensor, T_yard_sensor), sensor);
   }
 };
 
@@ -109,7 +111,8 @@ TEST_CASE("a scan is located in the map from a rough prediction") {
   const Pose T_yard_sensor = test::yard_pose(0.3, 0.4, 0.1);
   const Pose truth = mapped.T_yard_map.inverse() * T_yard_sensor;
   const Pose predicted = truth * pose_from_xyz_rpy({0.2, -0.15, 0.05}, 0.01, -0.01, 0.02);
-  const auto features = mapped.seen_from(T_yard_sensor);
+  const auto features =
+      features_for_map(mapped.sensor, mapped.yard.scan(mapped.sensor, T_yard_sensor));
   const auto result = mapped.mapping.register_scan(features, believed(predicted), predicted);
   CHECK(result.status == Status::kOk);
   CHECK((result.state.T_map_sensor.translation() - truth.translation()).norm() < 0.03);
@@ -161,7 +164,8 @@ TEST_CASE("a place met again with drift is matched with only when it was taken u
   const Pose T_yard_sensor = test::yard_pose(0.3, 0.4, 0.1);
   const Pose truth = mapped.T_yard_map.inverse() * T_yard_sensor;
   const Pose drifted = truth * pose_from_xyz_rpy({0.4, 0.0, 0.0}, 0, 0, 0);
-  const auto features = mapped.seen_from(T_yard_sensor);
+  const auto features =
+      features_for_map(mapped.sensor, mapped.yard.scan(mapped.sensor, T_yard_sensor));
   slam::MapPoints left_window = mapped.mapping.slide_window();
   const auto before = mapped.mapping.register_scan(features, believed(drifted), drifted);
   CHECK(before.status == Status::kTooFewFeatures);
@@ -173,10 +177,15 @@ TEST_CASE("a place met again with drift is matched with only when it was taken u
 }
 
 TEST_CASE("in a corridor without ends the motion along it is held, not invented") {
-  const MappedYard mapped(test::Yard{.half_width_m = 4.0, .pillars = false, .end_walls = false});
+  test::Yard corridor;
+  corridor.half_width_m = 4.0;
+  corridor.pillars = false;
+  corridor.end_walls = false;
+  const MappedYard mapped(corridor);
   const Pose T_yard_sensor = test::yard_pose(0.0, 0.2, 0.0);
   const Pose predicted = mapped.T_yard_map.inverse() * test::yard_pose(0.4, 0.0, 0.01);
-  const auto features = mapped.seen_from(T_yard_sensor);
+  const auto features =
+      features_for_map(mapped.sensor, corridor.scan(mapped.sensor, T_yard_sensor));
   // As well as a car's next scan is predicted.
   const auto result = mapped.mapping.register_scan(features, believed(predicted, 0.03), predicted);
   CHECK(result.status == Status::kDegenerate);
@@ -192,13 +201,14 @@ TEST_CASE("far from the origin of the map a scan is located as well as at it") {
   slam::Mapping mapping{slam::MappingOptions{}};
   for (int i = 0; i <= 10; ++i) {
     const Pose T_yard_sensor = test::yard_pose(-5 + i, 0, 0);
-    mapping.insert(mapped.seen_from(T_yard_sensor),
+    mapping.insert(features_for_map(mapped.sensor, mapped.yard.scan(mapped.sensor, T_yard_sensor)),
                    far * mapped.T_yard_map.inverse() * T_yard_sensor, {});
   }
   const Pose T_yard_sensor = test::yard_pose(0.3, 0.4, 0.1);
   const Pose truth = far * mapped.T_yard_map.inverse() * T_yard_sensor;
   const Pose predicted = truth * pose_from_xyz_rpy({0.2, -0.15, 0.05}, 0, 0, 0.02);
-  const auto features = mapped.seen_from(T_yard_sensor);
+  const auto features =
+      features_for_map(mapped.sensor, mapped.yard.scan(mapped.sensor, T_yard_sensor));
   const auto result = mapping.register_scan(features, believed(predicted), predicted);
   CHECK(result.status == Status::kOk);
   CHECK((result.state.T_map_sensor.translation() - truth.translation()).norm() < 0.03);
@@ -207,9 +217,14 @@ TEST_CASE("far from the origin of the map a scan is located as well as at it") {
 TEST_CASE("rings on a bare floor do not hold the sensor back") {
   // A sensor that drives over an endless floor sees the same rings in every scan. They must not be
   // taken for a sign that it stands.
-  const MappedYard mapped(test::Yard{.half_width_m = 1000.0, .pillars = false, .end_walls = false});
+  test::Yard floor;
+  floor.pillars = false;
+  floor.end_walls = false;
+  floor.half_width_m = 1000.0;
+  const MappedYard mapped(floor);
   const Pose predicted = mapped.T_yard_map.inverse() * test::yard_pose(6.0, 0.0, 0.0);
-  const auto features = mapped.seen_from(test::yard_pose(6.0, 0.0, 0.0));
+  const auto features =
+      features_for_map(mapped.sensor, floor.scan(mapped.sensor, test::yard_pose(6.0, 0.0, 0.0)));
   const auto result = mapped.mapping.register_scan(features, believed(predicted), predicted);
   CHECK(result.status == Status::kDegenerate);
   CHECK((result.state.T_map_sensor.translation() - predicted.translation()).norm() < 0.01);
@@ -219,7 +234,7 @@ TEST_CASE("without a map the prediction stands and the status says so") {
   const SensorModel sensor = test::small_sensor();
   const slam::Mapping mapping{slam::MappingOptions{}};
   const auto features =
-      test::features_of(test::Yard().scan(sensor, test::yard_pose(0, 0, 0)), sensor);
+      features_for_map(sensor, test::Yard().scan(sensor, test::yard_pose(0, 0, 0)));
   const Pose predicted = pose_from_xyz_rpy({1, 2, 3}, 0, 0, 1);
   const auto result = mapping.register_scan(features, believed(predicted), predicted);
   CHECK(result.status == Status::kTooFewFeatures);
@@ -276,7 +291,8 @@ TEST_CASE("surfaces that lean to one side do not lift the sensor") {
   const MappedYard mapped;
   const Pose T_yard_sensor = test::yard_pose(0.3, 0.0, 0.0);
   const Pose truth = mapped.T_yard_map.inverse() * T_yard_sensor;
-  slam::MapFeatures features = mapped.seen_from(T_yard_sensor);
+  slam::MapFeatures features =
+      features_for_map(mapped.sensor, mapped.yard.scan(mapped.sensor, T_yard_sensor));
   slam::Mapping mapping = mapped.mapping;
   slam::MapFeatures bank_in_map;
   for (int i = 0; i < 40; ++i) {

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "hqslam/core/pose.h"
-#include "slam/helpers.h"
+#include "slam/at_x.h"
 
 using namespace hqslam;
 

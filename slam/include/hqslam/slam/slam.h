@@ -10,6 +10,7 @@
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
+#include "hqslam/slam/loop_report.h"
 #include "hqslam/slam/status.h"
 
 namespace hqslam::slam {

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "hqslam/core/error.h"
+
+namespace hqslam::slam {
+
+/// Throws Error unless low <= value <= high; `map` is the kind of map whose option it is.
+inline void check_option(const char* map, const char* field, double value, double low,
+                         double high) {
+  if (value >= low && value <= high) return;
+  throw Error("{}: {} is {}, expected {} to {}", map, field, value, low, high);
+}
+
+}  // namespace hqslam::slam

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <random>
+
+namespace hqslam::test {
+
+/// From -1 to 1, the same on every machine.
+inline double random_unit(std::mt19937& generator) {
+  return static_cast<double>(generator() % 20001) / 10000.0 - 1.0;
+}
+
+}  // namespace hqslam::test

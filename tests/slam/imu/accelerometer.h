@@ -1,0 +1,10 @@
+#pragma once
+
+#include "hqslam/core/imu_sample.h"
+
+namespace hqslam::test {
+
+inline const Eigen::Vector3d kGravity(0, 0, -kGravity_mps2);  // map frame
+inline const Eigen::Vector3d kBias_mps2(0.1, -0.05, 0.02);    // looks like 0.7 degrees
+
+}  // namespace hqslam::test
