@@ -31,14 +31,18 @@ OrganizedCloud::OrganizedCloud(int rows_, int columns_)
 
 RangeImage select_rows(const RangeImage& image, RowSelection rows) {
   const std::vector<int> selected = selected_rows(image.rows, rows);
-  RangeImage result(static_cast<int>(selected.size()), image.columns);
+  RangeImage result;
+  result.rows = static_cast<int>(selected.size());
+  result.columns = image.columns;
   result.range_m = rows_of(image.range_m, image.columns, selected);
   return result;
 }
 
 OrganizedCloud select_rows(const OrganizedCloud& cloud, RowSelection rows) {
   const std::vector<int> selected = selected_rows(cloud.rows, rows);
-  OrganizedCloud result(static_cast<int>(selected.size()), cloud.columns);
+  OrganizedCloud result;
+  result.rows = static_cast<int>(selected.size());
+  result.columns = cloud.columns;
   result.points_m = rows_of(cloud.points_m, cloud.columns, selected);
   for (const auto values : {&OrganizedCloud::range_m, &OrganizedCloud::time_offset_s,
                             &OrganizedCloud::confidence, &OrganizedCloud::intensity}) {
@@ -77,7 +81,9 @@ OrganizedCloud calibrated(OrganizedCloud cloud, const SensorModel& sensor) {
 }
 
 RangeImage range_image(const OrganizedCloud& cloud) {
-  RangeImage image(cloud.rows, cloud.columns);
+  RangeImage image;
+  image.rows = cloud.rows;
+  image.columns = cloud.columns;
   image.range_m = cloud.range_m;
   return image;
 }
