@@ -31,10 +31,10 @@ Compared compared(const std::string& weights, const char* sensor_name) {
   std::vector<ComparedMethod> methods;
   for (const nn::Interpolation interpolation :
        {nn::Interpolation::kLinear, nn::Interpolation::kInverse}) {
-    methods.push_back({"", nn::Upsampler(interpolation, sensor, rows), std::nullopt});
+    methods.push_back({"", {interpolation, sensor, rows}});
   }
   const std::string path = golden_folder() + "/../../weights/" + weights;
-  methods.push_back({"", nn::Upsampler(nn::SuperResolver::load(path), sensor), std::nullopt});
+  methods.push_back({"", {nn::SuperResolver::load(path), sensor}});
   UpsamplingComparison comparison(std::move(methods));
   sim::DriveSpec spec = sim::drive_preset("town");
   spec.seed = 4711;
@@ -119,7 +119,7 @@ TEST_CASE("what DU-Mix remembers of the last scans makes its ranges better on an
   sim::DriveSimulator simulator(spec, sensor);
   std::vector<ComparedMethod> methods;
   for (const char* kind : {"du-mix", "du-mix-memory"}) {
-    methods.push_back({"", nn::Upsampler(load(kind), sensor), std::nullopt});
+    methods.push_back({"", {load(kind), sensor}});
   }
   UpsamplingComparison comparison(std::move(methods));
   nn::ScanMemory memory(sensor);

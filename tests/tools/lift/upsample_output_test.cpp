@@ -95,16 +95,6 @@ TEST_CASE("an earlier upsampled drive is replaced whole; other files stay") {
   CHECK(file_contents(out + "/notes.txt") == "mine");
 }
 
-TEST_CASE("the beginning of a drive whose disk was full is replaced") {
-  const TemporaryDirectory folder;
-  const std::string out = folder.file("out");
-  write_scans(out, 1);
-  write_file(out + "/scans.npy", "");
-  fs::remove(out + "/sensor.json");
-  write_scans(out, 2);
-  CHECK(NpyStackReader(out + "/scans.npy").images() == 2);
-}
-
 TEST_CASE("the input is never overwritten, by whatever path it is named") {
   const TemporaryDirectory folder;
   const std::string out = folder.file("out");

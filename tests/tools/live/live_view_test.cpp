@@ -94,8 +94,7 @@ TEST_CASE("the page is told what has come since it asked last, and everything an
   CHECK(first["points"].size() == 3 * 16);
   CHECK(first["points"][0] == 1000);  // centimetres
   CHECK(first["positions"] == nlohmann::json({0, 0, 0, 0}));
-  Pose moved = Pose::Identity();
-  moved.translation().x() = 2.0;
+  Pose moved(Eigen::Translation3d(2.0, 0.0, 0.0));
   view.add(ring(10.0F, 64), moved, 0);
   LiveStatus status{10.0, 2, 9.5, 0.031, ScanRecord{}, 2.0, 2, {}, {}};
   status.counts.packets.lost = 7;
@@ -175,8 +174,7 @@ TEST_CASE("the view that turns has intensities where the sensor gives them, also
   view.add(cloud, Pose::Identity(), 0);
   CHECK(bright().empty());
   cloud.intensity.assign(64, 7.0F);
-  Pose moved = Pose::Identity();
-  moved.translation().x() = 2.0;
+  const Pose moved(Eigen::Translation3d(2.0, 0.0, 0.0));
   view.add(cloud, moved, 0);
   CHECK(bright() == nlohmann::json({7.0, 7.0}));
   view.replace({{0.0, Pose::Identity()}, {0.1, moved}}, {0, 0});

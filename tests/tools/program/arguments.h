@@ -18,10 +18,6 @@ inline const std::string& short_drive() {
   return simulated_drive("--sensor os1-16 --scans " + std::to_string(kShortDriveScans));
 }
 
-inline std::string evaluate_arguments() {
-  return fmt::format("evaluate '{0}/truth.tum' '{0}/truth.tum'", short_drive());
-}
-
 inline std::string simulate_arguments(const std::string& out, int scans = 3) {
   return fmt::format("simulate --drive block --sensor os1-16 --scans {} --out '{}'", scans, out);
 }
@@ -48,10 +44,6 @@ inline std::string train_arguments(const TemporaryDirectory& folder, const std::
                                                      steps));
   return fmt::format("train --config '{0}/recipe.json' --out '{1}' --drives '{0}/drives'",
                      folder.path().string(), out);
-}
-
-inline std::string table_arguments(const std::string& out) {
-  return fmt::format("table --drives block --methods rows-16 --scans 3 --out '{}'", out);
 }
 
 }  // namespace hqslam::test

@@ -1,7 +1,6 @@
 #include <doctest/doctest.h>
 
 #include <cstdlib>
-#include <nlohmann/json.hpp>
 
 #include "hqslam/nn/instruction_set.h"
 #include "tools/program/program.h"

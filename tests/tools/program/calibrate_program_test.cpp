@@ -36,8 +36,7 @@ struct LyingDrive {
 
 TEST_CASE("calibrate writes a sensor that run takes, and a page of what it found") {
   const LyingDrive lying;
-  const ProgramResult result = succeeds(lying.arguments(lying.sensor));
-  CHECK(holds(result.out, "off their surfaces"));
+  CHECK(holds(succeeds(lying.arguments(lying.sensor)).out, "off their surfaces"));
   CHECK(holds(file_contents(lying.folder.file("calibrated.html")), "Rings against the ground"));
   const SensorModel sensor = read_sensor_json(lying.sensor);
   REQUIRE(sensor.elevation_correction_rad.size() == 16);

@@ -135,7 +135,7 @@ TEST_CASE("what cannot be printed is told by the exit status, the results are wr
     CHECK(is_one_line(last_line(full.error)));
     CHECK(holds(full.error, "No space left"));
   }
-  CHECK(run_hqslam(evaluate_arguments() + " >&-").status == 1);
+  CHECK(run_hqslam("slam-options >&-").status == 1);
   CHECK(run_hqslam("--help >/dev/full").status == 1);
   CHECK(run_hqslam(run_arguments(folder.file("out")) + " >/dev/full").status == 1);
   CHECK(fs::exists(folder.file("out/report.html")));

@@ -4,7 +4,6 @@
 
 #include <chrono>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <regex>
 #include <thread>
 
@@ -104,7 +103,7 @@ TEST_CASE("a drive that is sent live gives the trajectory that its capture gives
   CHECK(read_kitti_poses(live.path("out/trajectory.kitti")).size() == kDriveScans);
   CHECK(read_pcd(live.path("out/map.pcd")).points_m.size() > 1000);
   CHECK(holds(file_contents(live.path("out/report.html")), "hqslam live"));
-  const auto timings = nlohmann::json::parse(file_contents(live.path("out/timings.json")));
+  const auto timings = json_of(live.path("out/timings.json"));
   CHECK(timings["written_by"] == "hqslam live");
   CHECK(timings["end"] == "complete");
   CHECK(timings["scans_in_recording"] == kDriveScans);
@@ -181,9 +180,8 @@ TEST_CASE("metadata that cannot be put beside a recording end the recording, not
 }
 
 TEST_CASE("live that can write no results says so before it waits for the sensor") {
-  const ProgramResult result =
-      refused("live --sensor vlp-16 --port {} --out /proc/hqslam", free_udp_port());
-  CHECK(holds(result.error, "/proc/hqslam"));
+  CHECK(holds(refused("live --sensor vlp-16 --port {} --out /proc/hqslam", free_udp_port()).error,
+              "/proc/hqslam"));
 }
 
 TEST_CASE("live lifts scans, serves the page, and ends with SIGTERM as with Ctrl-C") {

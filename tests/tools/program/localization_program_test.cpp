@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "hqslam/core/trajectory.h"
@@ -29,7 +28,7 @@ TEST_CASE("a drive is located in the map that another run saved, where it begins
     const ProgramResult result = succeeds("run '{}' --map '{}'{} --out '{}'", simulated_drive(),
                                           saved_map(), start, out.path().string());
     CHECK(holds(result.out, "located in the map of"));
-    const auto timings = nlohmann::json::parse(file_contents(out.file("timings.json")));
+    const auto timings = json_of(out.file("timings.json"));
     CHECK(timings["located_in"] == saved_map());
     CHECK(timings["key_frames"] == 0);
     CHECK(timings["mapping_status"]["not recognized"].get<int>() <= 2);
@@ -78,9 +77,8 @@ TEST_CASE("a map in the folder whose results would be replaced is refused, and s
   std::filesystem::create_directory_symlink(folder.path(), folder.file("link"));
   write_file(folder.file("timings.json"), "{\n  \"written_by\": \"hqslam run\",\n}");
   for (const std::string& out : {folder.path().string(), folder.file("link")}) {
-    const ProgramResult result =
-        refused("run '{}' --map '{}' --out '{}'", simulated_drive(), map, out);
-    CHECK(holds(result.error, map + ": is read by this command and would be replaced"));
+    CHECK(holds(refused("run '{}' --map '{}' --out '{}'", simulated_drive(), map, out).error,
+                map + ": is read by this command and would be replaced"));
   }
   CHECK(file_contents(map) == file_contents(saved_map()));
 }
@@ -92,9 +90,8 @@ TEST_CASE("a drive is located in a cloud of the place, as its dense map is one")
   for (const std::string ending : {".pcd", ".ply"}) {
     CAPTURE(ending);
     const std::string map = folder.file("dense/dense_map") + ending;
-    const ProgramResult result =
-        succeeds("run '{}' --map '{}' --out '{}'", drive, map, folder.file("located"));
-    CHECK(holds(result.out, "located in the map of " + map));
+    CHECK(holds(succeeds("run '{}' --map '{}' --out '{}'", drive, map, folder.file("located")).out,
+                "located in the map of " + map));
     const Trajectory path = read_tum(folder.file("located/trajectory.tum"));
     const Trajectory truth = read_tum(drive + "/truth.tum");
     CHECK(

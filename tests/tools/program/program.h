@@ -6,6 +6,7 @@
 
 #include <cstdlib>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 
@@ -37,6 +38,10 @@ inline ProgramResult run_shell(const std::string& commands) {
 /// Runs the built program with these arguments, as a shell understands them.
 inline ProgramResult run_hqslam(const std::string& arguments) {
   return run_shell(fmt::format("'{}' {}", HQSLAM_PROGRAM, arguments));
+}
+
+inline nlohmann::json json_of(const std::string& path) {
+  return nlohmann::json::parse(file_contents(path));
 }
 
 /// With its end; a text of one line is its own last one.

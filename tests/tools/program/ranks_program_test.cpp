@@ -2,9 +2,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
-#include "tools/json_of.h"
 #include "tools/program/program.h"
 
 // The program as one of several that mpirun starts.
@@ -150,8 +148,7 @@ TEST_CASE("two processes make the table that one makes, and one shows what they 
     // Made again by one from what the two have left, with its times: the same page.
     const std::string page = file_contents(two + "/table.html");
     const std::string json = file_contents(two + "/table.json");
-    const ProgramResult again = run_hqslam(arguments + " --out '" + two + "'");
-    CHECK(again.error.empty());
+    CHECK(run_hqslam(arguments + " --out '" + two + "'").error.empty());
     CHECK(file_contents(two + "/table.html") == page);
     CHECK(file_contents(two + "/table.json") == json);
   }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "hqslam/core/pcd.h"
@@ -19,9 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-nlohmann::json timings(const TemporaryDirectory& out) {
-  return nlohmann::json::parse(file_contents(out.file("timings.json")));
-}
+nlohmann::json timings(const TemporaryDirectory& out) { return json_of(out.file("timings.json")); }
 
 /// A folder of .bin files: `count` names for the drive's first file.
 void make_long_recording(const fs::path& folder, int count) {
@@ -118,7 +115,7 @@ TEST_CASE("bad files in mid-drive are left out and named, and the run goes on") 
       succeeds("run '{0}/bin' --sensor os1-16 --out '{0}/out'", folder.path().string());
   CHECK(holds(last_line(result.error), files[5].filename().string()));
   CHECK(holds(last_line(result.error), "2 scans were left out"));
-  const auto timings = nlohmann::json::parse(file_contents(folder.file("out/timings.json")));
+  const auto timings = json_of(folder.file("out/timings.json"));
   CHECK(timings["scans_left_out"] == 2);
   REQUIRE(timings["left_out"].size() == 2);
   CHECK(holds(timings["left_out"][1].get<std::string>(), files[8].filename().string()));
@@ -139,8 +136,7 @@ TEST_CASE("a recording of which nothing can be used leaves the results of an ear
   for (const fs::path& file : fs::directory_iterator(folder.file("bin"))) {
     fs::resize_file(file, 1001);
   }
-  const ProgramResult result = refused(arguments);
-  CHECK(holds(last_line(result.error), ".bin"));
+  CHECK(holds(last_line(refused(arguments).error), ".bin"));
   CHECK(file_contents(folder.file("out/trajectory.tum")) == before);
   CHECK(fs::exists(folder.file("out/report.html")));
 }
@@ -193,8 +189,7 @@ TEST_CASE("wrong input is one line on stderr and status 2, and writes nothing") 
   };
   for (const std::string& arguments : wrong) {
     CAPTURE(arguments);
-    const ProgramResult result = refused(arguments);
-    CHECK(result.out.empty());
+    CHECK(refused(arguments).out.empty());
   }
   CHECK_FALSE(fs::exists(out));
 }
@@ -202,8 +197,7 @@ TEST_CASE("wrong input is one line on stderr and status 2, and writes nothing") 
 TEST_CASE("help and version are no errors") {
   CHECK(run_hqslam("--version").out.rfind("hqslam ", 0) == 0);
   for (const char* arguments : {"--help", "run --help", "evaluate --help", "--version"}) {
-    const ProgramResult result = succeeds(arguments);
-    CHECK(result.error.empty());
+    CHECK(succeeds(arguments).error.empty());
   }
 }
 

@@ -1,8 +1,6 @@
 #include <doctest/doctest.h>
 
 #include <filesystem>
-#include <fstream>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,9 +29,10 @@ std::string small_configuration(const std::string& from = "", const std::string&
 }
 
 ProgramResult train(const TemporaryDirectory& folder, const std::string& configuration,
-                    const std::string& out) {
-  std::ofstream(folder.file("recipe.json")) << configuration;
-  return run_hqslam("train --config '{}' --out '{}'", folder.file("recipe.json"), folder.file(out));
+                    const std::string& out, const std::string& options = "") {
+  write_file(folder.file("recipe.json"), configuration);
+  return run_hqslam("train --config '{}' --out '{}' {}", folder.file("recipe.json"),
+                    folder.file(out), options);
 }
 
 }  // namespace
@@ -71,9 +70,7 @@ TEST_CASE("training leaves weights that load, a checkpoint and a learning curve"
 TEST_CASE("trainings share a folder of drives; one of varied conditions is simulated for itself") {
   const TemporaryDirectory folder;
   const auto train_with = [&](const std::string& configuration, const std::string& out) {
-    std::ofstream(folder.file("recipe.json")) << configuration;
-    return run_hqslam("train --config '{}' --out '{}' --drives '{}'", folder.file("recipe.json"),
-                      folder.file(out), folder.file("drives"));
+    return train(folder, configuration, out, "--drives '" + folder.file("drives") + "'");
   };
   const auto files = [&] {
     const std::filesystem::directory_iterator begin(folder.file("drives"));
@@ -131,7 +128,7 @@ TEST_CASE("compare puts interpolation and networks side by side, inspect shows t
     CAPTURE(row);
     CHECK(holds(compared.out, row));
   }
-  const auto table = nlohmann::json::parse(file_contents(folder.file("table.json")));
+  const auto table = json_of(folder.file("table.json"));
   REQUIRE(table["methods"].size() == 5);
   CHECK(table["scans"] == 2);
   CHECK(table["methods"][1]["mae_all_m"] > 0.0);

@@ -226,7 +226,10 @@ class HqslamNode : public rclcpp::Node {
     if (upsampler_) cloud = hqslam::nn::upsampled_cloud(*upsampler_, cloud);
     const hqslam::slam::ScanReport report = slam_->process(cloud, scan.stamp_s);
     publish(frames_->next(report, slam_->trajectory()), report);
-    if (upsampler_ && lifted_->get_subscription_count() > 0) publish_lifted(cloud, scan.stamp_s);
+    if (upsampler_ && lifted_->get_subscription_count() > 0) {
+      const Header header = header_of(lidar_frame_, scan.stamp_s);
+      lifted_->publish(message_of(hqslam::points_of(cloud), header));
+    }
     publish_map(scan.stamp_s);
   }
 
@@ -260,14 +263,6 @@ class HqslamNode : public rclcpp::Node {
     if (!T_odom_base) return;
     broadcaster_.sendTransform(
         message_of(T_map_odom(robot.T_map_base, *T_odom_base), ahead, odom_frame_));
-  }
-
-  void publish_lifted(const hqslam::OrganizedCloud& cloud, double stamp_s) {
-    std::vector<Eigen::Vector3f> points_m;
-    for (std::size_t pixel = 0; pixel < cloud.range_m.size(); ++pixel) {
-      if (cloud.range_m[pixel] > 0.0F) points_m.push_back(cloud.points_m[pixel]);
-    }
-    lifted_->publish(message_of(points_m, header_of(lidar_frame_, stamp_s)));
   }
 
   /// The part of the map that the robot is in; a given one stays as it is.

@@ -67,7 +67,7 @@ void score(const std::string& drive, std::vector<DemoRow>& rows, const Interrupt
   for (const DemoRow& row : rows) {
     if (!row.way.upsample.empty()) {
       LiftedInput input = lifted_input({drive}, {row.way.upsample, row.way.rows});
-      methods.push_back({row.way.name, std::move(*input.upsampler), std::nullopt});
+      methods.push_back({row.way.name, std::move(*input.upsampler)});
     }
   }
   UpsamplingComparison comparison(std::move(methods));

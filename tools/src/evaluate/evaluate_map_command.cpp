@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include <Eigen/Core>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -45,9 +43,7 @@ constexpr double kSample_m = 0.1;
 constexpr double kFar_m = 0.3;
 
 double share_within(const std::vector<float>& distances_m, double limit_m) {
-  const auto within = std::count_if(distances_m.begin(), distances_m.end(),
-                                    [&](float distance_m) { return distance_m <= limit_m; });
-  return static_cast<double>(within) / static_cast<double>(distances_m.size());
+  return share_of(distances_m, [&](float distance_m) { return distance_m <= limit_m; });
 }
 
 SharesWithin shares_within(const std::vector<float>& distances_m) {
@@ -89,13 +85,6 @@ MapError map_error(const std::vector<Eigen::Vector3f>& points_m,
   return error;
 }
 
-/// A map of a drive, in the frame of the drive's truth.
-struct PlacedMap {
-  std::string name;
-  std::vector<Eigen::Vector3f> points_m;
-  bool is_aligned = false;
-};
-
 /// T_truth_map that brings the poses beside a map as near to the truth as one motion can: the mean
 /// of T_truth_sensor T_map_sensor^-1 over the scans. Rotations count, so a straight drive, whose
 /// places alone say nothing of roll, is no harder than another.
@@ -127,33 +116,12 @@ std::optional<Pose> alignment_of(const fs::path& map, const TrajectoryFile& trut
   return T_truth_map;
 }
 
-PlacedMap placed_map(const std::string& path, const TrajectoryFile& truth) {
-  const fs::path file = fs::is_directory(path) ? fs::path(path) / "dense_map.pcd" : fs::path(path);
-  PlacedMap map{path, read_pcd(file.string()).points_m, false};
-  if (const std::optional<Pose> T_truth_map = alignment_of(file, truth)) {
-    for (Eigen::Vector3f& point_m : map.points_m) {
-      point_m = (*T_truth_map * point_m.cast<double>()).cast<float>();
-    }
-    map.is_aligned = true;
-  }
-  return map;
-}
-
 std::string file_of(const std::string& drive, const char* name) {
   const std::string path = file_of_drive(drive, name);
   if (path.empty()) {
     throw Error("{}: has no {}; give a folder written by hqslam simulate", drive, name);
   }
   return path;
-}
-
-void print_row(const PlacedMap& map, const MapError& error) {
-  const auto percent = [](double share) { return fmt::format("{:.2f}", 100.0 * share); };
-  to_stdout("{:>10}{:>9}{:>9}{:>9}{:>9}{:>9}{:>8.3f}{:>8.3f}  {}{}\n", error.points,
-            percent(error.accuracy.at_10_cm), percent(error.accuracy.at_20_cm),
-            percent(error.beyond_30_cm), percent(error.completeness.at_10_cm),
-            percent(error.completeness.at_20_cm), error.f1.at_10_cm, error.f1.at_20_cm, map.name,
-            map.is_aligned ? " (aligned)" : "");
 }
 
 void evaluate_dense_maps(const std::vector<std::string>& paths, const sim::DriveSpec& spec,
@@ -165,8 +133,19 @@ void evaluate_dense_maps(const std::vector<std::string>& paths, const sim::Drive
   to_stdout("{:>10}{:>9}{:>9}{:>9}{:>9}{:>9}{:>8}{:>8}\n", "", "0.1 m", "0.2 m", "0.3 m", "0.1 m",
             "0.2 m", "0.1 m", "0.2 m");
   for (const std::string& path : paths) {
-    const PlacedMap map = placed_map(path, truth);
-    print_row(map, map_error(map.points_m, visible_m, surface));
+    const fs::path file =
+        fs::is_directory(path) ? fs::path(path) / "dense_map.pcd" : fs::path(path);
+    std::vector<Eigen::Vector3f> points_m = read_pcd(file.string()).points_m;
+    const std::optional<Pose> T_truth_map = alignment_of(file, truth);
+    for (Eigen::Vector3f& point_m : points_m) {
+      if (T_truth_map) point_m = (*T_truth_map * point_m.cast<double>()).cast<float>();
+    }
+    const MapError error = map_error(points_m, visible_m, surface);
+    to_stdout("{:>10}{:>9.2f}{:>9.2f}{:>9.2f}{:>9.2f}{:>9.2f}{:>8.3f}{:>8.3f}  {}{}\n",
+              error.points, 100.0 * error.accuracy.at_10_cm, 100.0 * error.accuracy.at_20_cm,
+              100.0 * error.beyond_30_cm, 100.0 * error.completeness.at_10_cm,
+              100.0 * error.completeness.at_20_cm, error.f1.at_10_cm, error.f1.at_20_cm, path,
+              T_truth_map ? " (aligned)" : "");
   }
 }
 

@@ -138,10 +138,6 @@ ThinnedPoints scanned_points(const TrueDrive& drive, double cell_m) {
   return points;
 }
 
-double share(std::size_t part, std::size_t all) {
-  return all == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(all);
-}
-
 }  // namespace
 
 TrueCells true_cells(const TrueDrive& drive, double cell_m) {
@@ -175,17 +171,15 @@ OccupancyGridError occupancy_grid_error(const slam::OccupancyMap& map, const Pos
     const Eigen::Vector2d place_m = (T_map_truth * centre_m.cast<double>()).head<2>();
     return map.at(place_m + map.resolution_m * Eigen::Vector2d(dx, dy));
   };
-  const auto share_of = [&](const std::vector<Eigen::Vector3f>& centres_m, Occupancy occupancy) {
-    const auto is_so = [&](const auto& centre_m) { return at(centre_m) == occupancy; };
-    return share(static_cast<std::size_t>(std::ranges::count_if(centres_m, is_so)),
-                 centres_m.size());
+  const auto share_called = [&](const auto& centres_m, Occupancy occupancy) {
+    return share_of(centres_m, [&](const auto& centre_m) { return at(centre_m) == occupancy; });
   };
   OccupancyGridError error;
-  error.empty_is_free = share_of(cells.empty_m, Occupancy::kFree);
-  error.empty_is_occupied = share_of(cells.empty_m, Occupancy::kOccupied);
-  error.standing_is_occupied = share_of(cells.standing_m, Occupancy::kOccupied);
-  error.standing_is_free = share_of(cells.standing_m, Occupancy::kFree);
-  error.moving_is_occupied = share_of(cells.moving_m, Occupancy::kOccupied);
+  error.empty_is_free = share_called(cells.empty_m, Occupancy::kFree);
+  error.empty_is_occupied = share_called(cells.empty_m, Occupancy::kOccupied);
+  error.standing_is_occupied = share_called(cells.standing_m, Occupancy::kOccupied);
+  error.standing_is_free = share_called(cells.standing_m, Occupancy::kFree);
+  error.moving_is_occupied = share_called(cells.moving_m, Occupancy::kOccupied);
   const auto is_near = [&](const Eigen::Vector3f& centre_m) {
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx) {
@@ -194,9 +188,7 @@ OccupancyGridError occupancy_grid_error(const slam::OccupancyMap& map, const Pos
     }
     return false;
   };
-  error.standing_is_near =
-      share(static_cast<std::size_t>(std::ranges::count_if(cells.standing_m, is_near)),
-            cells.standing_m.size());
+  error.standing_is_near = share_of(cells.standing_m, is_near);
 
   sim::DriveSimulator city(drive.spec, drive.sensor);
   const auto wrong_share = [&](Occupancy occupancy, double radius_cells, bool right) {
@@ -221,7 +213,7 @@ OccupancyGridError occupancy_grid_error(const slam::OccupancyMap& map, const Pos
     const auto places =
         city.true_places(centres.points_m(), column_of(radius_cells * map.resolution_m));
     const auto is_wrong = [&](const auto& place) { return place && place->is_occupied != right; };
-    return share(static_cast<std::size_t>(std::ranges::count_if(places, is_wrong)), places.size());
+    return share_of(places, is_wrong);
   };
   error.free_is_wrong = wrong_share(Occupancy::kFree, kRadius_cells, false);
   error.occupied_is_wrong = wrong_share(Occupancy::kOccupied, kNear_cells, true);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -21,6 +22,13 @@ std::uint64_t voxel_key(const Eigen::Vector3f& point_m, Length side_m) {
            0x1FFFFFU;
   };
   return part(point_m.x()) << 42U | part(point_m.y()) << 21U | part(point_m.z());
+}
+
+/// Of how many of these it is so, 0 to 1; 0 where there are none.
+template <typename Things, typename IsSo>
+double share_of(const Things& things, const IsSo& is_so) {
+  const auto count = static_cast<double>(std::ranges::count_if(things, is_so));
+  return things.empty() ? 0.0 : count / static_cast<double>(things.size());
 }
 
 /// A simulated drive and its city.

@@ -14,16 +14,7 @@
 namespace hqslam::tools {
 namespace {
 
-using Pixel = std::array<std::uint8_t, 3>;
-
-constexpr Pixel kRejected = {235, 60, 50};
-
-RgbImage range_picture(RangeImage image, const LayersReport& report) {
-  for (float& range_m : image.range_m) {
-    if (!(range_m >= report.min_range_m)) range_m = 0.0F;
-  }
-  return color_by_range(image, report.max_range_m);
-}
+constexpr Rgb kRejected = {235, 60, 50};
 
 /// Grey where the filter keeps a pixel, red where it rejects it, black without a return.
 RgbImage mask_image(const RangeImage& filtered, double min_range_m,
@@ -31,7 +22,7 @@ RgbImage mask_image(const RangeImage& filtered, double min_range_m,
   RgbImage image{filtered.rows, filtered.columns, {}};
   for (std::size_t i = 0; i < filtered.range_m.size(); ++i) {
     const std::uint8_t grey = filtered.range_m[i] >= min_range_m ? 150 : 0;
-    image.pixels.push_back(rejected[i] != 0.0F ? kRejected : Pixel{grey, grey, grey});
+    image.pixels.push_back(rejected[i] != 0.0F ? kRejected : Rgb{grey, grey, grey});
   }
   return image;
 }
@@ -60,15 +51,65 @@ RgbImage share_image(const std::vector<float>& shares, int rows, int columns) {
   return image;
 }
 
-std::size_t layer_count(const LayersReport& report) {
+/// Where the result is another than without a memory, by more than 0.1 m: of the truth's returns
+/// whether it came nearer (green) or went away (red), of the others, or all, orange.
+RgbImage decided_image(const LayersReport& report) {
+  constexpr Rgb kNearer = {40, 190, 90};
+  constexpr Rgb kChanged = {245, 160, 40};
+  constexpr float kSame_m = 0.1F;
+  RgbImage image{report.result.rows, report.result.columns, {}};
+  for (std::size_t i = 0; i < report.result.range_m.size(); ++i) {
+    const float with_m = report.result.range_m[i];
+    const float without_m = report.without_memory->range_m[i];
+    const float truth_m = report.truth ? report.truth->range_m[i] : 0.0F;
+    const std::uint8_t grey = with_m > 0.0F ? 90 : 0;
+    Rgb colour = {grey, grey, grey};
+    if (std::abs(with_m - without_m) > kSame_m) {
+      const bool nearer = std::abs(with_m - truth_m) < std::abs(without_m - truth_m);
+      colour = truth_m == 0.0F ? kChanged : nearer ? kNearer : kRejected;
+    }
+    image.pixels.push_back(colour);
+  }
+  return image;
+}
+
+/// The page of a report, while it is being written.
+struct LayersPage : Page {
+  explicit LayersPage(const LayersReport& shown)
+      : Page(fmt::format("Layers of scan {}", shown.scan)), report(shown), trace(shown.trace) {}
+
+  void ranges(RangeImage image, std::string_view caption) {
+    for (float& range_m : image.range_m) {
+      if (!(range_m >= report.min_range_m)) range_m = 0.0F;
+    }
+    picture(color_by_range(image, report.max_range_m), caption);
+  }
+  void mask(const RangeImage& filtered, const std::string& tensor, const char* caption) {
+    picture(mask_image(filtered, report.min_range_m, trace.tensor(tensor).values), caption);
+  }
+  /// How far an image is from the truth; `what` names both and the mean error.
+  void error(const RangeImage& image, const std::string& what) {
+    picture(error_image(image, *report.truth),
+            what + ": white 0.1 m and less, dark red 10 m and more");
+  }
+  /// The image of a layer's tensor.
+  RangeImage image_of(std::size_t k, const char* what) const {
+    return trace.image(fmt::format("layers.{}.{}", k, what));
+  }
+
+  const LayersReport& report;
+  const nn::Trace& trace;
+};
+
+std::size_t layer_count(const nn::Trace& trace) {
   std::size_t count = 0;
-  while (report.trace.has(fmt::format("layers.{}.z", count))) ++count;
+  while (trace.has(fmt::format("layers.{}.z", count))) ++count;
   return count;
 }
 
 /// One channel of a tensor without a unit, black its smallest value, white its largest: beside a
 /// channel of large values one of small ones would be grey all over.
-void add_channel(const nn::TracedTensor& tensor, int channel, Page& page) {
+void add_channel(LayersPage& page, const nn::TracedTensor& tensor, int channel) {
   const auto pixels = static_cast<std::size_t>(tensor.rows) * tensor.columns;
   const std::span<const float> values = std::span(tensor.values).subspan(channel * pixels, pixels);
   const auto [smallest, largest] = std::ranges::minmax(values);
@@ -82,9 +123,9 @@ void add_channel(const nn::TracedTensor& tensor, int channel, Page& page) {
 }
 
 /// The tensors that were asked for, channel by channel.
-void add_named(const LayersReport& report, Page& page) {
-  for (const std::string& name : report.tensors) {
-    const nn::TracedTensor& tensor = report.trace.tensor(name);
+void add_named(LayersPage& page) {
+  for (const std::string& name : page.report.tensors) {
+    const nn::TracedTensor& tensor = page.trace.tensor(name);
     const auto [smallest, largest] = std::ranges::minmax(tensor.values);
     const bool metres = tensor.unit == "m";
     page.heading(2, name);
@@ -93,22 +134,22 @@ void add_named(const LayersReport& report, Page& page) {
         smallest, largest,
         metres ? " m" : "; of each channel black the smallest value, white the largest"));
     if (metres) {
-      page.picture(range_picture(report.trace.image(name), report), name);
+      page.ranges(page.trace.image(name), name);
       continue;
     }
-    for (int channel = 0; channel < tensor.channels; ++channel) add_channel(tensor, channel, page);
+    for (int channel = 0; channel < tensor.channels; ++channel) add_channel(page, tensor, channel);
   }
 }
 
 /// How far every tensor is from the reference in double precision.
-void add_differences(const LayersReport& report, Page& page) {
-  if (report.differences.empty()) return;
+void add_differences(LayersPage& page) {
+  if (page.report.differences.empty()) return;
   page.heading(2, "Difference from the reference");
   page.paragraph(
       "The same network in plain loops and double precision, with the same decisions of the "
       "filter. Where two modes are equally likely a rounding decides between them.");
   std::string rows = "<table><tr><th>tensor</th><th>largest</th><th>root mean square</th></tr>\n";
-  for (const nn::ReferenceDifference& difference : report.differences) {
+  for (const nn::ReferenceDifference& difference : page.report.differences) {
     rows += fmt::format("<tr><td>{}</td><td>{:.3g} {}</td><td>{:.3g} {}</td></tr>\n",
                         escape_html(difference.name), difference.largest, difference.unit,
                         difference.root_mean_square, difference.unit);
@@ -116,161 +157,113 @@ void add_differences(const LayersReport& report, Page& page) {
   page.html(rows + "</table>\n");
 }
 
-/// The image of a layer's tensor.
-RangeImage image_of(const LayersReport& report, std::size_t k, const char* what) {
-  return report.trace.image(fmt::format("layers.{}.{}", k, what));
-}
-
-void add_ranges(const LayersReport& report, const RangeImage& image, const char* caption,
-                Page& page) {
-  page.picture(range_picture(image, report), caption);
-}
-
-void add_mask(const LayersReport& report, const RangeImage& filtered, const std::string& mask,
-              const char* caption, Page& page) {
-  page.picture(mask_image(filtered, report.min_range_m, report.trace.tensor(mask).values), caption);
-}
-
-/// How far an image is from the truth, if that is known; `what` names both and the mean error.
-void add_error(const RangeImage& image, const RangeImage& truth, const std::string& what,
-               Page& page) {
-  page.picture(error_image(image, truth), what + ": white 0.1 m and less, dark red 10 m and more");
-}
-
 /// A layer of two modes and the probability of a return.
-void add_mixture(const LayersReport& report, std::size_t k, Page& page) {
-  RangeImage likely = image_of(report, k, "z");
-  const std::vector<float>& probability = report.trace.tensor("probability").values;
+void add_mixture(LayersPage& page, std::size_t k) {
+  const RangeImage z = page.image_of(k, "z");
+  RangeImage likely = z;
+  const std::vector<float>& probability = page.trace.tensor("probability").values;
   for (std::size_t i = 0; i < probability.size(); ++i) {
     if (probability[i] < 0.5F) likely.range_m[i] = 0.0F;
   }
-  add_ranges(report, image_of(report, k, "h"),
-             "H: what was measured, and what is known of the rest so far", page);
-  add_ranges(report, report.trace.image("mode_1"), "Mode 1, on the side of the measured row above",
-             page);
-  add_ranges(report, report.trace.image("mode_2"), "Mode 2, on the side of the row below", page);
-  page.picture(share_image(report.trace.tensor("weight_1").values, likely.rows, likely.columns),
+  page.ranges(page.image_of(k, "h"), "H: what was measured, and what is known of the rest so far");
+  page.ranges(page.trace.image("mode_1"), "Mode 1, on the side of the measured row above");
+  page.ranges(page.trace.image("mode_2"), "Mode 2, on the side of the row below");
+  page.picture(share_image(page.trace.tensor("weight_1").values, z.rows, z.columns),
                "Weight of mode 1: white certain, black none");
-  add_ranges(report, image_of(report, k, "z"), "Z: the likelier of the two modes", page);
-  page.picture(share_image(probability, likely.rows, likely.columns),
+  page.ranges(z, "Z: the likelier of the two modes");
+  page.picture(share_image(probability, z.rows, z.columns),
                "Probability of a return: white certain, black none");
-  add_ranges(report, likely, "Z where a return is likely", page);
+  page.ranges(likely, "Z where a return is likely");
 }
 
 /// M and W^2 / (W^2 + 1), the share of H that memory has where its mode does not scale it.
-void add_recalled(const LayersReport& report, Page& page) {
-  const RangeImage recalled = report.trace.image("recalled");
-  std::vector<float> share = report.trace.tensor("recalled_weight").values;
+void add_recalled(LayersPage& page) {
+  const RangeImage recalled = page.trace.image("recalled");
+  std::vector<float> share = page.trace.tensor("recalled_weight").values;
   for (float& weight : share) weight /= weight + 1.0F;
-  add_ranges(report, recalled, "M: what earlier scans measured, seen from here", page);
+  page.ranges(recalled, "M: what earlier scans measured, seen from here");
   page.picture(share_image(share, recalled.rows, recalled.columns),
                "W² / (W² + 1): white memory alone, black nothing is recalled");
 }
 
-/// Where the result is another than without a memory, by more than 0.1 m: of the truth's returns
-/// whether it came nearer (green) or went away (red), of the others, or all, orange.
-RgbImage decided_image(const LayersReport& report) {
-  constexpr Pixel kNearer = {40, 190, 90};
-  constexpr Pixel kChanged = {245, 160, 40};
-  constexpr float kSame_m = 0.1F;
-  RgbImage image{report.result.rows, report.result.columns, {}};
-  for (std::size_t i = 0; i < report.result.range_m.size(); ++i) {
-    const float with_m = report.result.range_m[i];
-    const float without_m = report.without_memory->range_m[i];
-    const float truth_m = report.truth ? report.truth->range_m[i] : 0.0F;
-    const std::uint8_t grey = with_m > 0.0F ? 90 : 0;
-    Pixel colour = {grey, grey, grey};
-    if (std::abs(with_m - without_m) > kSame_m) {
-      const bool nearer = std::abs(with_m - truth_m) < std::abs(without_m - truth_m);
-      colour = truth_m == 0.0F ? kChanged : nearer ? kNearer : kRejected;
-    }
-    image.pixels.push_back(colour);
-  }
-  return image;
-}
-
-void add_without_memory(const LayersReport& report, Page& page) {
-  add_ranges(report, *report.without_memory, "Result without a memory", page);
-  page.picture(decided_image(report),
-               report.truth ? "Where memory changed a range by more than 0.1 m: green nearer to "
-                              "the truth, red farther, orange where the truth has no return"
-                            : "Where memory changed a range by more than 0.1 m: orange");
+void add_without_memory(LayersPage& page) {
+  page.ranges(*page.report.without_memory, "Result without a memory");
+  page.picture(decided_image(page.report),
+               page.report.truth
+                   ? "Where memory changed a range by more than 0.1 m: green nearer to "
+                     "the truth, red farther, orange where the truth has no return"
+                   : "Where memory changed a range by more than 0.1 m: orange");
 }
 
 /// A network that says all ranges in one go.
-void add_direct(const LayersReport& report, Page& page) {
-  const RangeImage said = image_of(report, 0, "z");
+void add_direct(LayersPage& page) {
+  const RangeImage said = page.image_of(0, "z");
   page.heading(2, "The network");
-  add_ranges(report, said, "What it says of every pixel", page);
-  add_mask(report, said, "layers.0.rejected",
-           "Pixels on which its passes with dropout disagree, in red", page);
-  add_ranges(report, image_of(report, 0, "y"), "What remains", page);
+  page.ranges(said, "What it says of every pixel");
+  page.mask(said, "layers.0.rejected", "Pixels on which its passes with dropout disagree, in red");
+  page.ranges(page.image_of(0, "y"), "What remains");
 }
 
-void add_layer(const LayersReport& report, std::size_t k, Page& page) {
+void add_layer(LayersPage& page, std::size_t k) {
   const std::string heading = fmt::format("Layer {}", k + 1);
-  if (report.trace.has("probability")) {
+  if (page.trace.has("probability")) {
     page.heading(2, heading);
-    return add_mixture(report, k, page);
+    return add_mixture(page, k);
   }
-  if (!report.trace.has("layers.0.h")) return add_direct(report, page);
+  if (!page.trace.has("layers.0.h")) return add_direct(page);
   const nn::ObjectiveTerms terms =
-      objective_terms(report.trace, static_cast<int>(k), report.network.measured_rows);
-  const float penalty = report.trace.tensor(fmt::format("layers.{}.penalty", k)).values.front();
+      objective_terms(page.trace, static_cast<int>(k), page.report.network.measured_rows);
+  const float penalty = page.trace.tensor(fmt::format("layers.{}.penalty", k)).values.front();
   page.heading(2, fmt::format("{}, b = {:.3f}", heading, penalty));
   page.paragraph(
       fmt::format("data {:.2f} m², denoiser gap {:.0f} m², filter gap {:.1f} m², {} pixels "
                   "rejected (terms of eq. 5)",
                   terms.data_m2, terms.denoiser_gap_m2, terms.filter_gap_m2, terms.rejected));
-  const RangeImage h = image_of(report, k, "h");
-  const RangeImage z = image_of(report, k, "z");
-  add_ranges(report, h, "H: data consistency (eq. 10a)", page);
-  add_ranges(report, z, "Z: denoiser (eq. 10b)", page);
-  if (const std::string rejected = fmt::format("layers.{}.rejected", k);
-      report.trace.has(rejected)) {
-    add_mask(report, h, rejected, "Q of H: rejected pixels in red", page);
-    add_ranges(report, image_of(report, k, "y"), "Y (eq. 10c): H, where it was rejected Z", page);
+  const RangeImage h = page.image_of(k, "h");
+  const RangeImage z = page.image_of(k, "z");
+  page.ranges(h, "H: data consistency (eq. 10a)");
+  page.ranges(z, "Z: denoiser (eq. 10b)");
+  if (const std::string rejected = fmt::format("layers.{}.rejected", k); page.trace.has(rejected)) {
+    page.mask(h, rejected, "Q of H: rejected pixels in red");
+    page.ranges(page.image_of(k, "y"), "Y (eq. 10c): H, where it was rejected Z");
   }
-  if (report.truth) {
-    add_error(z, *report.truth,
-              fmt::format("Z against the truth, mean error {:.2f} m",
-                          image_error(z, *report.truth).mae_all_m),
-              page);
+  if (page.report.truth) {
+    page.error(z, fmt::format("Z against the truth, mean error {:.2f} m",
+                              image_error(z, *page.report.truth).mae_all_m));
   }
 }
 
-void add_result(const LayersReport& report, Page& page) {
+void add_result(LayersPage& page) {
   page.heading(2, "Result");
-  if (!report.confidence.empty()) {
+  const RangeImage& result = page.report.result;
+  if (!page.report.confidence.empty()) {
     page.picture(
-        share_image(report.confidence, report.result.rows, report.result.columns),
+        share_image(page.report.confidence, result.rows, result.columns),
         fmt::format("Confidence: a return, and within {} m of its range. White certain; "
                     "emptied below {:.2f}",
-                    nn::SuperResolverOptions{}.tolerance_m, report.network.least_confidence));
-    add_ranges(report, report.result, "Result: measured rows, doubtful pixels empty", page);
-    if (report.truth) {
-      add_error(
-          report.result, *report.truth,
+                    nn::SuperResolverOptions{}.tolerance_m, page.report.network.least_confidence));
+    page.ranges(result, "Result: measured rows, doubtful pixels empty");
+    if (page.report.truth) {
+      page.error(
+          result,
           fmt::format("Result against the truth, mean error {:.2f} m where both have a return",
-                      image_error(report.result, *report.truth).mae_valid_m),
-          page);
+                      image_error(result, *page.report.truth).mae_valid_m));
     }
   } else {
-    if (last_filter(report.network)) {
-      add_mask(report, image_of(report, layer_count(report) - 1, "z"), "rejected",
-               "Q of the last Z: rejected pixels in red", page);
+    if (last_filter(page.report.network)) {
+      page.mask(page.image_of(layer_count(page.trace) - 1, "z"), "rejected",
+                "Q of the last Z: rejected pixels in red");
     }
-    add_ranges(report, report.result, "Result: measured rows restored, rejected pixels empty",
-               page);
+    page.ranges(result, "Result: measured rows restored, rejected pixels empty");
   }
-  if (report.without_memory) add_without_memory(report, page);
-  if (report.truth) add_ranges(report, *report.truth, "Truth", page);
+  if (page.report.without_memory) add_without_memory(page);
+  if (page.report.truth) page.ranges(*page.report.truth, "Truth");
 }
 
 }  // namespace
 
 std::string layers_html(const LayersReport& report) {
-  Page page(fmt::format("Layers of scan {}", report.scan));
+  LayersPage page(report);
   page.style(
       "\nfigure { margin: .75rem 0; }\nfigure img { width: 100%; height: 8rem; display: block; "
       "image-rendering: pixelated; }\nfigcaption { color: var(--quiet); font-size: .85rem; }\n");
@@ -279,15 +272,14 @@ std::string layers_html(const LayersReport& report) {
   page.paragraph(
       fmt::format("{}, lifted by {}. Bright is near, dark blue far, black without a return.",
                   report.recording, report.weights));
-  add_named(report, page);
-  add_differences(report, page);
-  add_ranges(report, report.measured, "Measured rows (L)", page);
-  if (report.trace.has("start")) {
-    add_ranges(report, report.trace.image("start"), "Start (Z and Y before layer 1)", page);
-  }
-  if (report.trace.has("recalled")) add_recalled(report, page);
-  for (std::size_t k = 0; k < layer_count(report); ++k) add_layer(report, k, page);
-  add_result(report, page);
+  add_named(page);
+  add_differences(page);
+  page.ranges(report.measured, "Measured rows (L)");
+  if (page.trace.has("start"))
+    page.ranges(page.trace.image("start"), "Start (Z and Y before layer 1)");
+  if (page.trace.has("recalled")) add_recalled(page);
+  for (std::size_t k = 0; k < layer_count(page.trace); ++k) add_layer(page, k);
+  add_result(page);
   return page.text();
 }
 

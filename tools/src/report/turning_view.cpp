@@ -11,7 +11,6 @@
 
 #include "report/cloud_picture.h"
 #include "report/point_blocks.h"
-#include "report/turning_view_script.h"
 
 namespace hqslam::tools {
 

@@ -44,6 +44,7 @@ inline constexpr std::size_t kMostScanPoints = 700'000;
 /// mouse, fingers or keys, and steps through the scans. WebGL 2, no other file, no network; a
 /// browser without it shows a line of text. Points are thinned to what a page may have.
 extern const char* const kTurningViewStyle;
+extern const char* const kTurningViewScript;  ///< draws them; it is in what follows
 std::string turning_view_html(const TurningView& view);
 /// What such a page knows of the view, as JSON. A page that goes on calls renew(data) of its
 /// element .turning-view with what there is now, of as many clouds: it is seen from where the last

@@ -1,4 +1,4 @@
-#include "report/turning_view_script.h"
+#include "report/turning_view.h"
 
 namespace hqslam::tools {
 

@@ -28,9 +28,10 @@ ScanPoses poses_of(const SlamRun& run) {
 void declare_dense_map(Command& command, DenseMapChoice& choice,
                        const std::vector<const char*>& needs) {
   command
-      .option("--map-voxel", &choice.voxel_m, "Of the dense map: metres from point to point",
+      .option("--map-voxel", &choice.options.voxel_m,
+              "Of the dense map: metres from point to point",
               {.shows_default = true, .within = std::pair(0.02, 1.0), .needs = needs})
-      .option("--map-confidence", &choice.least_confidence,
+      .option("--map-confidence", &choice.options.least_confidence,
               "Of the dense map: least probability that a point is on a surface",
               {.shows_default = true, .within = std::pair(0.001, 0.999), .needs = needs})
       .option("--las", &choice.las, "Also write the dense map as dense_map.las", {.needs = needs});
@@ -40,11 +41,8 @@ DenseMapRun build_dense_map(const InputChoice& recording, const LiftingChoice& l
                             const ScanPoses& poses, const DenseMapChoice& choice,
                             const InterruptGuard& interrupt) {
   const SteadyClock::time_point start = SteadyClock::now();
-  MapInput input(recording, lifting, choice.voxel_m);
-  slam::DenseMapOptions options;
-  options.voxel_m = choice.voxel_m;
-  options.least_confidence = choice.least_confidence;
-  slam::DenseMap map(options);
+  MapInput input(recording, lifting, choice.options.voxel_m);
+  slam::DenseMap map(choice.options);
   DenseMapRun run;
   static_cast<MapReading&>(run) = input.read_all(
       poses, "dense map, points", interrupt, [&](const auto& scan, const auto& path) {
@@ -55,7 +53,7 @@ DenseMapRun build_dense_map(const InputChoice& recording, const LiftingChoice& l
       [&](const auto& scan, const auto& path) { map.see_through(input.measured(scan), path); });
   run.points = map.points(&run.intensity);
   run.las = choice.las;
-  run.voxel_m = choice.voxel_m;
+  run.voxel_m = choice.options.voxel_m;
   run.is_full = map.is_full();
   run.wall_s = seconds_since(start);
   return run;

@@ -20,8 +20,7 @@ struct SlamRun;
 
 /// What a user may say about a dense map.
 struct DenseMapChoice {
-  double voxel_m = slam::DenseMapOptions().voxel_m;
-  double least_confidence = slam::DenseMapOptions().least_confidence;
+  slam::DenseMapOptions options;
   bool las = false;  ///< a .las file too
 };
 /// --map-voxel, --map-confidence and --las. needs: options without which they say nothing.

@@ -92,10 +92,8 @@ TEST_CASE("what is no range is no return; what is no scan is an Error") {
   }
   const StoredScans scans({folder.file("bad.npy")}, tiny_sensor());
   const RangeImage image = scans.read(0).truth;
-  CHECK(image.range_m[0] == 0.0F);
-  CHECK(image.range_m[1] == 0.0F);
-  CHECK(image.range_m[2] == 0.0F);
-  CHECK(image.range_m[3] == 4.0F);
+  CHECK(std::vector(image.range_m.begin(), image.range_m.begin() + 4) ==
+        std::vector{0.0F, 0.0F, 0.0F, 4.0F});
   CHECK(test::refused_with([&] { scans.read(1); }, "scan 1", "0 to 0"));
   CHECK(test::refused_with([&] { scans.read(-1); }, "scan -1"));
   CHECK(test::refused_with([&] { StoredScans({folder.file("bad.npy")}, sensor_preset("os1-16")); },

@@ -56,21 +56,6 @@ std::optional<double> peak_memory_mb() {
   return std::nullopt;
 }
 
-/// The points of an image in the order of its pixels, with their rows, as a reader gives them.
-Scan scan_of(const OrganizedCloud& cloud) {
-  Scan scan;
-  for (int row = 0; row < cloud.rows; ++row) {
-    for (int column = 0; column < cloud.columns; ++column) {
-      const std::size_t pixel = cloud.index(row, column);
-      if (cloud.range_m[pixel] > 0.0F) {
-        scan.points_m.push_back(cloud.points_m[pixel]);
-        scan.row.push_back(static_cast<std::uint16_t>(row));
-      }
-    }
-  }
-  return scan;
-}
-
 }  // namespace
 
 SlamTiming time_slam(ScanSource& source, int rows, nn::Upsampler* upsampler, int threads,
@@ -139,7 +124,7 @@ StepTiming time_steps(const std::vector<RangeImage>& images, const SensorModel& 
       OrganizedCloud cloud;
       unprojection_ms.push_back(milliseconds_of(
           [&] { cloud = unproject(image, sensor, CaptureTime::kMotionCorrected); }));
-      const Scan scan = scan_of(cloud);
+      const Scan scan = returns_of(cloud);
       projection_ms.push_back(milliseconds_of([&] { project(scan, sensor); }));
     }
   }

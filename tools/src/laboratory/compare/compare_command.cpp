@@ -66,18 +66,16 @@ std::vector<ComparedMethod> methods_of(const CompareOptions& options, const Sens
   const RowSelection rows = selection_for(sensor.rows(), kMeasuredRows);
   std::vector<ComparedMethod> methods;
   for (const std::string& name : nn::interpolation_names()) {
-    methods.push_back(
-        {name, nn::Upsampler(nn::interpolation_from_name(name), sensor, rows), std::nullopt});
+    methods.push_back({name, {nn::interpolation_from_name(name), sensor, rows}});
   }
   for (const std::string& weights : options.weights) {
     nn::Upsampler network(network_of(weights, sensor), sensor);
     const std::string name = network.name();
     if (last_filter(network.network()->description())) {
-      methods.push_back(
-          {name + ", unfiltered at the end", without_last_filter(weights, sensor), std::nullopt});
+      methods.push_back({name + ", unfiltered at the end", without_last_filter(weights, sensor)});
       methods.push_back({name, std::move(network), without_last_filter(weights, sensor)});
     } else {
-      methods.push_back({name, std::move(network), std::nullopt});
+      methods.push_back({name, std::move(network)});
     }
   }
   return methods;
@@ -89,28 +87,28 @@ using ScoreFigures = std::vector<Figure<UpsamplingScore>>;
 ScoreFigures score_figures(const UpsamplingScore& linear) {
   using S = UpsamplingScore;
   return {
-      {"MAE all m", "mae_all_m", 3, 1.0, [](const S& s) { return s.mae_all_m; }},
+      {"MAE all m", "mae_all_m", 3, 1.0, &S::mae_all_m},
       {"of linear", nullptr, 3, 1.0, [=](const S& s) { return s.mae_all_m / linear.mae_all_m; }},
-      {"MAE valid m", "mae_valid_m", 3, 1.0, [](const S& s) { return s.mae_valid_m; }},
-      {"missing %", "missing_share", 2, 100.0, [](const S& s) { return s.missing_share; }},
-      {"invented %", "invented_share", 2, 100.0, [](const S& s) { return s.invented_share; }},
-      {"right %", "right_share", 2, 100.0, [](const S& s) { return s.right_share; }},
-      {"Chamfer m^2", "chamfer_m2", 3, 1.0, [](const S& s) { return s.chamfer_m2; }},
-      {"IoU", "iou", 3, 1.0, [](const S& s) { return s.iou; }},
-      {"precision", "precision", 3, 1.0, [](const S& s) { return s.precision; }},
-      {"recall", "recall", 3, 1.0, [](const S& s) { return s.recall; }},
-      {"F1", "f1", 3, 1.0, [](const S& s) { return s.f1; }},
-      {"computed", "computed_f1", 3, 1.0, [](const S& s) { return s.computed_f1; }},
-      {"outliers %", "outlier_share", 2, 100.0, [](const S& s) { return s.outlier_share; }},
-      {"per scan", "outliers_per_scan", 0, 1.0, [](const S& s) { return s.outliers_per_scan; }},
+      {"MAE valid m", "mae_valid_m", 3, 1.0, &S::mae_valid_m},
+      {"missing %", "missing_share", 2, 100.0, &S::missing_share},
+      {"invented %", "invented_share", 2, 100.0, &S::invented_share},
+      {"right %", "right_share", 2, 100.0, &S::right_share},
+      {"Chamfer m^2", "chamfer_m2", 3, 1.0, &S::chamfer_m2},
+      {"IoU", "iou", 3, 1.0, &S::iou},
+      {"precision", "precision", 3, 1.0, &S::precision},
+      {"recall", "recall", 3, 1.0, &S::recall},
+      {"F1", "f1", 3, 1.0, &S::f1},
+      {"computed", "computed_f1", 3, 1.0, &S::computed_f1},
+      {"outliers %", "outlier_share", 2, 100.0, &S::outlier_share},
+      {"per scan", "outliers_per_scan", 0, 1.0, &S::outliers_per_scan},
       {"of linear", nullptr, 3, 1.0,
        [=](const S& s) { return s.outliers_per_scan / linear.outliers_per_scan; }},
-      {"good lost %", "good_lost_share", 2, 100.0, [](const S& s) { return s.good_lost_share; }},
+      {"good lost %", "good_lost_share", 2, 100.0, &S::good_lost_share},
       {"ms", nullptr, 2, 1.0,
        [](const S& s) {
          return s.upsampling_ms > 0.0 ? std::optional(s.upsampling_ms) : std::nullopt;
        }},
-      {nullptr, "upsampling_ms", 0, 1.0, [](const S& s) { return s.upsampling_ms; }}};
+      {nullptr, "upsampling_ms", 0, 1.0, &S::upsampling_ms}};
 }
 
 /// Linear's, or the first where that is not there.
@@ -131,8 +129,8 @@ void print_trials(const std::vector<FilterTrial>& trials) {
     return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
   };
   const std::vector<Figure<T>> figures = {
-      {"angle deg", nullptr, 0, 1.0, [](const T& t) { return t.min_angle_deg; }},
-      {"min pixels", nullptr, 0, 1.0, [](const T& t) { return t.min_pixels; }},
+      {"angle deg", nullptr, 0, 1.0, &T::min_angle_deg},
+      {"min pixels", nullptr, 0, 1.0, &T::min_pixels},
       {"bad removed %", nullptr, 1, 100.0, [=](const T& t) { return share(t.bad_removed, t.bad); }},
       {"good lost %", nullptr, 2, 100.0, [=](const T& t) { return share(t.good_lost, t.good); }},
       {"outliers left %", nullptr, 2, 100.0,
@@ -281,8 +279,7 @@ int compare_command(const CompareOptions& options) {
     throw Error("compare: {} needs --weights", options.filters ? "--filters" : "--layers");
   }
   if (options.filters) {
-    FilterComparison comparison(without_last_filter(options.weights.front(), sensor),
-                                {5, 10, 15, 20, 30, 60}, {5, 10, 20, 50, 100}, {0.0, 0.01});
+    FilterComparison comparison(without_last_filter(options.weights.front(), sensor));
     used = for_each_scan(options, sensor, interrupt,
                          [&](const OrganizedCloud& scan, const auto&) { comparison.add(scan); });
     print_trials(comparison.trials());

@@ -165,11 +165,11 @@ double ConfidenceCurve::calibration_error() const {
 const std::vector<Figure<OperatingPoint>>& operating_figures() {
   using P = OperatingPoint;
   static const std::vector<Figure<P>> figures = {
-      {"MAE all m", "mae_all_m", 3, 1.0, [](const P& p) { return p.mae_all_m; }},
-      {"MAE valid m", "mae_valid_m", 3, 1.0, [](const P& p) { return p.mae_valid_m; }},
-      {"outliers %", "outlier_share", 2, 100.0, [](const P& p) { return p.outlier_share; }},
-      {"missing %", "missing_share", 2, 100.0, [](const P& p) { return p.missing_share; }},
-      {"F1", "f1", 3, 1.0, [](const P& p) { return p.f1; }}};
+      {"MAE all m", "mae_all_m", 3, 1.0, &P::mae_all_m},
+      {"MAE valid m", "mae_valid_m", 3, 1.0, &P::mae_valid_m},
+      {"outliers %", "outlier_share", 2, 100.0, &P::outlier_share},
+      {"missing %", "missing_share", 2, 100.0, &P::missing_share},
+      {"F1", "f1", 3, 1.0, &P::f1}};
   return figures;
 }
 

@@ -49,10 +49,10 @@ double mae_of_computed_rows_m(const RangeImage& image, const RangeImage& truth) 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-struct TulipMethod {
+/// With sums over the scans until they are divided.
+struct TulipMethod : TulipScore {
   std::string name;
   nn::Upsampler upsampler;
-  TulipScore score;  ///< sums over the scans until they are divided
 };
 
 /// Every so many-th .bin file of a folder, or of the folder `velodyne` in it.
@@ -84,7 +84,7 @@ std::vector<TulipMethod> methods_of(const CompareOptions& options) {
   const RowSelection rows = selection_for(sensor.rows(), kTulipMeasuredRows);
   std::vector<TulipMethod> methods;
   for (const std::string& name : nn::interpolation_names()) {
-    methods.push_back({name, {nn::interpolation_from_name(name), sensor, rows}, {}});
+    methods.push_back({{}, name, {nn::interpolation_from_name(name), sensor, rows}});
   }
   for (const std::string& weights : options.weights) {
     nn::SuperResolver network = nn::SuperResolver::load(weights);
@@ -96,7 +96,7 @@ std::vector<TulipMethod> methods_of(const CompareOptions& options) {
           "63 are measured",
           weights, own.rows(), own.columns);
     }
-    methods.push_back({fs::path(weights).stem().string(), {std::move(network), sensor}, {}});
+    methods.push_back({{}, fs::path(weights).stem().string(), {std::move(network), sensor}});
   }
   return methods;
 }
@@ -104,9 +104,9 @@ std::vector<TulipMethod> methods_of(const CompareOptions& options) {
 void add(const RangeImage& truth, TulipMethod& method) {
   const RangeImage measured = select_rows(truth, method.upsampler.measured_rows());
   const TulipScore score = tulip_score(method.upsampler.run(measured).image, truth);
-  method.score.mae_m += score.mae_m;
-  method.score.mae_computed_m += score.mae_computed_m;
-  method.score += score;
+  method.mae_m += score.mae_m;
+  method.mae_computed_m += score.mae_computed_m;
+  method += score;
 }
 
 void make_mean(TulipScore& sum, double scans) {
@@ -118,14 +118,13 @@ void make_mean(TulipScore& sum, double scans) {
 const std::vector<Figure<TulipMethod>>& tulip_figures() {
   using M = TulipMethod;
   static const std::vector<Figure<M>> figures = {
-      {"MAE all m", "mae_m", 4, 1.0, [](const M& m) { return m.score.mae_m; }},
-      {"MAE computed rows m", "mae_computed_m", 4, 1.0,
-       [](const M& m) { return m.score.mae_computed_m; }},
-      {"Chamfer m^2", "chamfer_m2", 4, 1.0, [](const M& m) { return m.score.chamfer_m2; }},
-      {"IoU", "iou", 4, 1.0, [](const M& m) { return m.score.iou; }},
-      {"precision", "precision", 4, 1.0, [](const M& m) { return m.score.precision; }},
-      {"recall", "recall", 4, 1.0, [](const M& m) { return m.score.recall; }},
-      {"F1", "f1", 4, 1.0, [](const M& m) { return m.score.f1; }}};
+      {"MAE all m", "mae_m", 4, 1.0, &M::mae_m},
+      {"MAE computed rows m", "mae_computed_m", 4, 1.0, &M::mae_computed_m},
+      {"Chamfer m^2", "chamfer_m2", 4, 1.0, &M::chamfer_m2},
+      {"IoU", "iou", 4, 1.0, &M::iou},
+      {"precision", "precision", 4, 1.0, &M::precision},
+      {"recall", "recall", 4, 1.0, &M::recall},
+      {"F1", "f1", 4, 1.0, &M::f1}};
   return figures;
 }
 
@@ -216,7 +215,7 @@ int compare_with_tulip(const CompareOptions& options) {
                {"scans", done},
                {"methods", Json::array()}};
   for (TulipMethod& method : methods) {
-    make_mean(method.score, static_cast<double>(done));
+    make_mean(method, static_cast<double>(done));
     Json& row = json["methods"].emplace_back(Json{{"method", method.name}});
     add_figures(method, tulip_figures(), row);
   }

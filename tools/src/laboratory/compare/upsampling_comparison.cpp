@@ -171,14 +171,10 @@ std::vector<UpsamplingScore> UpsamplingComparison::scores() const {
   return scores;
 }
 
-FilterComparison::FilterComparison(nn::Upsampler unfiltered,
-                                   const std::vector<double>& min_angles_deg,
-                                   const std::vector<int>& min_pixels,
-                                   const std::vector<double>& support_shares)
-    : unfiltered_(std::move(unfiltered)) {
-  for (const double share : support_shares) {
-    for (const double angle_deg : min_angles_deg) {
-      for (const int pixels : min_pixels) {
+FilterComparison::FilterComparison(nn::Upsampler unfiltered) : unfiltered_(std::move(unfiltered)) {
+  for (const double share : {0.0, 0.01}) {
+    for (const double angle_deg : {5.0, 10.0, 15.0, 20.0, 30.0, 60.0}) {
+      for (const int pixels : {5, 10, 20, 50, 100}) {
         trials_.push_back(
             {.min_angle_deg = angle_deg, .min_pixels = pixels, .support_share = share});
       }

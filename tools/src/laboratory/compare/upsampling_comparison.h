@@ -55,7 +55,7 @@ void make_mean(UpsamplingScore& sum, std::int64_t scans);
 struct ComparedMethod {
   std::string name;
   nn::Upsampler upsampler;
-  std::optional<nn::Upsampler> unfiltered;
+  std::optional<nn::Upsampler> unfiltered = std::nullopt;
 };
 
 /// Scores methods scan by scan against recordings that have all rows.
@@ -106,8 +106,7 @@ struct FilterTrial {
 /// Tries settings of the filter at the end on the same results.
 class FilterComparison {
  public:
-  FilterComparison(nn::Upsampler unfiltered, const std::vector<double>& min_angles_deg,
-                   const std::vector<int>& min_pixels, const std::vector<double>& support_shares);
+  explicit FilterComparison(nn::Upsampler unfiltered);
   void add(const OrganizedCloud& truth);
   const std::vector<FilterTrial>& trials() const { return trials_; }
 

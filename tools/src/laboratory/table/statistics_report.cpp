@@ -190,15 +190,13 @@ std::vector<std::string> notes_of(const TableSample& sample) {
 const std::vector<StatisticsColumn>& summary_columns() {
   using M = MethodStatistics;
   static const std::vector<StatisticsColumn> columns = {
-      {"drift, %", "drift_percent", 4, false, [](const M& m) { return m.drift_percent; }},
-      {"drift, deg/100 m", "drift_deg_per_100m", 4, false,
-       [](const M& m) { return m.drift_deg_per_100m; }},
+      {"drift, %", "drift_percent", 4, false, &M::drift_percent},
+      {"drift, deg/100 m", "drift_deg_per_100m", 4, false, &M::drift_deg_per_100m},
       {"drift where it does not slip, %", "drift_percent_no_slip", 4, false,
-       [](const M& m) { return m.drift_percent_no_slip; }},
+       &M::drift_percent_no_slip},
       {"slips", nullptr, 0, false, [](const M& m) { return number(m.slips); }},
-      {"slips per 100 km", "slips_per_100_km", 0, false,
-       [](const M& m) { return m.slips_per_100_km; }},
-      {"APE, m", "ape_m", 3, false, [](const M& m) { return m.ape_m; }},
+      {"slips per 100 km", "slips_per_100_km", 0, false, &M::slips_per_100_km},
+      {"APE, m", "ape_m", 3, false, &M::ape_m},
       {"SLAM, ms", nullptr, 1, false, [](const M& m) { return number(m.slam_ms); }}};
   return columns;
 }
@@ -206,16 +204,13 @@ const std::vector<StatisticsColumn>& summary_columns() {
 const std::vector<StatisticsColumn>& pair_columns() {
   using M = MethodStatistics;
   static const std::vector<StatisticsColumn> columns = {
-      {"drift, difference in %", "drift_difference_percent", 4, true,
-       [](const M& m) { return m.drift_difference_percent; }},
-      {"drift, ratio", "drift_ratio", 2, true, [](const M& m) { return m.drift_ratio; }},
-      {"ratio where neither slips", "drift_ratio_no_slip", 2, true,
-       [](const M& m) { return m.drift_ratio_no_slip; }},
+      {"drift, difference in %", "drift_difference_percent", 4, true, &M::drift_difference_percent},
+      {"drift, ratio", "drift_ratio", 2, true, &M::drift_ratio},
+      {"ratio where neither slips", "drift_ratio_no_slip", 2, true, &M::drift_ratio_no_slip},
       {"slips per 100 km, difference", "slips_difference_per_100_km", 0, true,
-       [](const M& m) { return m.slips_difference; }},
-      {"share of LiDAR-16's gap to LiDAR-64 closed, drift", "gap_closed", 2, false,
-       [](const M& m) { return m.gap_closed; }},
-      {"slips", "slip_gap_closed", 2, false, [](const M& m) { return m.slip_gap_closed; }}};
+       &M::slips_difference},
+      {"share of LiDAR-16's gap to LiDAR-64 closed, drift", "gap_closed", 2, false, &M::gap_closed},
+      {"slips", "slip_gap_closed", 2, false, &M::slip_gap_closed}};
   return columns;
 }
 

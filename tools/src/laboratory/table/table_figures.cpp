@@ -21,7 +21,7 @@ MethodFigures method_figures(const TableMethod& method, const TableResult& resul
     const Trajectory stamped = with_stamps_of_scans(*truth, trajectory, result.scan_of_pose);
     figures.against_truth[i] = error_figures(trajectory, stamped);
     if (i == kLoopClosingOff && figures.against_truth[i]) {
-      figures.slips = slips(trajectory, stamped, {}, kMaxStampDifference_s);
+      figures.slips = slips(trajectory, stamped);
     }
   }
   return figures;
@@ -36,7 +36,7 @@ std::optional<ErrorFigures> error_figures(const Trajectory& estimate, const Traj
   ErrorFigures figures;
   figures.ape = std::move(comparison->error);
   figures.path_m = path_length_m(comparison->reference);
-  figures.pieces = relative_pose_error(estimate, reference, kDriftPiece_m, kMaxStampDifference_s);
+  figures.pieces = relative_pose_error(estimate, reference, kDriftPiece_m);
   return figures;
 }
 
