@@ -1,38 +1,25 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <functional>
 #include <iterator>
 #include <optional>
-#include <string>
 #include <utility>
 #include <vector>
 
+#include "calibrate/calibration_page.h"
 #include "commands.h"
 #include "files/result_files.h"
-#include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "hqslam/slam/beam_calibration.h"
 #include "hqslam/slam/slam.h"
 #include "lift/lifted_input.h"
 #include "recording/reading.h"
-#include "report/chart.h"
-#include "report/page.h"
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {
 namespace {
-
-using slam::BeamCorrection;
-
-/// In the head of a page of hqslam calibrate.
-constexpr const char* kPageMarker = "<meta name=\"generator\" content=\"hqslam calibrate\">";
-
-constexpr double kMillimetres = 1000.0;
 
 /// Scans this far apart see enough of each other's surfaces and enough that is new.
 constexpr double kStep_m = 1.0;
@@ -110,119 +97,6 @@ SensorModel corrected(SensorModel sensor, const std::optional<RowSelection>& row
   return sensor;
 }
 
-/// What hqslam calibrate found, and from what.
-struct CalibrationReport {
-  std::string recording;
-  SensorModel sensor;
-  double path_m = 0.0;
-  std::int64_t scans = 0;
-  slam::BeamCalibration found;
-};
-
-std::vector<double> of_beams(const CalibrationReport& report,
-                             const std::function<double(const BeamCorrection&)>& value) {
-  // Rows fall, and a chart's x rises.
-  std::vector<double> values;
-  for (auto beam = report.found.beams.rbegin(); beam != report.found.beams.rend(); ++beam) {
-    values.push_back(value(*beam));
-  }
-  return values;
-}
-
-std::string chart_of(const CalibrationReport& report, const char* y_label,
-                     std::vector<Series> series) {
-  Chart chart;
-  chart.x_label = "elevation of the beam, degrees";
-  chart.y_label = y_label;
-  for (int row = report.sensor.rows() - 1; row >= 0; --row) {
-    chart.x.push_back(report.sensor.beam_elevation_rad[row] * kDegreesPerRadian);
-  }
-  chart.series = std::move(series);
-  return chart_html(chart);
-}
-
-/// A value between two lines, one standard deviation to either side.
-std::vector<Series> with_sigma(const CalibrationReport& report, const char* name, double scale,
-                               double BeamCorrection::*value, double BeamCorrection::*sigma) {
-  return {{name, "mapping", of_beams(report, [&](const auto& b) { return scale * b.*value; })},
-          {"one standard deviation more", "reading",
-           of_beams(report, [&](const auto& b) { return scale * (b.*value + b.*sigma); })},
-          {"one less", "reading",
-           of_beams(report, [&](const auto& b) { return scale * (b.*value - b.*sigma); })}};
-}
-
-/// Before and after the corrections.
-std::string distances_chart(const CalibrationReport& report, const char* y_label,
-                            double slam::BeamDistance::*distance) {
-  const auto of = [&](slam::BeamDistance BeamCorrection::*when) {
-    return of_beams(report, [=](const auto& b) { return kMillimetres * (b.*when).*distance; });
-  };
-  return chart_of(report, y_label,
-                  {{"as measured", "upsampling", of(&BeamCorrection::before)},
-                   {"corrected", "features", of(&BeamCorrection::after)}});
-}
-
-/// A row per beam, with standard deviations.
-TextTable beam_table(const CalibrationReport& report) {
-  TextTable table{.columns = {"beam", "elevation deg", "correction deg", "+-", "range mm", "+-",
-                              "off ground mm", "after", "off walls mm", "after"}};
-  for (std::size_t row = 0; row < report.found.beams.size(); ++row) {
-    const BeamCorrection& beam = report.found.beams[row];
-    const auto millimetres = [](double value_m) {
-      return fmt::format("{:.1f}", kMillimetres * value_m);
-    };
-    const auto degrees = [](double value_rad) {
-      return fmt::format("{:.3f}", kDegreesPerRadian * value_rad);
-    };
-    table.rows.push_back(
-        {std::to_string(row),
-         fmt::format("{:.2f}", kDegreesPerRadian * report.sensor.beam_elevation_rad[row]),
-         degrees(beam.elevation_rad), degrees(beam.elevation_sigma_rad), millimetres(beam.range_m),
-         millimetres(beam.range_sigma_m), millimetres(beam.before.ground_m),
-         millimetres(beam.after.ground_m), millimetres(beam.before.walls_m),
-         millimetres(beam.after.walls_m)});
-  }
-  return table;
-}
-
-/// One line.
-std::string calibration_summary(const CalibrationReport& report) {
-  return fmt::format(
-      "{} scans along {:.0f} m; points lie {:.1f} mm off their surfaces, {:.1f} mm after it\n",
-      report.scans, report.path_m, kMillimetres * report.found.residual_before_m,
-      kMillimetres * report.found.residual_after_m);
-}
-
-/// The page: rings against their surfaces, before and after.
-std::string calibration_html(const CalibrationReport& report) {
-  Page page("Calibration of " + report.recording);
-  page.head_html(kPageMarker);
-  page.heading(1, "Where the beams really look");
-  page.paragraph(fmt::format("{}, {} of {} beams. {}", report.recording, report.sensor.name,
-                             report.sensor.rows(), calibration_summary(report)));
-  page.heading(2, "Rings against the ground");
-  page.paragraph(
-      "How far each beam's points lie above the ground that all beams see, in the mean.");
-  page.html(distances_chart(report, "above the ground, mm", &slam::BeamDistance::ground_m));
-  page.heading(2, "Rings against walls");
-  page.paragraph("How far they lie this side of upright surfaces.");
-  page.html(distances_chart(report, "this side of walls, mm", &slam::BeamDistance::walls_m));
-  page.heading(2, "Corrections");
-  page.paragraph(
-      "What is added to each beam's elevation and range. A beam that meets no ground says nothing "
-      "about its elevation, and no drive tells errors apart that bend the whole world like a bowl: "
-      "there the correction stays near zero.");
-  page.html(
-      chart_of(report, "elevation, degrees",
-               with_sigma(report, "added to the elevation", kDegreesPerRadian,
-                          &BeamCorrection::elevation_rad, &BeamCorrection::elevation_sigma_rad)));
-  page.html(chart_of(report, "range, mm",
-                     with_sigma(report, "added to the range", kMillimetres,
-                                &BeamCorrection::range_m, &BeamCorrection::range_sigma_m)));
-  page.table(beam_table(report));
-  return page.text();
-}
-
 std::string page_path(const std::string& out) {
   return std::filesystem::path(out).replace_extension(".html").string();
 }
@@ -266,7 +140,7 @@ int calibrate_command(const CalibrateOptions& options) {
   }
   const std::string page = page_path(options.out);
   guard_output_file(options.out, {options.input, options.sensor}, is_calibrated_sensor);
-  guard_output_file(page, {options.input}, kPageMarker);
+  guard_output_file(page, {options.input}, kCalibrationPageMarker);
   LiftingChoice rows;
   rows.rows = options.rows;
   LiftedInput input = lifted_input(options, rows);
