@@ -20,17 +20,9 @@ constexpr double kStepFactor = 20.0;
 constexpr double kWorstResidual_m = 0.1;
 
 Rgb colour_of(PixelClass pixel_class) {
-  switch (pixel_class) {
-    case PixelClass::kGround:
-      return kGroundColour;
-    case PixelClass::kCluster:
-      return kClusterColour;
-    case PixelClass::kOutlier:
-      return kClutterColour;
-    case PixelClass::kNoReturn:
-      break;
-  }
-  return {0, 0, 0};
+  if (pixel_class == PixelClass::kGround) return kGroundColour;
+  if (pixel_class == PixelClass::kCluster) return kClusterColour;
+  return pixel_class == PixelClass::kOutlier ? kClutterColour : Rgb{0, 0, 0};
 }
 
 Rgb dimmed(const Rgb& colour, double share) {
@@ -55,17 +47,9 @@ Rgb residual_colour(double residual_m) {
 }  // namespace
 
 Rgb colour_of(FeatureKind kind) {
-  switch (kind) {
-    case FeatureKind::kEdge:
-      return {235, 60, 50};
-    case FeatureKind::kPost:
-      return {230, 90, 220};
-    case FeatureKind::kGround:
-      return {220, 190, 120};
-    case FeatureKind::kSurface:
-      break;
-  }
-  return {70, 200, 220};
+  if (kind == FeatureKind::kEdge) return {235, 60, 50};
+  if (kind == FeatureKind::kPost) return {230, 90, 220};
+  return kind == FeatureKind::kGround ? Rgb{220, 190, 120} : Rgb{70, 200, 220};
 }
 
 std::string css(const Rgb& colour) {

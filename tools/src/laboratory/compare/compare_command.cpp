@@ -83,8 +83,10 @@ std::vector<ComparedMethod> methods_of(const CompareOptions& options, const Sens
 
 using ScoreFigures = std::vector<Figure<UpsamplingScore>>;
 
-/// linear: the score that others are held against.
-ScoreFigures score_figures(const UpsamplingScore& linear) {
+/// Others are held against linear's, or the first where that is not there.
+ScoreFigures score_figures(const std::vector<UpsamplingScore>& scores) {
+  const auto found = std::ranges::find(scores, "linear", &UpsamplingScore::method);
+  const UpsamplingScore linear = found != scores.end() ? *found : scores.front();
   using S = UpsamplingScore;
   return {
       {"MAE all m", "mae_all_m", 3, 1.0, &S::mae_all_m},
@@ -109,13 +111,6 @@ ScoreFigures score_figures(const UpsamplingScore& linear) {
          return s.upsampling_ms > 0.0 ? std::optional(s.upsampling_ms) : std::nullopt;
        }},
       {nullptr, "upsampling_ms", 0, 1.0, &S::upsampling_ms}};
-}
-
-/// Linear's, or the first where that is not there.
-ScoreFigures score_figures(const std::vector<UpsamplingScore>& scores) {
-  const auto linear = std::find_if(scores.begin(), scores.end(),
-                                   [](const auto& score) { return score.method == "linear"; });
-  return score_figures(linear != scores.end() ? *linear : scores.front());
 }
 
 void print_scores(const std::vector<UpsamplingScore>& scores) {

@@ -44,7 +44,7 @@ TulipScore tulip_score(RangeImage lifted, const RangeImage& truth);
 /// In every file that --json writes: tells it from others.
 inline constexpr const char* kCompareJsonMarker = "hqslam compare";
 
-/// `hqslam compare --protocol tulip`: KITTI .bin files lifted and scored as tulip_protocol.h says.
+/// `hqslam compare --protocol tulip`: KITTI .bin files lifted and scored as is said above.
 /// Returns an ExitStatus. Throws Error.
 int compare_with_tulip(const CompareOptions& options);
 
