@@ -86,12 +86,15 @@ TEST_CASE("compare refuses what cannot be compared or written before it begins")
   const TemporaryDirectory folder;
   const std::string stack = folder.file("scans.npy");
   NpyStackWriter(stack, 64, 1024).append(RangeImage(64, 1024));
+  const std::string notes = folder.file("notes.json");
+  write_file(notes, R"({"todo": "hqslam compare", "sensor": "os1-64"})");
   struct Wrong {
     std::string arguments;
     const char* with;
   };
   for (const Wrong& wrong :
        {Wrong{fmt::format("'{}'", simulated_drive()), "16 rows"},
+        {fmt::format("'{}' --sensor os1-64 --json '{}'", stack, notes), "was not written by"},
         {fmt::format("'{}' --sensor os1-64 --json '{}'", stack, folder.file("none/table.json")),
          "make "},
         {fmt::format("'{}' --sensor os1-64 --weights '{}/../../weights/du-mix_vlp16_16to64.npz'",

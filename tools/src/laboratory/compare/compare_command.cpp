@@ -298,7 +298,7 @@ int compare_command(const CompareOptions& options) {
         "chance in the data: the median of the eight true ranges around each pixel has an MAE "
         "of {:.3f} m\n",
         comparison.true_neighbours_mae_m());
-    json = {{"written_by", kCompareJsonMarker},
+    json = {{"written_by", "hqslam compare"},
             {"input", options.input},
             {"sensor", sensor.name},
             {"scans", used},

@@ -209,7 +209,7 @@ int compare_with_tulip(const CompareOptions& options) {
   }
   progress.finish();
   if (done == 0) return kInterrupted;
-  Json json = {{"written_by", kCompareJsonMarker},
+  Json json = {{"written_by", "hqslam compare"},
                {"protocol", "tulip"},
                {"input", options.input},
                {"scans", done},

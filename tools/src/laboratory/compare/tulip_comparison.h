@@ -42,7 +42,7 @@ struct TulipScore : CloudError {
 TulipScore tulip_score(RangeImage lifted, const RangeImage& truth);
 
 /// In every file that --json writes: tells it from others.
-inline constexpr const char* kCompareJsonMarker = "hqslam compare";
+inline constexpr const char* kCompareJsonMarker = R"("written_by": "hqslam compare")";
 
 /// `hqslam compare --protocol tulip`: KITTI .bin files lifted and scored as is said above.
 /// Returns an ExitStatus. Throws Error.

@@ -113,7 +113,7 @@ std::string text_of(const Json& json) {
 }  // namespace
 
 std::string drives_json(const std::vector<DriveFigures>& drives) {
-  Json json = {{"written_by", kTableJsonMarker},
+  Json json = {{"written_by", "hqslam table"},
                {"alignment", name(Alignment::kSe3)},
                {"drives", Json::array()}};
   Json timings = Json::array();
@@ -137,7 +137,7 @@ std::string drives_json(const std::vector<DriveFigures>& drives) {
 
 std::string statistics_json(const std::vector<PartStatistics>& parts) {
   const TableSample& sample = parts.front().sample;
-  Json json = {{"written_by", kTableJsonMarker},
+  Json json = {{"written_by", "hqslam table"},
                {"build", result_sources_hash()},
                {"against", sample.methods[sample.against].name},
                {"methods", Json::array()},

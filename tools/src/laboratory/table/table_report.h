@@ -102,7 +102,7 @@ std::string markdown_of(const TableReport& report);
 std::string html_of(const TableReport& report);
 
 /// In every table.json: tells one from other files.
-inline constexpr const char* kTableJsonMarker = "hqslam table";
+inline constexpr const char* kTableJsonMarker = R"("written_by": "hqslam table")";
 /// {"drives": figures that are the same in every run, "timings": those that are not}.
 std::string drives_json(const std::vector<DriveFigures>& drives);
 

@@ -211,7 +211,8 @@ std::vector<std::string> drives_notes(const std::vector<DriveFigures>& drives) {
       "Against LiDAR-64: the trajectory of the same SLAM, with the same loop closing, with all 64 "
       "rows; it is a trajectory with errors of its own, not the truth.");
   if (find_method(drives.front(), table_methods().back().name) == nullptr) {
-    notes.emplace_back("- against LiDAR-64: rows-64 was not among the methods (--methods).");
+    notes.emplace_back(
+        "Nothing stands against LiDAR-64: rows-64 was not among the methods (--methods).");
   }
   notes.push_back(fmt::format(
       "RPE: relative pose error, RMSE over all stretches of {:.0f} m, against the truth or, where "
