@@ -4,11 +4,10 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <string>
-#include <utility>
 
 #include "hqslam/core/error.h"
+#include "nearest_point.h"
 
 namespace hqslam {
 
@@ -35,73 +34,6 @@ void require_points(const Points& points_m, const std::string& which) {
     }
   }
 }
-
-/// Ranges of so few points are searched one by one.
-constexpr std::size_t kLeafPoints = 12;
-
-/// Exact nearest neighbours in a fixed set of points: a balanced k-d tree.
-class NearestPoint {
- public:
-  /// At least one point; all finite.
-  explicit NearestPoint(std::vector<Eigen::Vector3f> points_m)
-      : points_m_(std::move(points_m)), axis_(points_m_.size(), 0) {
-    build(0, points_m_.size());
-  }
-
-  /// Squared distance to the nearest point, square metres.
-  double squared_distance_m2(const Eigen::Vector3f& query_m) const {
-    float nearest_m2 = std::numeric_limits<float>::infinity();
-    search(0, points_m_.size(), query_m, nearest_m2);
-    return nearest_m2;
-  }
-
- private:
-  void build(std::size_t begin, std::size_t end) {
-    if (end - begin <= kLeafPoints) return;
-    Eigen::Vector3f lowest = points_m_[begin];
-    Eigen::Vector3f highest = points_m_[begin];
-    for (std::size_t i = begin; i < end; ++i) {
-      lowest = lowest.cwiseMin(points_m_[i]);
-      highest = highest.cwiseMax(points_m_[i]);
-    }
-    int axis = 0;
-    (highest - lowest).maxCoeff(&axis);
-    const std::size_t middle = begin + (end - begin) / 2;
-    const auto at = [&](std::size_t i) {
-      return points_m_.begin() + static_cast<std::ptrdiff_t>(i);
-    };
-    std::nth_element(
-        at(begin), at(middle), at(end),
-        [axis](const Eigen::Vector3f& a, const Eigen::Vector3f& b) { return a[axis] < b[axis]; });
-    axis_[middle] = static_cast<std::uint8_t>(axis);
-    build(begin, middle);
-    build(middle + 1, end);
-  }
-
-  void search(std::size_t begin, std::size_t end, const Eigen::Vector3f& query_m,
-              float& nearest_m2) const {
-    if (end - begin <= kLeafPoints) {
-      for (std::size_t i = begin; i < end; ++i) {
-        nearest_m2 = std::min(nearest_m2, (points_m_[i] - query_m).squaredNorm());
-      }
-      return;
-    }
-    const std::size_t middle = begin + (end - begin) / 2;
-    nearest_m2 = std::min(nearest_m2, (points_m_[middle] - query_m).squaredNorm());
-    const float beyond_m = query_m[axis_[middle]] - points_m_[middle][axis_[middle]];
-    const bool before = beyond_m < 0.0F;
-    before ? search(begin, middle, query_m, nearest_m2)
-           : search(middle + 1, end, query_m, nearest_m2);
-    if (beyond_m * beyond_m >= nearest_m2) return;
-    before ? search(middle + 1, end, query_m, nearest_m2)
-           : search(begin, middle, query_m, nearest_m2);
-  }
-
-  /// Of each range of points, the middle one splits the rest along axis_[middle]: what is before
-  /// it is not beyond it, what is behind it is not before it. The halves are split likewise.
-  std::vector<Eigen::Vector3f> points_m_;
-  std::vector<std::uint8_t> axis_;
-};
 
 struct Distances {
   double mean_squared_m2 = 0.0;

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <utility>
 
 #include "hqslam/core/error.h"
@@ -54,9 +53,17 @@ std::optional<RecordedScan> next_usable(ScanSource& source, LeftOut& left_out) {
 }
 
 std::string_view name(ReadingEnd end) {
-  constexpr std::array<const char*, 4> kNames = {"running", "complete", "interrupted",
-                                                 "unreadable scan"};
-  return kNames[static_cast<std::size_t>(end)];
+  switch (end) {
+    case ReadingEnd::kRunning:
+      return "running";
+    case ReadingEnd::kInterrupted:
+      return "interrupted";
+    case ReadingEnd::kUnreadableScan:
+      return "unreadable scan";
+    case ReadingEnd::kComplete:
+      break;
+  }
+  return "complete";
 }
 
 void read_scans(ScanSource& source, const InterruptGuard& interrupt, Reading& reading,

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace hqslam {
+
+/// Exact nearest neighbours in a fixed set of points: a balanced k-d tree.
+class NearestPoint {
+ public:
+  /// At least one point; all finite.
+  explicit NearestPoint(std::vector<Eigen::Vector3f> points_m);
+
+  /// Squared distance to the nearest point, square metres.
+  double squared_distance_m2(const Eigen::Vector3f& query_m) const;
+
+ private:
+  void build(std::size_t begin, std::size_t end);
+  void search(std::size_t begin, std::size_t end, const Eigen::Vector3f& query_m,
+              float& nearest_m2) const;
+
+  /// Of each range of points, the middle one splits the rest along axis_[middle]: what is before
+  /// it is not beyond it, what is behind it is not before it. The halves are split likewise.
+  std::vector<Eigen::Vector3f> points_m_;
+  std::vector<std::uint8_t> axis_;
+};
+
+}  // namespace hqslam
