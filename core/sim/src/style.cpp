@@ -141,6 +141,15 @@ constexpr DriveStyle kCarPark = {
                .lateral_acceleration_mps2 = 2.0,
                .stop_share = 0.1}};
 
+/// The same city and driver at a busy hour: four times as many cars and walkers.
+constexpr DriveStyle busy(DriveStyle style) {
+  style.city.seconds_between_cars /= 4.0;
+  style.city.pedestrians_per_block *= 4;
+  return style;
+}
+constexpr DriveStyle kBusyTown = busy(kTown);
+constexpr DriveStyle kBusyHills = busy(kHills);
+
 /// The drives that have a name. Where the sensor is not on a car's roof, its height.
 struct NamedDrive {
   std::string_view name;
@@ -149,10 +158,12 @@ struct NamedDrive {
   double sensor_height_m = SensorMount{}.sensor_height_m;
 };
 
-constexpr std::array<NamedDrive, 11> kDrives = {{
+constexpr std::array<NamedDrive, 13> kDrives = {{
     {"block", &kBlock, 200},
     {"town", &kTown, 4000},
     {"hills", &kHills, 8000},
+    {"town-busy", &kBusyTown, 4000},
+    {"hills-busy", &kBusyHills, 8000},
     {"meadow", &kMeadow, 4000},
     {"narrow", &kNarrow, 3000},
     {"yard", &kYard, 2000, 0.4},

@@ -190,6 +190,8 @@ TEST_CASE("scan 100 of every drive is what it was when it was first made, on eve
       {"block", 0xbb4177e6a0b29114ULL, 0x5de58f33287eb1a9ULL},
       {"town", 0x51552d2876dd7583ULL, 0x150b4a47645a8009ULL},
       {"hills", 0xd1a812828d10d030ULL, 0x1806e01571c1ebf2ULL},
+      {"town-busy", 0x0ULL, 0x0ULL},
+      {"hills-busy", 0x0ULL, 0x0ULL},
       {"meadow", 0xccccf5623be6e917ULL, 0x7141301b089cebd2ULL},
       {"narrow", 0xc3464009135335f1ULL, 0xe64838a53cf4d8e8ULL},
       {"yard", 0x51890609b7641ebfULL, 0x76441a34bb8a24d4ULL},

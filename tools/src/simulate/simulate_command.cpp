@@ -106,6 +106,7 @@ void declare_simulate(CLI::App& app, SimulateOptions& options) {
       .option(
           "--drive", &options.drive,
           "block: 200 scans of quiet streets; town: 4,000 with three loops; hills: 8,000, harder; "
+          "town-busy, hills-busy: the same with four times the traffic; "
           "meadow: 4,000 of open land; narrow: 3,000 between walls; yard: 2,000 of a low robot; "
           "handheld: 2,000 on foot; handheld-turning, handheld-sparse: a hand that turns fast, a "
           "scan every half second; car-park: 2,000, both ways round; indoors: 2,000 through rooms "
