@@ -6,6 +6,7 @@
 
 #include "error_message.h"
 #include "file_contents.h"
+#include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/pcd.h"
 #include "hqslam/core/point_fields.h"
@@ -33,9 +34,7 @@ RecordedScan only_scan(const std::string& path, const SensorModel& sensor,
 /// A point of 5 m in front of a VLP-16's beam of `elevation_deg`.
 Eigen::Vector3d point_m(double azimuth_rad, double elevation_deg) {
   const double elevation_rad = elevation_deg * kTurn_rad / 360.0;
-  return 5.0 * Eigen::Vector3d(std::cos(elevation_rad) * std::cos(azimuth_rad),
-                               std::cos(elevation_rad) * std::sin(azimuth_rad),
-                               std::sin(elevation_rad));
+  return 5.0 * direction_of(azimuth_rad, elevation_rad);
 }
 
 template <typename T>

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "error_message.h"
+#include "hqslam/core/angles.h"
 #include "hqslam/core/projection.h"
 #include "random_values.h"
 
@@ -62,9 +63,7 @@ RangeImage seen_from(const ColumnPoses& poses, const SensorModel& sensor,
       const Pose& pose = poses[sensor.firing_column(row, column)];
       const double elevation_rad = sensor.beam_elevation_rad[row];
       const double azimuth_rad = sensor.azimuth_rad(row, column);
-      const Eigen::Vector3d along(std::cos(elevation_rad) * std::cos(azimuth_rad),
-                                  std::cos(elevation_rad) * std::sin(azimuth_rad),
-                                  std::sin(elevation_rad));
+      const Eigen::Vector3d along = direction_of(azimuth_rad, elevation_rad);
       image.at(row, column) =
           range_to_hall_m(pose.translation() - offset_m, pose.linear() * along, pillar);
     }

@@ -8,6 +8,7 @@
 
 #include "front_end/features.h"
 #include "front_end/segmentation.h"
+#include "hqslam/core/angles.h"
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/core/sensor_model.h"
@@ -75,10 +76,7 @@ struct Village {
         const double elevation_rad = sensor.beam_elevation_rad[row];
         const double azimuth_rad = sensor.azimuth_rad(row, column);
         const Eigen::Vector3d direction =
-            T_village_sensor.linear() *
-            Eigen::Vector3d(std::cos(elevation_rad) * std::cos(azimuth_rad),
-                            std::cos(elevation_rad) * std::sin(azimuth_rad),
-                            std::sin(elevation_rad));
+            T_village_sensor.linear() * direction_of(azimuth_rad, elevation_rad);
         const double range_m = cast(near, origin_m, direction);
         if (range_m < kReach_m) image.at(row, column) = static_cast<float>(range_m);
       }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "hqslam/core/angles.h"
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/pose.h"
 #include "hqslam/core/projection.h"
@@ -43,9 +44,7 @@ class Yard {
         const Pose T_yard_beam = T_yard_sensor_at(sensor.time_offset_s(row, column));
         const double elevation_rad = sensor.beam_elevation_rad[row];
         const double azimuth_rad = sensor.azimuth_rad(row, column);
-        const Eigen::Vector3d direction(std::cos(elevation_rad) * std::cos(azimuth_rad),
-                                        std::cos(elevation_rad) * std::sin(azimuth_rad),
-                                        std::sin(elevation_rad));
+        const Eigen::Vector3d direction = direction_of(azimuth_rad, elevation_rad);
         const double range_m = cast(T_yard_beam.translation(), T_yard_beam.linear() * direction);
         if (range_m < sensor.max_range_m) image.at(row, column) = static_cast<float>(range_m);
       }

@@ -3,6 +3,7 @@
 #include <limits>
 #include <numbers>
 
+#include "hqslam/core/angles.h"
 #include "ouster_decoder.h"
 
 // A point of an Ouster frame.
@@ -51,9 +52,7 @@ OusterGeometry::OusterGeometry(const OusterMetadata& metadata, const OusterOptio
     for (int column = 0; column < sensor.columns; ++column) {
       const double head_rad = std::numbers::pi - sensor.firing_column(row, column) * step_rad;
       const double azimuth_rad = sensor.azimuth_rad(row, column);
-      const Eigen::Vector3d beam(std::cos(elevation_rad) * std::cos(azimuth_rad),
-                                 std::cos(elevation_rad) * std::sin(azimuth_rad),
-                                 std::sin(elevation_rad));
+      const Eigen::Vector3d beam = direction_of(azimuth_rad, elevation_rad);
       const Eigen::Vector3d head(std::cos(head_rad), std::sin(head_rad), 0.0);
       beam_.push_back(beam.cast<float>());
       origin_.push_back((metadata_.beam_origin_m * (head - beam)).cast<float>());

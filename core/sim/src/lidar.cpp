@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "echo.h"
+#include "hqslam/core/angles.h"
 #include "random.h"
 
 namespace hqslam::sim {
@@ -118,9 +119,7 @@ Lidar::Lidar(const SensorModel& sensor, const DriveSpec& drive)
     const double elevation_rad = sensor_.beam_elevation_rad[beam] + beams_.elevation_rad[beam];
     for (int column = 0; column < sensor_.columns; ++column) {
       const double azimuth_rad = sensor_.azimuth_rad(row, column) + beams_.azimuth_rad[beam];
-      directions_.emplace_back(std::cos(elevation_rad) * std::cos(azimuth_rad),
-                               std::cos(elevation_rad) * std::sin(azimuth_rad),
-                               std::sin(elevation_rad));
+      directions_.push_back(direction_of(azimuth_rad, elevation_rad));
     }
   }
 }

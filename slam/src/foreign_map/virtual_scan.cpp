@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hqslam/core/angles.h"
 #include "hqslam/slam/scan_context.h"
 
 namespace hqslam::slam {
@@ -41,9 +42,7 @@ VirtualScanner::VirtualScanner(const SensorModel& sensor, const SurfelTiles& fin
     const double elevation_rad = sensor.beam_elevation_rad[static_cast<std::size_t>(row)];
     for (int column = 0; column < sensor.columns; ++column) {
       const double azimuth_rad = sensor.azimuth_rad(row, column);
-      const Eigen::Vector3d beam(std::cos(elevation_rad) * std::cos(azimuth_rad),
-                                 std::cos(elevation_rad) * std::sin(azimuth_rad),
-                                 std::sin(elevation_rad));
+      const Eigen::Vector3d beam = direction_of(azimuth_rad, elevation_rad);
       beams_.push_back(beam.cast<float>());
     }
   }

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "error_message.h"
+#include "hqslam/core/angles.h"
 #include "slam/yard_drive.h"
 
 using namespace hqslam;
@@ -41,9 +42,7 @@ void put_in(const Car& car, const SensorModel& sensor, const SensorPath& path,
     const int column = static_cast<int>(pixel) % cloud.columns;
     const double elevation_rad = sensor.beam_elevation_rad[static_cast<std::size_t>(row)];
     const double azimuth_rad = sensor.azimuth_rad(row, column);
-    const Eigen::Vector3d ray(std::cos(elevation_rad) * std::cos(azimuth_rad),
-                              std::cos(elevation_rad) * std::sin(azimuth_rad),
-                              std::sin(elevation_rad));
+    const Eigen::Vector3d ray = direction_of(azimuth_rad, elevation_rad);
     const Eigen::Vector3d along = T_yard_sensor.linear() * ray;
     const Eigen::Array3d a = (car.low_m - T_yard_sensor.translation()).array() / along.array();
     const Eigen::Array3d b = (car.high_m - T_yard_sensor.translation()).array() / along.array();

@@ -3,7 +3,8 @@
 #include <array>
 #include <cstdint>
 #include <string>
-#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "hqslam/evaluation/png.h"
 #include "hqslam/slam/scan_trace.h"
@@ -36,11 +37,8 @@ inline constexpr std::array<slam::FeatureKind, 4> kFeatureKinds = {
     slam::FeatureKind::kEdge, slam::FeatureKind::kPost, slam::FeatureKind::kSurface,
     slam::FeatureKind::kGround};
 Rgb colour_of(slam::FeatureKind kind);
-/// "#rrggbb"
-std::string css(const Rgb& colour);
-
-/// A picture as a figure of a page.
-std::string image_html(const RgbImage& image, std::string_view css_class, std::string_view caption);
+/// What colours mean, as markup.
+std::string legend_html(const std::vector<std::pair<Rgb, std::string>>& entries);
 
 /// The pixels of a scan by their class, darker the farther they are.
 RgbImage class_image(const slam::ScanTrace& trace);

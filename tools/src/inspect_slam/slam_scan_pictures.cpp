@@ -38,6 +38,11 @@ double brightness(float range_m) {
   return std::clamp(1.15 - 0.2 * std::log1p(static_cast<double>(range_m)), 0.3, 1.0);
 }
 
+/// "#rrggbb"
+std::string css(const Rgb& colour) {
+  return fmt::format("#{:02x}{:02x}{:02x}", colour[0], colour[1], colour[2]);
+}
+
 /// Green at no residual, red at 0.1 m and more.
 Rgb residual_colour(double residual_m) {
   return color_between(std::array<Rgb, 3>{{{40, 170, 90}, {230, 190, 50}, {220, 50, 40}}},
@@ -52,16 +57,12 @@ Rgb colour_of(FeatureKind kind) {
   return kind == FeatureKind::kGround ? Rgb{220, 190, 120} : Rgb{70, 200, 220};
 }
 
-std::string css(const Rgb& colour) {
-  return fmt::format("#{:02x}{:02x}{:02x}", colour[0], colour[1], colour[2]);
-}
-
-std::string image_html(const RgbImage& image, std::string_view css_class,
-                       std::string_view caption) {
-  return fmt::format(
-      "<figure><img class=\"{0}\" alt=\"{1}\" src=\"data:image/png;base64,{2}\"><figcaption>{1}"
-      "</figcaption></figure>\n",
-      css_class, caption, base64(encode_png(image)));
+std::string legend_html(const std::vector<std::pair<Rgb, std::string>>& entries) {
+  std::string html = "<ul class=\"legend\">";
+  for (const auto& [colour, name] : entries) {
+    html += fmt::format("<li><i style=\"background:{}\"></i>{}</li>", css(colour), name);
+  }
+  return html + "</ul>\n";
 }
 
 RgbImage class_image(const ScanTrace& trace) {
@@ -170,13 +171,11 @@ std::string poses_picture(const ScanTrace& trace) {
         "</g>",
         css(drawn.colour), -at.y(), -at.x(), -at.y() - ahead.y(), -at.x() - ahead.x());
   }
-  svg += "</svg><ul class=\"legend\">";
-  for (const Drawn& drawn : poses) {
-    svg += fmt::format("<li><i style=\"background:{}\"></i>{}</li>", css(drawn.colour), drawn.name);
-  }
-  return svg +
+  std::vector<std::pair<Rgb, std::string>> legend;
+  for (const Drawn& drawn : poses) legend.emplace_back(drawn.colour, drawn.name);
+  return svg + "</svg>" + legend_html(legend) +
          fmt::format(
-             "</ul><figcaption>From above, the sensor looks upwards; the picture is {:.1f} cm "
+             "<figcaption>From above, the sensor looks upwards; the picture is {:.1f} cm "
              "high.</figcaption></figure>\n",
              100.0 * reach_m * 124.0 / 50.0);
 }

@@ -13,6 +13,7 @@
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
 #include "recording/scan_poses.h"
+#include "run/slam_run.h"
 #include "run/slam_settings.h"
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
@@ -76,20 +77,14 @@ void print_differences(const std::vector<nn::ReferenceDifference>& differences) 
 int inspect_slam(const InspectOptions& options) {
   guard_output_file(options.out, {options.input, options.weights}, kSlamScanPageMarker);
   LiftedInput input = lifted_input(options, {options.weights, options.rows});
-  slam::Slam slam(input.seen(), slam_options(options.slam_settings));
-  DriveMemory memory(input.lifter());
+  SlamSession session(input, slam_options(options.slam_settings));
   SlamScanReport page;
   page.recording = options.input;
   page.scan = options.scan;
   Progress progress("slam", options.scan + 1);
   for_scans_up_to(options, *input.open(), [&](const ReadScan& read, std::int64_t i) {
-    const RecordedScan& scan = read.scan;
-    const OrganizedCloud measured = input.measured(scan.cloud);
-    const OrganizedCloud cloud =
-        input.lifted(measured, memory.recall(measured, slam.trajectory(), scan.stamp_s));
-    slam.add_imu(scan.imu);
-    page.report = slam.process(cloud, scan.stamp_s, i == options.scan ? &page.trace : nullptr);
-    memory.remember(measured, slam.trajectory(), slam::is_registered(page.report.mapping_status));
+    slam::ScanTrace* trace = i == options.scan ? &page.trace : nullptr;
+    page.report = session.process(read.scan, read.index, read.reading_s, trace).report;
     progress.update(i + 1);
   });
   progress.finish();

@@ -8,7 +8,6 @@
 
 #include "hqslam/evaluation/image_error.h"
 #include "hqslam/evaluation/png.h"
-#include "report/chart.h"
 #include "report/page.h"
 
 namespace hqslam::tools {
@@ -148,13 +147,15 @@ void add_differences(LayersPage& page) {
   page.paragraph(
       "The same network in plain loops and double precision, with the same decisions of the "
       "filter. Where two modes are equally likely a rounding decides between them.");
-  std::string rows = "<table><tr><th>tensor</th><th>largest</th><th>root mean square</th></tr>\n";
+  TextTable table{.columns = {"tensor", "largest", "root mean square"}};
   for (const nn::ReferenceDifference& difference : page.report.differences) {
-    rows += fmt::format("<tr><td>{}</td><td>{:.3g} {}</td><td>{:.3g} {}</td></tr>\n",
-                        escape_html(difference.name), difference.largest, difference.unit,
-                        difference.root_mean_square, difference.unit);
+    const auto text = [&](double value) {
+      return fmt::format("{:.3g} {}", value, difference.unit);
+    };
+    table.rows.push_back(
+        {difference.name, text(difference.largest), text(difference.root_mean_square)});
   }
-  page.html(rows + "</table>\n");
+  page.table(table);
 }
 
 /// A layer of two modes and the probability of a return.
@@ -264,9 +265,7 @@ void add_result(LayersPage& page) {
 
 std::string layers_html(const LayersReport& report) {
   LayersPage page(report);
-  page.style(
-      "\nfigure { margin: .75rem 0; }\nfigure img { width: 100%; height: 8rem; display: block; "
-      "image-rendering: pixelated; }\nfigcaption { color: var(--quiet); font-size: .85rem; }\n");
+  page.style("\nfigure img { height: 8rem; image-rendering: pixelated; }\n");
   page.head_html(kLayersPageMarker);
   page.heading(1, fmt::format("Scan {}, layer by layer", report.scan));
   page.paragraph(

@@ -187,10 +187,11 @@ OrganizedCloud LiftedInput::lifted(const OrganizedCloud& measured,
   return upsampler ? nn::upsampled_cloud(*upsampler, measured, recalled) : measured;
 }
 
-SensorModel LiftedInput::seen() const {
-  if (upsampler) return upsampler->sensor();
+SensorModel LiftedInput::measuring() const {
   return rows ? select_rows(recorded, *rows) : recorded;
 }
+
+SensorModel LiftedInput::seen() const { return upsampler ? upsampler->sensor() : measuring(); }
 
 LiftedInput lifted_input(const InputChoice& recording, const LiftingChoice& lifting,
                          const nn::SuperResolverOptions& network) {

@@ -35,6 +35,8 @@ struct LiftedInput {
   /// a network with a memory (DriveMemory).
   OrganizedCloud lifted(const OrganizedCloud& measured, const nn::RecalledImage& recalled = {});
   const nn::Upsampler* lifter() const { return upsampler ? &*upsampler : nullptr; }
+  /// Behind what `measured` returns.
+  SensorModel measuring() const;
   /// Behind what `lifted` returns.
   SensorModel seen() const;
 };

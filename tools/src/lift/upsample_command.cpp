@@ -52,7 +52,7 @@ void put_corrections(SensorModel& sensor, const SensorModel& measured) {
 UpsampleOutput make_output(const UpsampleOptions& options, const LiftedInput& input,
                            const OrganizedCloud& first, std::int64_t scans) {
   SensorModel sensor = input.upsampler->sensor();
-  put_corrections(sensor, input.rows ? select_rows(input.recorded, *input.rows) : input.recorded);
+  put_corrections(sensor, input.measuring());
   sensor.motion_corrected = first.time_offset_s.empty();
   return {options.out, {options.input, options.upsample, scans}, sensor, options.formats};
 }

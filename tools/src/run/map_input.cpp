@@ -56,8 +56,7 @@ OrganizedCloud MapInput::measured(const RecordedScan& scan) const {
 }
 
 SensorModel MapInput::measuring() const {
-  const SensorModel sensor =
-      input_.rows ? select_rows(input_.recorded, *input_.rows) : input_.recorded;
+  const SensorModel sensor = input_.measuring();
   return is_partly_computed() ? select_rows(sensor, *measured_rows_) : sensor;
 }
 

@@ -191,8 +191,11 @@ std::map<std::size_t, std::int64_t> scans_of_parts(const SlamRun& run) {
 }
 
 SlamSession::SlamSession(LiftedInput& input, const slam::SlamOptions& options,
-                         const std::optional<GivenMap>& map)
-    : input_(input), memory_(input.lifter()), slam_(slam_of(input.seen(), options, map)) {
+                         const std::optional<GivenMap>& map, bool keeps_scans)
+    : input_(input),
+      memory_(input.lifter()),
+      slam_(slam_of(input.seen(), options, map)),
+      keeps_scans_(keeps_scans) {
   const SensorModel seen = input.seen();
   run_.input = input.recording.input;
   run_.sensor_name = seen.name;
@@ -205,22 +208,26 @@ SlamSession::SlamSession(LiftedInput& input, const slam::SlamOptions& options,
   if (map) (map->is_extended ? run_.extended : run_.located_in) = map->path;
 }
 
-ScanRecord& SlamSession::process(const RecordedScan& scan, std::int64_t index, double reading_s) {
+ScanRecord& SlamSession::process(const RecordedScan& scan, std::int64_t index, double reading_s,
+                                 slam::ScanTrace* trace) {
   ScanRecord record;
   record.scan = index;
   record.reading_s = reading_s;
   record.invalid_points = scan.invalid_points;
   const OrganizedCloud measured = input_.measured(scan.cloud);
-  const double lifting_s = seconds_of([&] {
+  record.upsampling_s = seconds_of([&] {
     cloud_ = input_.lifted(measured, memory_.recall(measured, slam_.trajectory(), scan.stamp_s));
   });
-  if (input_.upsampler) record.upsampling_s = lifting_s;
   run_.has_imu = run_.has_imu || !scan.imu.empty();
   slam_.add_imu(scan.imu);
-  record.report = slam_.process(cloud_, scan.stamp_s);
-  memory_.remember(measured, slam_.trajectory(), slam::is_registered(record.report.mapping_status));
+  record.report = slam_.process(cloud_, scan.stamp_s, trace);
+  record.upsampling_s += seconds_of([&] {
+    memory_.remember(measured, slam_.trajectory(),
+                     slam::is_registered(record.report.mapping_status));
+  });
+  if (!input_.upsampler) record.upsampling_s = 0.0;
   remember(record.report.loop);
-  kept_scans_.offer(run_.scans.size(), cloud_);
+  if (keeps_scans_) kept_scans_.offer(run_.scans.size(), cloud_);
   run_.scans.push_back(std::move(record));
   run_.wall_s = seconds_since(start_);
   return run_.scans.back();

@@ -25,8 +25,9 @@ namespace hqslam::tools {
 struct ScanRecord {
   std::int64_t scan = 0;  ///< of the recording, counted from 0; those that were left out count
   slam::ScanReport report;
-  double reading_s = 0.0;     ///< reading and projecting the file
-  double upsampling_s = 0.0;  ///< filling the missing rows and making points of them
+  double reading_s = 0.0;  ///< reading and projecting the file
+  /// Filling the missing rows and making points of them, with what a memory recalls and keeps.
+  double upsampling_s = 0.0;
   std::int64_t invalid_points = 0;
   /// Of a sensor that sends now: from the packet that completed the scan to its pose.
   std::optional<double> latency_s;
@@ -115,13 +116,16 @@ struct GivenMap {
 /// SLAM over scans that come one by one, and what is to be told of it.
 class SlamSession {
  public:
-  /// Keeps `input`. map: to be located in; nothing: one is made.
+  /// Keeps `input`. map: to be located in; nothing: one is made. keeps_scans: for
+  /// SlamRun::kept_scans.
   SlamSession(LiftedInput& input, const slam::SlamOptions& options,
-              const std::optional<GivenMap>& map = std::nullopt);
+              const std::optional<GivenMap>& map = std::nullopt, bool keeps_scans = true);
 
-  /// Locates the next scan. index, reading_s: as ReadScan says. Returns what the run now ends with.
-  /// Throws Error, ScanError for a scan that is to be left out.
-  ScanRecord& process(const RecordedScan& scan, std::int64_t index, double reading_s);
+  /// Locates the next scan. index, reading_s: as ReadScan says. trace: slam::Slam::process fills
+  /// it. Returns what the run now ends with. Throws Error, ScanError for a scan that is to be left
+  /// out.
+  ScanRecord& process(const RecordedScan& scan, std::int64_t index = 0, double reading_s = 0.0,
+                      slam::ScanTrace* trace = nullptr);
   /// The run so far, with its trajectory and its segments.
   SlamRun& run_so_far();
   /// Everything but its trajectory and its map.
@@ -145,6 +149,7 @@ class SlamSession {
   slam::Slam slam_;
   SlamRun run_;
   OrganizedCloud cloud_;
+  bool keeps_scans_;
   KeptScans kept_scans_;
   SteadyClock::time_point start_ = SteadyClock::now();
 };

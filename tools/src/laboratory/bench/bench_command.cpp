@@ -98,61 +98,50 @@ void measure_networks(const std::vector<std::string>& paths, const std::vector<R
   }
 }
 
-/// The networks of this sensor that are quick enough to stand before SLAM.
-std::vector<nn::Upsampler> quick_upsamplers(const std::vector<std::string>& paths,
-                                            const SensorModel& sensor) {
+/// The recording as SLAM is to see it: with kRowCounts of its rows, those to which they can be
+/// thinned evenly, then lifted by the networks of this sensor that are quick enough to stand before
+/// SLAM.
+std::vector<LiftedInput> slam_inputs(const InputChoice& recording, const SensorModel& sensor,
+                                     const std::vector<std::string>& paths) {
   constexpr std::int64_t kMostMultiplyAdds = 5'000'000'000;
-  std::vector<nn::Upsampler> upsamplers;
-  for (const std::string& path : paths) {
-    nn::SuperResolver network = nn::SuperResolver::load(path);
-    const nn::NetworkDescription& description = network.description();
-    if (network.multiply_adds() < kMostMultiplyAdds && description.sensor.rows() == sensor.rows() &&
-        description.sensor.columns == sensor.columns) {
-      upsamplers.emplace_back(std::move(network), sensor);
-    }
-  }
-  return upsamplers;
-}
-
-/// Of kRowCounts, those to which the sensor's rows can be thinned evenly.
-std::vector<int> row_counts(const SensorModel& sensor) {
-  std::vector<int> counts;
+  std::vector<LiftedInput> inputs;
   for (const int rows : kRowCounts) {
     if (sensor.rows() % rows == 0) {
-      counts.push_back(rows);
+      inputs.push_back({recording, sensor, selection_for(sensor.rows(), rows)});
     } else {
       to_stderr("slam, {} rows: left out, they do not divide the sensor's {}\n", rows,
                 sensor.rows());
     }
   }
-  return counts;
+  for (const std::string& path : paths) {
+    nn::SuperResolver network = nn::SuperResolver::load(path);
+    const nn::NetworkDescription& description = network.description();
+    if (network.multiply_adds() < kMostMultiplyAdds && description.sensor.rows() == sensor.rows() &&
+        description.sensor.columns == sensor.columns) {
+      const RowSelection rows = description.measured_rows;
+      inputs.push_back({recording, sensor, rows, nn::Upsampler(std::move(network), sensor)});
+    }
+  }
+  return inputs;
 }
 
-void measure_slam(const InputChoice& input, const SensorModel& sensor, int rows,
-                  nn::Upsampler* upsampler, int threads, const InterruptGuard& interrupt,
+void measure_slam(LiftedInput& input, int threads, const InterruptGuard& interrupt,
                   Measurements& measurements) {
   if (interrupt.stop_requested()) return;
-  to_stderr("slam, {} rows{}, {} thread{} ...\n", rows,
+  const nn::Upsampler* upsampler = input.lifter();
+  to_stderr("slam, {} rows{}, {} thread{} ...\n", input.measuring().rows(),
             upsampler != nullptr ? fmt::format(" lifted by {}", upsampler->name()) : "", threads,
             threads > 1 ? "s" : "");
-  const std::unique_ptr<ScanSource> source = open_input(input, sensor);
-  measurements.slam.push_back(time_slam(*source, rows, upsampler, threads, interrupt));
+  measurements.slam.push_back(time_slam(input, threads, interrupt));
 }
 
 Measurements measure(const InputChoice& input, const SensorModel& sensor,
                      const std::vector<std::string>& weights, const InterruptGuard& interrupt) {
   Measurements measurements;
   measurements.sensor = sensor.name;
-  const std::vector<int> rows_measured = row_counts(sensor);
-  std::vector<nn::Upsampler> upsamplers = quick_upsamplers(weights, sensor);
+  std::vector<LiftedInput> inputs = slam_inputs(input, sensor, weights);
   for (int threads = 1; threads <= kMostThreads; ++threads) {
-    for (const int rows : rows_measured) {
-      measure_slam(input, sensor, rows, nullptr, threads, interrupt, measurements);
-    }
-    for (nn::Upsampler& upsampler : upsamplers) {
-      const int rows = select_rows(sensor, upsampler.measured_rows()).rows();
-      measure_slam(input, sensor, rows, &upsampler, threads, interrupt, measurements);
-    }
+    for (LiftedInput& seen : inputs) measure_slam(seen, threads, interrupt, measurements);
   }
   const std::unique_ptr<ScanSource> source = open_input(input, sensor);
   const std::vector<RangeImage> images = sample_images(*source, scans_in(input, *source));

@@ -8,9 +8,7 @@
 
 #include "hqslam/core/connected_components.h"
 #include "hqslam/core/projection.h"
-#include "hqslam/nn/upsampled_cloud.h"
-#include "hqslam/slam/slam.h"
-#include "lift/drive_memory.h"
+#include "run/slam_run.h"
 
 namespace hqslam::tools {
 namespace {
@@ -21,13 +19,6 @@ constexpr double kOutlierAngle_rad = 0.17453292519943295;  // 10 degrees
 template <typename Step>
 double milliseconds_of(const Step& step) {
   return 1e3 * seconds_of(step);
-}
-
-Distribution stage_distribution(const std::vector<slam::StageTimes>& times,
-                                double slam::StageTimes::*stage) {
-  std::vector<double> values_ms;
-  for (const slam::StageTimes& scan : times) values_ms.push_back(1e3 * scan.*stage);
-  return distribution_of(std::move(values_ms));
 }
 
 /// Median over the scans [begin, end).
@@ -58,49 +49,37 @@ std::optional<double> peak_memory_mb() {
 
 }  // namespace
 
-SlamTiming time_slam(ScanSource& source, int rows, nn::Upsampler* upsampler, int threads,
-                     const InterruptGuard& interrupt) {
+SlamTiming time_slam(LiftedInput& input, int threads, const InterruptGuard& interrupt) {
   omp_set_num_threads(threads);
   reset_peak_memory();
-  const RowSelection selection = upsampler != nullptr ? upsampler->measured_rows()
-                                                      : selection_for(source.sensor().rows(), rows);
-  slam::Slam slam(upsampler != nullptr ? upsampler->sensor()
-                                       : select_rows(source.sensor(), selection));
-  DriveMemory memory(upsampler);
-  std::vector<slam::StageTimes> times;
-  std::vector<double> upsampling_ms;
-  std::vector<double> total_ms;
+  const std::unique_ptr<ScanSource> source = input.open();
+  SlamSession session(input, {}, std::nullopt, false);
   while (!interrupt.stop_requested()) {
-    const std::optional<RecordedScan> scan = source.next();
+    const std::optional<RecordedScan> scan = source->next();
     if (!scan) break;
-    const OrganizedCloud measured = select_rows(scan->cloud, selection);
-    OrganizedCloud lifted;
-    upsampling_ms.push_back(upsampler == nullptr ? 0.0 : milliseconds_of([&] {
-      lifted = nn::upsampled_cloud(*upsampler, measured,
-                                   memory.recall(measured, slam.trajectory(), scan->stamp_s));
-    }));
-    const slam::ScanReport report =
-        slam.process(upsampler == nullptr ? measured : lifted, scan->stamp_s);
-    times.push_back(report.times);
-    upsampling_ms.back() += milliseconds_of([&] {
-      memory.remember(measured, slam.trajectory(), slam::is_registered(report.mapping_status));
-    });
-    total_ms.push_back(upsampling_ms.back() + 1e3 * times.back().total_s);
+    session.process(*scan);
   }
+  const SlamRun& run = session.run();
   SlamTiming timing;
-  timing.rows = rows;
+  timing.rows = input.measuring().rows();
   timing.threads = threads;
-  timing.scans = static_cast<std::int64_t>(times.size());
-  if (upsampler != nullptr) {
-    timing.upsampled_by = upsampler->name() + (upsampler->has_scan_memory() ? ", memory" : "");
-    timing.upsampling_ms = distribution_of(std::move(upsampling_ms));
+  timing.scans = std::ssize(run.scans);
+  for (const ScanTimes& stage : stage_times(run)) {
+    const Distribution distribution = distribution_of(stage.times_ms);
+    if (stage.name == "upsampling") timing.upsampling_ms = distribution;
+    if (stage.name != "upsampling" && stage.name != "reading") {
+      timing.stages_ms.emplace_back(stage.name, distribution);
+    }
   }
-  for (const Stage& stage : kStages) {
-    timing.stages_ms.emplace_back(stage.name, stage_distribution(times, stage.seconds));
+  if (const nn::Upsampler* upsampler = input.lifter()) {
+    timing.upsampled_by = run.upsampled_by + (upsampler->has_scan_memory() ? ", memory" : "");
   }
-  const std::size_t fifth = times.size() / 5;
+  std::vector<double> total_ms = scan_times(run, "total", [](const ScanRecord& scan) {
+                                   return scan.upsampling_s + scan.report.times.total_s;
+                                 }).times_ms;
+  const std::size_t fifth = total_ms.size() / 5;
   timing.first_fifth_ms = median_ms(total_ms, kWarmUpScans, kWarmUpScans + fifth);
-  timing.last_fifth_ms = median_ms(total_ms, times.size() - fifth, times.size());
+  timing.last_fifth_ms = median_ms(total_ms, total_ms.size() - fifth, total_ms.size());
   timing.stages_ms.emplace_back("total", distribution_of(std::move(total_ms)));
   timing.peak_memory_mb = peak_memory_mb();
   return timing;

@@ -7,9 +7,8 @@
 #include <vector>
 
 #include "hqslam/core/range_image.h"
-#include "hqslam/core/scan_source.h"
 #include "hqslam/core/sensor_model.h"
-#include "hqslam/nn/upsampler.h"
+#include "lift/lifted_input.h"
 #include "terminal/terminal.h"
 #include "timing/timing.h"
 
@@ -38,10 +37,8 @@ struct SlamTiming {
   std::optional<double> peak_memory_mb;  ///< resident memory of the process during this run
 };
 
-/// Scans come from the source one at a time; only upsampling and SLAM are timed. upsampler: nullptr
-/// for the measured rows as they are.
-SlamTiming time_slam(ScanSource& source, int rows, nn::Upsampler* upsampler, int threads,
-                     const InterruptGuard& interrupt);
+/// Only upsampling and SLAM are timed.
+SlamTiming time_slam(LiftedInput& input, int threads, const InterruptGuard& interrupt);
 
 /// Single steps on some scans of the drive, one thread, milliseconds per scan.
 struct StepTiming {
