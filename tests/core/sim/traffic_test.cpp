@@ -2,10 +2,30 @@
 
 #include <doctest/doctest.h>
 
+#include <string>
+#include <utility>
+
 #include "city.h"
 #include "hqslam/sim/drive.h"
 
 using namespace hqslam::sim;
+
+namespace {
+
+/// Cars and walkers about the sensor in a minute of a drive, and its path.
+std::pair<std::size_t, Eigen::Vector2d> actors_in_a_minute(const std::string& drive) {
+  const DriveStyle style = drive_style(drive);
+  const Layout layout = make_layout(style.city, 1);
+  const DriverPath ego = plan_path(layout, style.driver, 1, 60.0);
+  const Traffic traffic(layout, style, ego, 3, 60.0);
+  std::size_t actors = 0;
+  for (double time_s = 0.0; time_s < 60.0; time_s += 1.0) {
+    actors += traffic.actors(time_s, time_s + 0.1, ego.at_time(time_s).plane_m).size();
+  }
+  return {actors, ego.at_time(60.0).plane_m};
+}
+
+}  // namespace
 
 TEST_CASE("cars keep clear of the sensor's car, and some pass it") {
   const DriveStyle style = drive_style("town");
@@ -49,4 +69,13 @@ TEST_CASE("actors move by their speed between the start and the end of a scan") 
   }
   CHECK(cars > 20);
   CHECK(walkers > 20);
+}
+
+TEST_CASE("at a busy hour the same way leads through three times as many actors or more") {
+  for (const std::string drive : {"town", "hills"}) {
+    const auto [usual, usual_end_m] = actors_in_a_minute(drive);
+    const auto [busy, busy_end_m] = actors_in_a_minute(drive + "-busy");
+    CHECK(busy > 3 * usual);
+    CHECK(busy_end_m == usual_end_m);
+  }
 }
