@@ -146,7 +146,7 @@ TEST_CASE("presets: lengths, names, and one clear line for anything else") {
   CHECK(drive_preset("town").scans == 4000);
   CHECK(drive_preset("hills").scans == 8000);
   CHECK(drive_preset("yard").mount.sensor_height_m == 0.4);
-  CHECK(drive_preset_names().size() == 11);
+  CHECK(drive_preset_names().size() == 13);
   CHECK(refused_with([] { drive_preset("desert"); }, "desert", "block", "town", "hills"));
   CHECK(
       refused_with([] { DriveSimulator(short_drive("block", 0), small_sensor()); }, "scans is 0"));
