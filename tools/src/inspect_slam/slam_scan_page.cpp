@@ -120,13 +120,15 @@ std::string directions_html(const slam::ScanTrace& trace) {
       "sensor, rotations times 10 m. Below 0.3 % a direction is degenerate (red): there the "
       "prediction stands.</p>\n<table><tr><th>direction</th><th>share</th><th></th></tr>\n";
   if (trace.direction_share.sum() <= 0.0) return "<p>Nothing was matched with a map.</p>\n";
+  // A rotation is of what lies 10 m away: what lies farther can tell more than all of the weight.
+  const double longest = std::max(1.0, trace.direction_share.maxCoeff());
   for (int i = 0; i < 6; ++i) {
     html += fmt::format(
         "<tr{}><td>{}</td><td>{:.2f} %</td><td style=\"width:40%\"><div class=\"bar\" "
         "style=\"width:{:.1f}%\"></div></td></tr>\n",
         i < trace.degenerate_directions ? " class=\"weak\"" : "",
         direction_text(trace.direction.col(i)), 100.0 * trace.direction_share[i],
-        100.0 * std::max(trace.direction_share[i], 0.0));
+        100.0 * std::max(trace.direction_share[i], 0.0) / longest);
   }
   return html + "</table>\n";
 }
