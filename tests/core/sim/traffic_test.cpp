@@ -12,7 +12,7 @@ using namespace hqslam::sim;
 
 namespace {
 
-/// Cars and walkers about the sensor in a minute of a drive, and its path.
+/// Cars and walkers about the sensor in a minute of a drive, once a second, and where it is then.
 std::pair<std::size_t, Eigen::Vector2d> actors_in_a_minute(const std::string& drive) {
   const DriveStyle style = drive_style(drive);
   const Layout layout = make_layout(style.city, 1);

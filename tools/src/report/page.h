@@ -26,24 +26,23 @@ std::string aligned_text(const TextTable& table);
 /// Stands for a figure that is not there.
 inline constexpr const char* kNoFigure = "-";
 
-/// One figure of everything that a table or a file lists. Of a Value other than double,
-/// figure_text(std::optional<Value>, int) and a product with a double are known beside it.
-template <typename Row, typename Value = double>
+/// One figure of everything that a table or a file lists.
+template <typename Row>
 struct Figure {
   const char* column;  ///< its title in tables; nullptr: not in them
   const char* key;     ///< its name in files; nullptr: not in them
   int decimals = 3;    ///< in tables
   double scale = 1.0;  ///< from what files say to what tables say
-  std::function<std::optional<Value>(const Row&)> of;
+  std::function<std::optional<double>(const Row&)> of;
 };
 
 /// "0.250"; kNoFigure for nothing.
 std::string figure_text(const std::optional<double>& value, int decimals);
 
 /// A table of these figures: a row for each of `rows`, which `name` calls so.
-template <typename Row, typename Value, typename Name>
+template <typename Row, typename Name>
 TextTable table_of(const std::vector<Row>& rows, const char* names,
-                   const std::vector<Figure<Row, Value>>& figures, const Name& name) {
+                   const std::vector<Figure<Row>>& figures, const Name& name) {
   TextTable table{.columns = {names}};
   for (const auto& figure : figures) {
     if (figure.column != nullptr) table.columns.emplace_back(figure.column);
@@ -53,8 +52,8 @@ TextTable table_of(const std::vector<Row>& rows, const char* names,
     cells.push_back(name(row));
     for (const auto& figure : figures) {
       if (figure.column == nullptr) continue;
-      std::optional<Value> value = figure.of(row);
-      if (value) *value = figure.scale * *value;
+      std::optional<double> value = figure.of(row);
+      if (value) *value *= figure.scale;
       cells.push_back(figure_text(value, figure.decimals));
     }
   }

@@ -31,32 +31,38 @@ constexpr std::string_view kStyle = R"css(
 .pairs .y.tick { color: var(--text); font-size: .85rem; }
 )css";
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+/// "0.0391 [0.0350, 0.0432]"
+std::string estimate_text(const Estimate& estimate, int decimals) {
+  if (!std::isfinite(estimate.value)) return kNoFigure;
+  std::string text = fmt::format("{:.{}f}", estimate.value, decimals);
+  if (std::isfinite(estimate.low) && std::isfinite(estimate.high)) {
+    text += fmt::format(" [{:.{}f}, {:.{}f}]", estimate.low, decimals, estimate.high, decimals);
+  }
+  return text;
+}
 
 /// A figure without an interval.
 template <typename Number>
 Estimate number(Number value) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   return {static_cast<double>(value), kNone, kNone};
 }
 
 /// A row per method.
-TextTable titled_table(const std::string& title, const Methods& methods,
-                       const StatisticsFigures& figures) {
-  TextTable table = table_of(methods, "Method", figures, [](const auto& m) { return m.title; });
-  table.title = title;
-  return table;
-}
-
-/// Nothing is said of how the method that the others are paired with differs from itself.
-Methods pairs_of(Methods methods) {
-  for (MethodStatistics& method : methods) {
-    if (!method.is_paired_with) continue;
-    for (Estimate* estimate : {&method.drift_difference_percent, &method.drift_ratio,
-                               &method.drift_ratio_no_slip, &method.slips_difference}) {
-      estimate->value = kNone;
+TextTable table_of(const Methods& methods, const std::string& title,
+                   const std::vector<StatisticsColumn>& columns) {
+  TextTable table{.title = title, .columns = {"Method"}};
+  for (const StatisticsColumn& column : columns) table.columns.emplace_back(column.column);
+  for (const MethodStatistics& method : methods) {
+    std::vector<std::string>& cells = table.rows.emplace_back();
+    cells.push_back(method.title);
+    for (const StatisticsColumn& column : columns) {
+      const std::optional<Estimate> estimate = column.of(method);
+      const bool is_there = estimate && !(column.of_others && method.is_paired_with);
+      cells.push_back(is_there ? estimate_text(*estimate, column.decimals) : kNoFigure);
     }
   }
-  return methods;
+  return table;
 }
 
 std::string paired_with(const Methods& methods) {
@@ -181,39 +187,31 @@ std::vector<std::string> notes_of(const TableSample& sample) {
 
 }  // namespace
 
-std::string figure_text(const std::optional<Estimate>& estimate, int decimals) {
-  if (!estimate || !std::isfinite(estimate->value)) return kNoFigure;
-  std::string text = figure_text(estimate->value, decimals);
-  if (std::isfinite(estimate->low) && std::isfinite(estimate->high)) {
-    text += fmt::format(" [{:.{}f}, {:.{}f}]", estimate->low, decimals, estimate->high, decimals);
-  }
-  return text;
-}
-
-const StatisticsFigures& summary_figures() {
+const std::vector<StatisticsColumn>& summary_columns() {
   using M = MethodStatistics;
-  static const StatisticsFigures figures = {
-      {"drift, %", "drift_percent", 4, 1.0, &M::drift_percent},
-      {"drift, deg/100 m", "drift_deg_per_100m", 4, 1.0, &M::drift_deg_per_100m},
-      {"drift where it does not slip, %", "drift_percent_no_slip", 4, 1.0,
+  static const std::vector<StatisticsColumn> columns = {
+      {"drift, %", "drift_percent", 4, false, &M::drift_percent},
+      {"drift, deg/100 m", "drift_deg_per_100m", 4, false, &M::drift_deg_per_100m},
+      {"drift where it does not slip, %", "drift_percent_no_slip", 4, false,
        &M::drift_percent_no_slip},
-      {"slips", nullptr, 0, 1.0, [](const M& m) { return number(m.slips); }},
-      {"slips per 100 km", "slips_per_100_km", 0, 1.0, &M::slips_per_100_km},
-      {"APE, m", "ape_m", 3, 1.0, &M::ape_m},
-      {"SLAM, ms", nullptr, 1, 1.0, [](const M& m) { return number(m.slam_ms); }}};
-  return figures;
+      {"slips", nullptr, 0, false, [](const M& m) { return number(m.slips); }},
+      {"slips per 100 km", "slips_per_100_km", 0, false, &M::slips_per_100_km},
+      {"APE, m", "ape_m", 3, false, &M::ape_m},
+      {"SLAM, ms", nullptr, 1, false, [](const M& m) { return number(m.slam_ms); }}};
+  return columns;
 }
 
-const StatisticsFigures& pair_figures() {
+const std::vector<StatisticsColumn>& pair_columns() {
   using M = MethodStatistics;
-  static const StatisticsFigures figures = {
-      {"drift, difference in %", "drift_difference_percent", 4, 1.0, &M::drift_difference_percent},
-      {"drift, ratio", "drift_ratio", 2, 1.0, &M::drift_ratio},
-      {"ratio where neither slips", "drift_ratio_no_slip", 2, 1.0, &M::drift_ratio_no_slip},
-      {"slips per 100 km, difference", "slips_difference_per_100_km", 0, 1.0, &M::slips_difference},
-      {"share of LiDAR-16's gap to LiDAR-64 closed, drift", "gap_closed", 2, 1.0, &M::gap_closed},
-      {"slips", "slip_gap_closed", 2, 1.0, &M::slip_gap_closed}};
-  return figures;
+  static const std::vector<StatisticsColumn> columns = {
+      {"drift, difference in %", "drift_difference_percent", 4, true, &M::drift_difference_percent},
+      {"drift, ratio", "drift_ratio", 2, true, &M::drift_ratio},
+      {"ratio where neither slips", "drift_ratio_no_slip", 2, true, &M::drift_ratio_no_slip},
+      {"slips per 100 km, difference", "slips_difference_per_100_km", 0, true,
+       &M::slips_difference},
+      {"share of LiDAR-16's gap to LiDAR-64 closed, drift", "gap_closed", 2, false, &M::gap_closed},
+      {"slips", "slip_gap_closed", 2, false, &M::slip_gap_closed}};
+  return columns;
 }
 
 std::vector<PartStatistics> parts_of(const TableSample& sample) {
@@ -236,9 +234,9 @@ TableReport statistics_report(const TableSample& sample) {
     ReportPart& shown = report.parts.emplace_back(
         ReportPart{all ? "All drives" : part.name, sample_text(part.sample), {}});
     shown.tables = {
-        titled_table("Drift, slips and position error", part.methods, summary_figures()),
-        titled_table(fmt::format("Drive by drive against {}", paired_with(part.methods)),
-                     pairs_of(part.methods), pair_figures())};
+        table_of(part.methods, "Drift, slips and position error", summary_columns()),
+        table_of(part.methods, fmt::format("Drive by drive against {}", paired_with(part.methods)),
+                 pair_columns())};
     shown.figures_html = pairs_html(part.methods);
   }
   report.notes = notes_of(sample);

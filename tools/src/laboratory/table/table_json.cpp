@@ -59,19 +59,20 @@ Json method_timings_json(const MethodFigures& figures) {
   return json;
 }
 
-void add_estimates(const MethodStatistics& method, const StatisticsFigures& figures, Json& json) {
-  for (const auto& figure : figures) {
-    if (figure.key == nullptr) continue;
-    const std::optional<Estimate> e = figure.of(method);
-    json[figure.key] = e ? Json{{"value", e->value}, {"low", e->low}, {"high", e->high}} : Json();
+void add_estimates(const MethodStatistics& method, const std::vector<StatisticsColumn>& columns,
+                   Json& json) {
+  for (const StatisticsColumn& column : columns) {
+    if (column.key == nullptr) continue;
+    const std::optional<Estimate> e = column.of(method);
+    json[column.key] = e ? Json{{"value", e->value}, {"low", e->low}, {"high", e->high}} : Json();
   }
 }
 
 Json summary_json(const MethodStatistics& method) {
   Json json;
-  add_estimates(method, summary_figures(), json);
+  add_estimates(method, summary_columns(), json);
   json["slips"] = method.slips;
-  add_estimates(method, pair_figures(), json);
+  add_estimates(method, pair_columns(), json);
   json["slam_ms"] = method.slam_ms;
   return json;
 }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -117,10 +118,16 @@ std::vector<PartStatistics> parts_of(const TableSample& sample);
 /// run, but for "slam_ms".
 std::string statistics_json(const std::vector<PartStatistics>& parts);
 
-/// What is written of each method, in tables and in files.
-using StatisticsFigures = std::vector<Figure<MethodStatistics, Estimate>>;
-const StatisticsFigures& summary_figures();
-const StatisticsFigures& pair_figures();
+/// Statistics of every method: what is written of each, in tables and in files.
+struct StatisticsColumn {
+  const char* column;
+  const char* key;  ///< in files; nullptr: not as an estimate
+  int decimals;     ///< in tables
+  bool of_others;   ///< says nothing of the method that the others are paired with
+  std::function<std::optional<Estimate>(const MethodStatistics& method)> of;
+};
+const std::vector<StatisticsColumn>& summary_columns();
+const std::vector<StatisticsColumn>& pair_columns();
 
 /// The trajectories of a drive's methods against LiDAR-64's; nothing in it if that is not there.
 ErrorMap error_map_of(const DriveFigures& drive, std::size_t loop_closing);

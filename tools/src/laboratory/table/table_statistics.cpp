@@ -13,7 +13,6 @@ namespace {
 constexpr std::size_t kResamples = 10000;
 constexpr double kBelow = 0.025;
 constexpr std::uint64_t kSeed = 20251122;
-constexpr double k100_km_m = 100e3;
 
 /// The value below which a share of the sorted values lies, between the two next to it.
 double percentile(const std::vector<double>& sorted, double share) {
@@ -99,6 +98,11 @@ Estimate ratio_over_drives(const std::vector<double>& numerators,
 std::vector<double> minus(std::vector<double> values, const std::vector<double>& others) {
   for (std::size_t i = 0; i < values.size(); ++i) values[i] -= others[i];
   return values;
+}
+
+Estimate per_100_km(Estimate per_metre) {
+  constexpr double kMetres = 100e3;
+  return {kMetres * per_metre.value, kMetres * per_metre.low, kMetres * per_metre.high};
 }
 
 std::optional<std::size_t> position_of(const TableSample& sample, const std::string& name) {
@@ -191,7 +195,7 @@ MethodStatistics statistics_of(const TableSample& sample, std::size_t method) {
     s.slam_ms += drive.methods[method].slam_ms / static_cast<double>(sample.drives.size());
   }
   const std::vector<double> slips = slip_counts(sample, method);
-  s.slips_per_100_km = k100_km_m * ratio_over_drives(slips, paths_m(sample));
+  s.slips_per_100_km = per_100_km(ratio_over_drives(slips, paths_m(sample)));
   s.ape_m = mean_over_drives(
       per_drive(sample, [&](const DriveSample& drive) { return drive.methods[method].ape_m; }));
   s.drift_differences_percent = minus(drifts, other_drifts);
@@ -200,7 +204,7 @@ MethodStatistics statistics_of(const TableSample& sample, std::size_t method) {
   s.drift_ratio_no_slip = ratio_over_drives(drifts_without_slips_percent(sample, method, other),
                                             drifts_without_slips_percent(sample, other, method));
   s.slips_difference =
-      k100_km_m * ratio_over_drives(minus(slips, slip_counts(sample, other)), paths_m(sample));
+      per_100_km(ratio_over_drives(minus(slips, slip_counts(sample, other)), paths_m(sample)));
   s.gap_closed = share_of_gap(sample, method, drifts_percent);
   s.slip_gap_closed = share_of_gap(sample, method, slip_counts);
   return s;

@@ -18,11 +18,6 @@ struct Estimate {
   double low = 0.0;  ///< of the 95 % interval
   double high = 0.0;
 };
-inline Estimate operator*(double scale, const Estimate& estimate) {
-  return {scale * estimate.value, scale * estimate.low, scale * estimate.high};
-}
-/// "0.0391 [0.0350, 0.0432]"; kNoFigure for nothing.
-std::string figure_text(const std::optional<Estimate>& estimate, int decimals);
 
 /// A figure of a sample: in, which of its n members are looked at, in any order and as often as
 /// they come; NaN where it has none.
