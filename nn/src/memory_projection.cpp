@@ -135,7 +135,6 @@ void MemoryProjection::project_scan(KeptScan& scan, const RangeImage& measured,
   std::array<float, kAtOnce> range_m;
   std::array<float, kAtOnce> sine;
   std::array<float, kAtOnce> turn;
-  for (std::vector<Hit>& hits : bands) hits.clear();
   for (std::size_t first = 0; first < scan.x_m.size(); first += kAtOnce) {
     const auto count = static_cast<int>(std::min<std::size_t>(kAtOnce, scan.x_m.size() - first));
     kernels_.see_points({&scan.x_m[first], &scan.y_m[first], &scan.z_m[first],
@@ -182,7 +181,7 @@ HeadMotion MemoryProjection::motion_through(const std::vector<Pose>& T_world_sen
 
 void MemoryProjection::project(std::deque<KeptScan>& kept, const RangeImage& measured,
                                const std::vector<Pose>& T_world_sensor,
-                               const Eigen::Vector3d& origin_m) {
+                               const Eigen::Vector3d& origin_m, std::optional<double> itself_s) {
   const HeadMotion motion = motion_through(T_world_sensor, origin_m);
   hits_.resize(kept.size());
   nearest_m_.assign(static_cast<std::size_t>(sensor_.rows()) * sensor_.columns, HUGE_VALF);
@@ -192,6 +191,8 @@ void MemoryProjection::project(std::deque<KeptScan>& kept, const RangeImage& mea
     std::vector<float> nearest(nearest_m_.size(), HUGE_VALF);
 #pragma omp for schedule(dynamic, 1)
     for (int scan = 0; scan < scans; ++scan) {
+      for (std::vector<Hit>& hits : hits_[scan]) hits.clear();
+      if (kept[scan].stamp_s == itself_s) continue;
       project_scan(kept[scan], measured, motion, hits_[scan], nearest);
     }
 #pragma omp critical

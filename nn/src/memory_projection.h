@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <vector>
 
 #include "hqslam/core/pose.h"
@@ -52,9 +53,10 @@ class MemoryProjection {
   float head_offset(int row) const { return head_offset_[row]; }
 
   /// poses: one for each column of the image, or one for all; origin_m: of the kept points. Points
-  /// that measured beams pass become NaN.
+  /// that measured beams pass become NaN. The scan with the stamp itself_s has no hits.
   void project(std::deque<KeptScan>& kept, const RangeImage& measured,
-               const std::vector<Pose>& T_world_sensor, const Eigen::Vector3d& origin_m);
+               const std::vector<Pose>& T_world_sensor, const Eigen::Vector3d& origin_m,
+               std::optional<double> itself_s);
   /// Of a band of rows, one list for each kept scan.
   const std::vector<Hit>& hits(std::size_t scan, int band) const { return hits_[scan][band]; }
   std::size_t scans() const { return hits_.size(); }

@@ -174,11 +174,12 @@ ScanMemory::~ScanMemory() = default;
 ScanMemory::ScanMemory(ScanMemory&&) noexcept = default;
 ScanMemory& ScanMemory::operator=(ScanMemory&&) noexcept = default;
 
-RecalledImage ScanMemory::recall(const RangeImage& measured, const ColumnPoses& T_world_sensor) {
+RecalledImage ScanMemory::recall(const RangeImage& measured, const ColumnPoses& T_world_sensor,
+                                 std::optional<double> itself_s) {
   Implementation& self = *implementation_;
   self.check(measured.rows, measured.columns, measured.range_m.size(), T_world_sensor);
   if (self.kept.empty()) return {};
-  self.projection.project(self.kept, measured, T_world_sensor, self.origin_m);
+  self.projection.project(self.kept, measured, T_world_sensor, self.origin_m, itself_s);
   return self.surfaces();
 }
 

@@ -42,6 +42,7 @@ SimulatedScans simulated_scans(JsonFields fields) {
                            : DriveConditions::kVaried;
   }
   if (fields.has("sensor_errors")) scans.sensor_errors = fields.text("sensor_errors");
+  fields.optional("look_ahead", scans.look_ahead);
   fields.finish();
   if (scans.seeds.empty()) fields.complain("seeds", "at least one seed");
   for (const int seed : scans.seeds) {

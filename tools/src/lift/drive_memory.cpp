@@ -1,6 +1,7 @@
 #include "lift/drive_memory.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "hqslam/core/error.h"
 
@@ -19,6 +20,21 @@ slam::SensorPath expected_path(const Trajectory& before, double stamp_s) {
   return {{earlier, last, {stamp_s, expected}}, 2};
 }
 
+/// Of a motion-corrected scan one. Four columns share one: within them a car moves a millimetre or
+/// two, and to find a pose takes longer than to look for ten points.
+nn::ColumnPoses column_poses(const slam::SensorPath& path, const OrganizedCloud& cloud,
+                             const SensorModel& sensor) {
+  if (cloud.time_offset_s.empty()) return {path.at(0.0)};
+  constexpr int kShared = 4;
+  nn::ColumnPoses poses;
+  for (int column = 0; column < sensor.columns; column += kShared) {
+    const double middle = (column + 0.5 * kShared) / sensor.columns - 0.5;
+    const int end = std::min(column + kShared, sensor.columns);
+    poses.resize(end, path.at(sensor.scan_period_s * middle));
+  }
+  return poses;
+}
+
 /// As seen from another frame.
 nn::ColumnPoses moved(const Pose& T_memory_map, nn::ColumnPoses poses) {
   for (Pose& pose : poses) pose = T_memory_map * pose;
@@ -33,38 +49,13 @@ DriveMemory::DriveMemory(const nn::Upsampler* upsampler) {
   memory_.emplace(sensor_);
 }
 
-/// Of a motion-corrected scan one. Four columns share one: within them a car moves a millimetre or
-/// two, and to find a pose takes longer than to look for ten points.
-nn::ColumnPoses DriveMemory::column_poses(const slam::SensorPath& path,
-                                          const OrganizedCloud& cloud) const {
-  if (cloud.time_offset_s.empty()) return {path.at(0.0)};
-  constexpr int kShared = 4;
-  nn::ColumnPoses poses;
-  for (int column = 0; column < sensor_.columns; column += kShared) {
-    const double middle = (column + 0.5 * kShared) / sensor_.columns - 0.5;
-    const int end = std::min(column + kShared, sensor_.columns);
-    poses.resize(end, path.at(sensor_.scan_period_s * middle));
-  }
-  return poses;
-}
-
-nn::RecalledImage DriveMemory::recall_and_remember(const OrganizedCloud& measured,
-                                                   const std::optional<slam::SensorPath>& path,
-                                                   double stamp_s) {
-  if (!memory_ || !path) return {};
-  const nn::ColumnPoses poses = column_poses(*path, measured);
-  nn::RecalledImage recalled = memory_->recall(range_image(measured), poses);
-  memory_->insert(measured, poses, stamp_s);
-  return recalled;
-}
-
 nn::RecalledImage DriveMemory::recall(const OrganizedCloud& measured, const Trajectory& before,
                                       double stamp_s) {
   if (!memory_ || !T_memory_sensor_ || before.empty()) return {};
   const Pose T_memory_map = *T_memory_sensor_ * before.back().T_map_sensor.inverse();
   return memory_->recall(
       range_image(measured),
-      moved(T_memory_map, column_poses(expected_path(before, stamp_s), measured)));
+      moved(T_memory_map, column_poses(expected_path(before, stamp_s), measured, sensor_)));
 }
 
 void DriveMemory::remember(const OrganizedCloud& measured, const Trajectory& trajectory,
@@ -83,7 +74,34 @@ void DriveMemory::remember(const OrganizedCloud& measured, const Trajectory& tra
                        : Pose::Identity();
   const Pose T_memory_map = *T_memory_sensor_ * last.T_map_sensor.inverse();
   const slam::SensorPath path(trajectory, trajectory.size() - 1);
-  memory_->insert(measured, moved(T_memory_map, column_poses(path, measured)), last.stamp_s);
+  memory_->insert(measured, moved(T_memory_map, column_poses(path, measured, sensor_)),
+                  last.stamp_s);
+}
+
+LookAheadMemory::LookAheadMemory(const nn::Upsampler* upsampler, const ScanPoses& poses,
+                                 std::function<OrganizedCloud(const RecordedScan&)> measured)
+    : poses_(poses), measured_(std::move(measured)) {
+  if (upsampler == nullptr || !upsampler->has_scan_memory()) return;
+  sensor_ = upsampler->sensor();
+  memory_.emplace(sensor_, nn::kLookAheadMemory);
+}
+
+LookAhead LookAheadMemory::look_ahead() {
+  if (!memory_) return {};
+  return {nn::kLookAheadScans, [this](const ReadScan& read) {
+            const auto path = poses_.path_of(read.index, read.scan.stamp_s);
+            if (!path) return;
+            const OrganizedCloud measured = measured_(read.scan);
+            memory_->insert(measured, column_poses(*path, measured, sensor_), read.scan.stamp_s);
+          }};
+}
+
+nn::RecalledImage LookAheadMemory::recall(const ReadScan& read, const OrganizedCloud& measured) {
+  if (!memory_) return {};
+  const auto path = poses_.path_of(read.index, read.scan.stamp_s);
+  if (!path) return {};
+  return memory_->recall(range_image(measured), column_poses(*path, measured, sensor_),
+                         read.scan.stamp_s);
 }
 
 void require_memory(const std::string& poses, const nn::Upsampler* upsampler) {

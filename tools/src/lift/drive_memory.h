@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -7,25 +8,20 @@
 #include "hqslam/core/trajectory.h"
 #include "hqslam/nn/scan_memory.h"
 #include "hqslam/nn/upsampler.h"
-#include "hqslam/slam/sensor_path.h"
+#include "recording/reading.h"
+#include "recording/scan_poses.h"
 
 namespace hqslam::tools {
 
-/// The scans of a drive so far, for a network with a memory, where SLAM or a file of poses put
-/// them. For any other way of lifting it remembers nothing.
+/// The scans of a drive so far, for a network with a memory, where SLAM put them. For any other way
+/// of lifting it remembers nothing.
 class DriveMemory {
  public:
   /// upsampler: null where nothing is lifted.
   explicit DriveMemory(const nn::Upsampler* upsampler);
 
-  /// What is recalled in a scan whose path is known, which is then remembered; of one whose path is
-  /// not known nothing is either.
-  nn::RecalledImage recall_and_remember(const OrganizedCloud& measured,
-                                        const std::optional<slam::SensorPath>& path,
-                                        double stamp_s);
-
-  /// The same before SLAM has located the scan: it is expected to move on as it did between the two
-  /// scans before. before: SLAM's trajectory up to them.
+  /// What is recalled in a scan before SLAM has located it: it is expected to move on as it did
+  /// between the two scans before. before: SLAM's trajectory up to them.
   nn::RecalledImage recall(const OrganizedCloud& measured, const Trajectory& before,
                            double stamp_s);
   /// SLAM has located the scan, the last of its trajectory, or not: then all is forgotten. Loops
@@ -33,12 +29,29 @@ class DriveMemory {
   void remember(const OrganizedCloud& measured, const Trajectory& trajectory, bool is_located);
 
  private:
-  nn::ColumnPoses column_poses(const slam::SensorPath& path, const OrganizedCloud& cloud) const;
-
   std::optional<nn::ScanMemory> memory_;
   SensorModel sensor_;
   /// Of the last scan that was remembered by its place in a trajectory: a frame that no loop moves.
   std::optional<Pose> T_memory_sensor_;
+};
+
+/// The same where the poses of the whole drive are known: a scan recalls those before it and after
+/// it, as far as their poses are known.
+class LookAheadMemory {
+ public:
+  /// measured: what is measured of a recorded scan. poses: must outlive this.
+  LookAheadMemory(const nn::Upsampler* upsampler, const ScanPoses& poses,
+                  std::function<OrganizedCloud(const RecordedScan&)> measured);
+
+  /// For read_scans: remembers what is read.
+  LookAhead look_ahead();
+  nn::RecalledImage recall(const ReadScan& read, const OrganizedCloud& measured);
+
+ private:
+  std::optional<nn::ScanMemory> memory_;
+  SensorModel sensor_;
+  const ScanPoses& poses_;
+  std::function<OrganizedCloud(const RecordedScan&)> measured_;
 };
 
 /// Throws Error where poses are named that nothing looks at. upsampler: null where nothing is

@@ -24,17 +24,22 @@ namespace {
 
 /// Hands the scans up to the one that was asked for to `use`, with their indices.
 void for_scans_up_to(const InspectOptions& options, ScanSource& source,
-                     const std::function<void(const ReadScan& read, std::int64_t i)>& use) {
+                     const std::function<void(const ReadScan& read, std::int64_t i)>& use,
+                     const LookAhead& look_ahead = {}) {
   print_warnings(source, options.input);
-  LeftOut left_out;
-  for (std::int64_t i = 0; i <= options.scan; ++i) {
-    std::optional<RecordedScan> scan = next_usable(source, left_out);
-    if (!scan) {
-      throw Error("{}: has {} scans{}, expected one with index {}", options.input, i,
-                  left_out.scans > 0 ? " that can be used" : "", options.scan);
-    }
-    use({std::move(*scan), i + left_out.scans}, i);
-  }
+  const InterruptGuard interrupt;
+  Reading reading;
+  std::int64_t used = 0;
+  const auto use_next = [&](const ReadScan& read) {
+    use(read, used++);
+    return used <= options.scan;
+  };
+  read_scans(source, interrupt, reading, use_next, look_ahead);
+  if (used > options.scan) return;
+  if (interrupt.stop_requested()) throw Error("inspect: interrupted at scan {}", used);
+  if (reading.end == ReadingEnd::kUnreadableScan) throw Error(reading.end_message);
+  throw Error("{}: has {} scans{}, expected one with index {}", options.input, used,
+              reading.left_out.scans > 0 ? " that can be used" : "", options.scan);
 }
 
 /// The scan that was asked for, and what a network with a memory recalls in it.
@@ -47,14 +52,14 @@ SeenScan scan_of(const InspectOptions& options, LiftedInput& input) {
   require_memory(options.poses, input.lifter());
   const ScanPoses poses =
       read_scan_poses(options.poses, [&] { return scans_in(options, *input.open()); });
-  DriveMemory memory(input.lifter());
+  LookAheadMemory memory(input.lifter(), poses,
+                         [&](const RecordedScan& scan) { return input.measured(scan.cloud); });
   SeenScan seen;
-  for_scans_up_to(options, *input.open(), [&](const ReadScan& read, std::int64_t i) {
-    const auto& [cloud, stamp_s] = std::tie(read.scan.cloud, read.scan.stamp_s);
-    seen.recalled = memory.recall_and_remember(input.measured(cloud),
-                                               poses.path_of(read.index, stamp_s), stamp_s);
-    if (i == options.scan) seen.image = range_image(calibrated(cloud, input.recorded));
-  });
+  const auto look = [&](const ReadScan& read, std::int64_t i) {
+    seen.recalled = memory.recall(read, input.measured(read.scan.cloud));
+    if (i == options.scan) seen.image = range_image(calibrated(read.scan.cloud, input.recorded));
+  };
+  for_scans_up_to(options, *input.open(), look, memory.look_ahead());
   return seen;
 }
 

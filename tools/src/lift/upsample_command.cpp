@@ -62,20 +62,18 @@ UpsampleRun upsample(ScanSource& source, LiftedInput& input, const ScanPoses& po
                      const UpsampleOptions& options, const InterruptGuard& interrupt) {
   std::optional<UpsampleOutput> output;  // made when the first scan is there
   nn::Upsampler& upsampler = *input.upsampler;
-  DriveMemory memory(input.lifter());
+  LookAheadMemory memory(input.lifter(), poses,
+                         [&](const RecordedScan& scan) { return input.measured(scan.cloud); });
   UpsampleRun run;
   Progress progress(
       fmt::format("upsample to {}x{}", upsampler.sensor().rows(), upsampler.sensor().columns),
       source.size());
-  read_scans(source, interrupt, run, [&](const ReadScan& read) {
+  const auto lift = [&](const ReadScan& read) {
     const OrganizedCloud measured = input.measured(read.scan.cloud);
     const RangeImage measured_image = range_image(measured);
     nn::LiftedImage lifted;
-    const auto path = poses.path_of(read.index, read.scan.stamp_s);
-    const double time_s = seconds_of([&] {
-      lifted = upsampler.run(measured_image,
-                             memory.recall_and_remember(measured, path, read.scan.stamp_s));
-    });
+    const double time_s =
+        seconds_of([&] { lifted = upsampler.run(measured_image, memory.recall(read, measured)); });
     const OrganizedCloud cloud =
         nn::upsampled_cloud(lifted, measured, upsampler.measured_rows(), upsampler.sensor());
     if (!output) output.emplace(make_output(options, input, cloud, source.size().value_or(0)));
@@ -83,7 +81,8 @@ UpsampleRun upsample(ScanSource& source, LiftedInput& input, const ScanPoses& po
     run.times_s.push_back(time_s);
     progress.update(std::ssize(run.times_s), source.read_share());
     return true;
-  });
+  };
+  read_scans(source, interrupt, run, lift, memory.look_ahead());
   progress.finish();
   if (output && run.end == ReadingEnd::kComplete) output->finish();
   return run;

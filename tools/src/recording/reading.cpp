@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <deque>
 #include <utility>
 
 #include "hqslam/core/error.h"
@@ -67,19 +68,34 @@ std::string_view name(ReadingEnd end) {
 }
 
 void read_scans(ScanSource& source, const InterruptGuard& interrupt, Reading& reading,
-                const std::function<bool(const ReadScan& read)>& use) {
+                const std::function<bool(const ReadScan& read)>& use, const LookAhead& look_ahead) {
+  std::deque<ReadScan> waiting;
+  std::int64_t seen = 0;
   std::int64_t used = 0;
-  while (reading.end == ReadingEnd::kRunning) {
-    const SteadyClock::time_point start = SteadyClock::now();
-    std::optional<RecordedScan> scan = next_scan(source, interrupt, used == 0, reading);
-    if (!scan) break;
-    const std::string name = scan->name;
-    const ReadScan read{std::move(*scan), used + reading.left_out.scans, seconds_since(start)};
+  std::int64_t refused = 0;  // by `use`; the others that are left out were never seen
+  while (true) {
+    if (reading.end == ReadingEnd::kRunning && std::ssize(waiting) <= look_ahead.scans) {
+      const SteadyClock::time_point start = SteadyClock::now();
+      std::optional<RecordedScan> scan = next_scan(source, interrupt, seen == refused, reading);
+      if (!scan) continue;
+      const std::int64_t index = seen++ + reading.left_out.scans - refused;
+      waiting.push_back({std::move(*scan), index, seconds_since(start)});
+      if (look_ahead.see) look_ahead.see(waiting.back());
+      continue;
+    }
+    if (waiting.empty()) break;
+    const ReadScan read = std::move(waiting.front());
+    waiting.pop_front();
     try {
-      if (!use(read)) reading.end = ReadingEnd::kComplete;
+      const bool goes_on = use(read);
       ++used;
+      if (goes_on) continue;
+      reading.end = ReadingEnd::kComplete;
+      reading.end_message.clear();
+      break;
     } catch (const ScanError& error) {
-      reading.left_out.add(fmt::format("{}: {}", name, error.what()));
+      ++refused;
+      reading.left_out.add(fmt::format("{}: {}", read.scan.name, error.what()));
     }
   }
   if (used == 0 && reading.left_out.scans > 0 && reading.end == ReadingEnd::kComplete) {

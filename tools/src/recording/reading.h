@@ -47,11 +47,18 @@ struct ReadScan {
   double reading_s = 0.0;  ///< what reading and projecting it took
 };
 
+/// What has to be seen of the scans after one before that is used.
+struct LookAhead {
+  std::int64_t scans = 0;                           ///< so many
+  std::function<void(const ReadScan& read)> see{};  ///< each scan, as soon as it is read
+};
+
 /// Hands every scan that can be understood to `use`, until that returns false, to the recording's
 /// end, until Ctrl-C or to a scan that cannot be read. A scan of which `use` throws ScanError is
 /// left out as well. Throws Error where not a single scan could be used.
 void read_scans(ScanSource& source, const InterruptGuard& interrupt, Reading& reading,
-                const std::function<bool(const ReadScan& read)>& use);
+                const std::function<bool(const ReadScan& read)>& use,
+                const LookAhead& look_ahead = {});
 
 /// "40 of 80 scans", or "40 scans" where nobody knows how many there are.
 std::string scans_text(std::int64_t used, std::optional<std::int64_t> in_recording);

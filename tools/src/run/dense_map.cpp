@@ -44,13 +44,11 @@ DenseMapRun build_dense_map(const InputChoice& recording, const LiftingChoice& l
   MapInput input(recording, lifting, choice.options.voxel_m);
   slam::DenseMap map(choice.options);
   DenseMapRun run;
-  static_cast<MapReading&>(run) = input.read_all(
-      poses, "dense map, points", interrupt, [&](const auto& scan, const auto& path) {
-        map.insert(input.lifted(scan, path), input.measured_rows(), path);
-      });
-  input.read_all(
-      poses, "dense map, seen through", interrupt,
-      [&](const auto& scan, const auto& path) { map.see_through(input.measured(scan), path); });
+  static_cast<MapReading&>(run) = input.read_lifted(
+      poses, "dense map, points", interrupt,
+      [&](const auto& scan, const auto& path) { map.insert(scan, input.measured_rows(), path); });
+  input.read_measured(poses, "dense map, seen through", interrupt,
+                      [&](const auto& scan, const auto& path) { map.see_through(scan, path); });
   run.points = map.points(&run.intensity);
   run.las = choice.las;
   run.voxel_m = choice.options.voxel_m;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "hqslam/slam/dense_map.h"
+#include "lift/drive_memory.h"
 #include "terminal/progress.h"
 
 namespace hqslam::tools {
@@ -22,12 +23,12 @@ MapInput::MapInput(const InputChoice& recording, const LiftingChoice& lifting, d
     : input_(input_of(recording, lifting, voxel_m)),
       measured_rows_(input_.upsampler ? input_.upsampler->measured_rows()
                      : input_.rows    ? std::nullopt
-                                      : input_.recorded.measured_rows),
-      memory_(input_.lifter()) {}
+                                      : input_.recorded.measured_rows) {}
 
-MapReading MapInput::read_all(
-    const ScanPoses& poses, const std::string& label, const InterruptGuard& interrupt,
-    const std::function<void(const RecordedScan&, const slam::SensorPath&)>& use) {
+MapReading MapInput::read(const ScanPoses& poses, const std::string& label,
+                          const InterruptGuard& interrupt,
+                          const std::function<void(const ReadScan&, const slam::SensorPath&)>& use,
+                          const LookAhead& look_ahead) {
   const auto source = input_.open();
   const auto& scans = poses.scan_of_pose;
   std::optional<std::int64_t> most = source->size();
@@ -36,33 +37,44 @@ MapReading MapInput::read_all(
   }
   Progress progress(label, most);
   MapReading reading;
-  read_scans(*source, interrupt, reading, [&](const ReadScan& read) {
+  const auto use_if_known = [&](const ReadScan& read) {
     if (const auto path = poses.path_of(read.index, read.scan.stamp_s)) {
-      use(read.scan, *path);
+      use(read, *path);
       ++reading.scans;
     } else {
       ++reading.without_pose;
     }
     progress.update(read.index + 1, source->read_share());
     return !most || read.index + 1 < *most;
-  });
+  };
+  read_scans(*source, interrupt, reading, use_if_known, look_ahead);
   progress.finish();
   return reading;
 }
 
-OrganizedCloud MapInput::measured(const RecordedScan& scan) const {
-  const OrganizedCloud cloud = input_.measured(scan.cloud);
-  return is_partly_computed() ? select_rows(cloud, *measured_rows_) : cloud;
+MapReading MapInput::read_measured(const ScanPoses& poses, const std::string& label,
+                                   const InterruptGuard& interrupt, const Use& use) {
+  const auto use_measured = [&](const ReadScan& recorded, const slam::SensorPath& path) {
+    const OrganizedCloud cloud = input_.measured(recorded.scan.cloud);
+    use(is_partly_computed() ? select_rows(cloud, *measured_rows_) : cloud, path);
+  };
+  return read(poses, label, interrupt, use_measured, {});
+}
+
+MapReading MapInput::read_lifted(const ScanPoses& poses, const std::string& label,
+                                 const InterruptGuard& interrupt, const Use& use) {
+  LookAheadMemory memory(input_.lifter(), poses,
+                         [&](const RecordedScan& scan) { return input_.measured(scan.cloud); });
+  const auto use_lifted = [&](const ReadScan& recorded, const slam::SensorPath& path) {
+    const OrganizedCloud measured = input_.measured(recorded.scan.cloud);
+    use(input_.lifted(measured, memory.recall(recorded, measured)), path);
+  };
+  return read(poses, label, interrupt, use_lifted, memory.look_ahead());
 }
 
 SensorModel MapInput::measuring() const {
   const SensorModel sensor = input_.measuring();
   return is_partly_computed() ? select_rows(sensor, *measured_rows_) : sensor;
-}
-
-OrganizedCloud MapInput::lifted(const RecordedScan& scan, const slam::SensorPath& path) {
-  const OrganizedCloud measured = input_.measured(scan.cloud);
-  return input_.lifted(measured, memory_.recall_and_remember(measured, path, scan.stamp_s));
 }
 
 }  // namespace hqslam::tools

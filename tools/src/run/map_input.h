@@ -6,7 +6,6 @@
 #include <string>
 
 #include "hqslam/slam/sensor_path.h"
-#include "lift/drive_memory.h"
 #include "lift/lifted_input.h"
 #include "recording/reading.h"
 #include "recording/scan_poses.h"
@@ -29,28 +28,29 @@ class MapInput {
   /// Throws Error.
   MapInput(const InputChoice& recording, const LiftingChoice& lifting, double voxel_m);
 
-  /// Calls use(scan, path) for every scan whose pose is known. Shows progress on stderr. A scan
-  /// that cannot be read ends each reading at the same place.
-  MapReading read_all(const ScanPoses& poses, const std::string& label,
-                      const InterruptGuard& interrupt,
-                      const std::function<void(const RecordedScan&, const slam::SensorPath&)>& use);
+  using Use = std::function<void(const OrganizedCloud& scan, const slam::SensorPath& path)>;
+  /// Calls use(scan, path) for every scan whose pose is known, with its measured pixels alone.
+  /// Shows progress on stderr. A scan that cannot be read ends each reading at the same place.
+  MapReading read_measured(const ScanPoses& poses, const std::string& label,
+                           const InterruptGuard& interrupt, const Use& use);
+  /// The same with all pixels that there are of each.
+  MapReading read_lifted(const ScanPoses& poses, const std::string& label,
+                         const InterruptGuard& interrupt, const Use& use);
 
-  /// A scan's measured pixels alone.
-  OrganizedCloud measured(const RecordedScan& scan) const;
-  /// Behind what `measured` returns.
+  /// Behind what read_measured gives.
   SensorModel measuring() const;
-  /// All pixels that there are of it. In one reading, scan after scan: it remembers them.
-  OrganizedCloud lifted(const RecordedScan& scan, const slam::SensorPath& path);
-  /// Of what `lifted` returns; nothing: all of them.
+  /// Of what read_lifted gives; nothing: all of them.
   const std::optional<RowSelection>& measured_rows() const { return measured_rows_; }
 
  private:
   /// Whether the recording itself has computed rows.
   bool is_partly_computed() const { return !input_.upsampler && measured_rows_; }
+  MapReading read(const ScanPoses& poses, const std::string& label, const InterruptGuard& interrupt,
+                  const std::function<void(const ReadScan&, const slam::SensorPath&)>& use,
+                  const LookAhead& look_ahead);
 
   LiftedInput input_;
   std::optional<RowSelection> measured_rows_;
-  DriveMemory memory_;
 };
 
 }  // namespace hqslam::tools

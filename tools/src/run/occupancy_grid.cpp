@@ -42,17 +42,15 @@ OccupancyGridRun build_occupancy_grid(const InputChoice& recording, const Liftin
   MapInput input(recording, lifting, choice.resolution_m);
   slam::OccupancyGrid grid(options_of(choice));
   const SensorModel sensor = input.measuring();
-  input.read_all(poses, "occupancy grid, ground", interrupt,
-                 [&](const auto& scan, const auto& path) {
-                   grid.add_ground(input.measured(scan), sensor, path);
-                 });
-  input.read_all(poses, "occupancy grid, obstacles", interrupt,
-                 [&](const auto& scan, const auto& path) {
-                   grid.insert(input.lifted(scan, path), input.measured_rows(), path);
-                 });
-  const MapReading reading = input.read_all(
+  input.read_measured(
+      poses, "occupancy grid, ground", interrupt,
+      [&](const auto& scan, const auto& path) { grid.add_ground(scan, sensor, path); });
+  input.read_lifted(
+      poses, "occupancy grid, obstacles", interrupt,
+      [&](const auto& scan, const auto& path) { grid.insert(scan, input.measured_rows(), path); });
+  const MapReading reading = input.read_measured(
       poses, "occupancy grid, seen through", interrupt,
-      [&](const auto& scan, const auto& path) { grid.see_through(input.measured(scan), path); });
+      [&](const auto& scan, const auto& path) { grid.see_through(scan, path); });
   if (interrupt.stop_requested()) return {};
   OccupancyGridRun run{grid.map(), ""};
   const auto share_of = [&](slam::Occupancy occupancy) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "hqslam/core/organized_cloud.h"
@@ -23,6 +24,12 @@ struct ScanMemoryOptions {
   double step_m = 0.05;
   double step_rad = 0.005;
 };
+/// Where the way of the whole drive is known, what is measured after a scan tells as much of it as
+/// what was measured before: so many later scans are remembered too before it recalls.
+inline constexpr int kLookAheadScans = 20;
+/// Of a memory for that: as much of what comes as of what was.
+inline constexpr ScanMemoryOptions kLookAheadMemory = {
+    .scans = 2 * kLookAheadScans + 1, .path_m = 80.0, .time_s = 20.0};
 /// Throws Error with field, value and constraint.
 void validate(const ScanMemoryOptions& options);
 
@@ -59,9 +66,11 @@ class ScanMemory {
   ScanMemory& operator=(ScanMemory&&) noexcept;
 
   /// What is remembered, seen from T_world_sensor; empty where no scan is kept. measured: the
-  /// measured rows of the scan that is taken there, which decide what has moved on. Throws Error
-  /// for another shape or number of poses.
-  RecalledImage recall(const RangeImage& measured, const ColumnPoses& T_world_sensor);
+  /// measured rows of the scan that is taken there, which decide what has moved on. itself_s: its
+  /// stamp, where it is remembered already, with some that came after it; it does not recall
+  /// itself. Throws Error for another shape or number of poses.
+  RecalledImage recall(const RangeImage& measured, const ColumnPoses& T_world_sensor,
+                       std::optional<double> itself_s = std::nullopt);
 
   /// Remembers a scan. measured: the points of the measured rows. Throws Error as recall.
   void insert(const OrganizedCloud& measured, const ColumnPoses& T_world_sensor, double stamp_s);

@@ -180,7 +180,7 @@ void finish_curve(const ConfidenceCurve& curve, const CompareOptions& options) {
 }
 
 /// Hands every `every`-th scan of the recording to `use`, with what a memory for `upsampler` has of
-/// the scans before it. Returns how many.
+/// the scans before and after it. Returns how many.
 template <typename Use>
 std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sensor,
                            const InterruptGuard& interrupt, const Use& use,
@@ -188,7 +188,12 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
   require_memory(options.poses, upsampler);
   const ScanPoses poses = read_scan_poses(
       options.poses, [&] { return scans_in(options, *open_input(options, sensor)); });
-  DriveMemory memory(upsampler);
+  const auto measured_of = [&](const OrganizedCloud& truth) {
+    return select_rows(truth, selection_for(truth.rows, kMeasuredRows));
+  };
+  LookAheadMemory memory(upsampler, poses, [&](const RecordedScan& scan) {
+    return measured_of(calibrated(scan.cloud, sensor));
+  });
   const auto source = open_input(options, sensor);
   print_warnings(*source, options.input);
   const std::size_t told = source->warnings().size();
@@ -196,18 +201,18 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
   std::int64_t used = 0;
   std::int64_t looked_at = 0;
   Reading reading;
-  read_scans(*source, interrupt, reading, [&](const ReadScan& read) {
+  const auto compare = [&](const ReadScan& read) {
     progress.update(++looked_at, source->read_share());
     const OrganizedCloud truth = calibrated(read.scan.cloud, sensor);
-    const OrganizedCloud measured = select_rows(truth, selection_for(truth.rows, kMeasuredRows));
-    const nn::RecalledImage recalled = memory.recall_and_remember(
-        measured, poses.path_of(read.index, read.scan.stamp_s), read.scan.stamp_s);
+    const OrganizedCloud measured = measured_of(truth);
+    const nn::RecalledImage recalled = memory.recall(read, measured);
     if ((looked_at - 1) % options.every != 0) return true;
     if (points_of(measured).empty()) throw ScanError("has no return in the measured rows");
     use(truth, recalled);
     ++used;
     return true;
-  });
+  };
+  read_scans(*source, interrupt, reading, compare, memory.look_ahead());
   progress.finish();
   print_later_warnings(*source, told);
   if (reading.end == ReadingEnd::kUnreadableScan) throw Error(reading.end_message);

@@ -44,6 +44,7 @@ std::string key_of(const StoredDrive& drive, const SensorModel& sensor) {
   key["sensor"] = sensor_json(sensor);
   if (drive.remembered_rows) {
     key["memory"] = {kMemoryRevision, drive.remembered_rows->offset, drive.remembered_rows->stride};
+    if (drive.look_ahead) key["memory"].push_back("look ahead");
   }
   return key.dump();
 }
@@ -92,19 +93,22 @@ bool simulate_with_memory(const StoredDrive& drive, const SensorModel& sensor,
                           Progress& progress) {
   const RowSelection rows = *drive.remembered_rows;
   sim::DriveSimulator simulator(drive.spec, sensor);
-  Recollection recollection(sensor, rows, drive.spec.seed);
+  Recollection recollection(sensor, rows, drive.look_ahead, drive.spec.seed);
+  const auto write_finished = [&](bool is_last) {
+    while (const auto image = recollection.finished(is_last)) {
+      writer.append(*image);
+      progress.advance();
+    }
+  };
   for (std::int64_t i = 0; i < drive.spec.scans; ++i) {
     if (stopping()) return false;
     const bool kept = i % drive.every == 0;
     const auto scan = simulator.next(kept ? std::nullopt : std::optional(rows));
-    const RangeImage measured = select_rows(scan->image, rows);
-    if (kept) {
-      writer.append(
-          recollection.with_recalled(scan->image, measured, scan->T_map_sensor_at_column));
-      progress.advance();
-    }
-    recollection.remember(measured, scan->T_map_sensor_at_column, scan->stamp_s);
+    if (kept) recollection.want(*scan);
+    write_finished(false);
+    recollection.remember(*scan);
   }
+  write_finished(true);
   return true;
 }
 

@@ -19,6 +19,7 @@ struct StoredDrive {
   std::int64_t every = 1;
   /// The rows whose earlier measurements each scan recalls (nn::ScanMemory); nothing: none are.
   std::optional<RowSelection> remembered_rows = std::nullopt;
+  bool look_ahead = false;  ///< and the later ones (nn::kLookAheadScans)
 
   std::int64_t scans() const { return (spec.scans + every - 1) / every; }
 };

@@ -45,15 +45,42 @@ SensorModel measured_by(SensorModel sensor, RowSelection rows) {
 
 }  // namespace
 
-Recollection::Recollection(const SensorModel& sensor, RowSelection rows, std::uint64_t seed)
-    : sensor_(select_rows(sensor, rows)), memory_(measured_by(sensor, rows)), random_(seed) {}
+Recollection::Recollection(const SensorModel& sensor, RowSelection rows, bool look_ahead,
+                           std::uint64_t seed)
+    : rows_(rows),
+      look_ahead_scans_(look_ahead ? nn::kLookAheadScans : 0),
+      sensor_(select_rows(sensor, rows)),
+      memory_(measured_by(sensor, rows),
+              look_ahead ? nn::kLookAheadMemory : nn::ScanMemoryOptions{}),
+      random_(seed) {}
 
-RangeImage Recollection::with_recalled(RangeImage image, const RangeImage& measured,
-                                       const nn::ColumnPoses& poses) {
+void Recollection::want(const sim::SimulatedScan& scan) { wanted_.push_back({scan}); }
+
+void Recollection::remember(const sim::SimulatedScan& scan) {
+  memory_.insert(unproject(select_rows(scan.image, rows_), sensor_, CaptureTime::kRolling),
+                 with_error(scan.T_map_sensor_at_column, kKeptError_m, kKeptError_rad, random_),
+                 scan.stamp_s);
+  for (Wanted& wanted : wanted_) {
+    if (wanted.scan.stamp_s != scan.stamp_s) ++wanted.later;
+  }
+}
+
+std::optional<RangeImage> Recollection::finished(bool is_last) {
+  if (wanted_.empty()) return std::nullopt;
+  if (wanted_.front().later < look_ahead_scans_ && !is_last) return std::nullopt;
+  const RangeImage image = with_recalled(wanted_.front().scan);
+  wanted_.pop_front();
+  return image;
+}
+
+RangeImage Recollection::with_recalled(const sim::SimulatedScan& scan) {
   const double how_far = std::pow(kLeastOfPredicted, uniform(random_));
-  const nn::RecalledImage recalled = memory_.recall(
-      measured,
-      with_error(poses, how_far * kPredictedError_m, how_far * kPredictedError_rad, random_));
+  const nn::RecalledImage recalled =
+      memory_.recall(select_rows(scan.image, rows_),
+                     with_error(scan.T_map_sensor_at_column, how_far * kPredictedError_m,
+                                how_far * kPredictedError_rad, random_),
+                     scan.stamp_s);
+  RangeImage image = scan.image;
   const std::size_t pixels = image.range_m.size();
   if (!recalled.is_empty()) {
     image.range_m.insert(image.range_m.end(), recalled.image.range_m.begin(),
@@ -63,12 +90,6 @@ RangeImage Recollection::with_recalled(RangeImage image, const RangeImage& measu
   image.range_m.resize(3 * pixels);
   image.rows *= 3;
   return image;
-}
-
-void Recollection::remember(const RangeImage& measured, const nn::ColumnPoses& poses,
-                            double stamp_s) {
-  memory_.insert(unproject(measured, sensor_, CaptureTime::kRolling),
-                 with_error(poses, kKeptError_m, kKeptError_rad, random_), stamp_s);
 }
 
 }  // namespace hqslam::tools

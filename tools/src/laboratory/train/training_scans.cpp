@@ -64,6 +64,7 @@ std::vector<StoredDrive> drives_of(const nn::ScanSet& set, const nn::NetworkDesc
       }
       drives.push_back({spec, simulated.every});
       if (has_scan_memory(network)) drives.back().remembered_rows = network.measured_rows;
+      drives.back().look_ahead = simulated.look_ahead;
     }
   }
   return drives;

@@ -21,6 +21,8 @@ struct SimulatedScans {
   std::int64_t every = 1;
   DriveConditions conditions = DriveConditions::kUsual;
   std::string sensor_errors = "typical";  ///< as `hqslam simulate --sensor-errors` names them
+  /// Whether networks with a memory recall what was measured after a scan, too (kLookAheadScans).
+  bool look_ahead = false;
 };
 
 /// Where scans come from; a stack is an .npy file of range images of the network's sensor, or the
