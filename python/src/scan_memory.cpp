@@ -45,20 +45,25 @@ void add_scan_memory(nb::module_& module) {
                      "any frame that stays.")
       .def(
           "__init__",
-          [](Memory* self, const SensorModel& sensor) {
-            new (self) Memory(nn::ScanMemory(sensor));
+          [](Memory* self, const SensorModel& sensor, bool look_ahead) {
+            new (self) Memory(nn::ScanMemory(
+                sensor, look_ahead ? nn::kLookAheadMemory : nn::ScanMemoryOptions{}));
           },
-          "sensor"_a, "sensor: Upsampler.sensor. Raises Error.")
+          "sensor"_a, "look_ahead"_a = false,
+          "sensor: Upsampler.sensor. look_ahead: the 20 scans after one are remembered before it "
+          "recalls. Raises Error.")
       .def(
           "recall",
-          [](Memory& memory, const ImageInput& range_m, const PosesInput& T_world_sensor) {
+          [](Memory& memory, const ImageInput& range_m, const PosesInput& T_world_sensor,
+             std::optional<double> itself_s) {
             const RangeImage measured = image_of(range_m);
             const nn::ColumnPoses poses = column_poses(T_world_sensor);
-            return memory.call([&](auto& m) { return m.recall(measured, poses); });
+            return memory.call([&](auto& m) { return m.recall(measured, poses, itself_s); });
           },
-          "range_m"_a, "T_world_sensor"_a,
+          "range_m"_a, "T_world_sensor"_a, "itself_s"_a = nb::none(),
           "What is remembered, as Upsampler takes it, seen from a scan of which range_m, "
-          "(measured rows, columns), metres, says what has moved on since. Raises Error.")
+          "(measured rows, columns), metres, says what has moved on since. itself_s: its stamp, "
+          "where it is remembered already; it does not recall itself. Raises Error.")
       .def(
           "insert",
           [](Memory& memory, const OrganizedCloud& measured, const PosesInput& T_world_sensor,

@@ -4,6 +4,7 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "error_message.h"
@@ -232,6 +233,22 @@ TEST_CASE("scans are forgotten by number, path and time; a sensor that stands ke
   CHECK(nearest_m(near) == doctest::Approx(22.0).epsilon(1e-3));
   CHECK(nearest_m(young) == doctest::Approx(22.0).epsilon(1e-3));
   CHECK(nearest_m(standing) == doctest::Approx(26.0).epsilon(1e-3));
+}
+
+TEST_CASE("where later scans are remembered too a scan recalls them, but not itself") {
+  const SensorModel sensor = sensor_with_memory();
+  ScanMemory memory(sensor, kLookAheadMemory);
+  for (int scan = 0; scan < 3; ++scan) {  // a metre nearer each, to what is at 20, 18 and 22 m
+    const float at_m = std::array{20.0F, 18.0F, 22.0F}[scan];
+    memory.insert(one_point(sensor, at_m - static_cast<float>(scan)), ahead(scan), 0.1 * scan);
+  }
+  const RangeImage nothing(16, sensor.columns);
+  const auto nearest_m = [&](int scan, std::optional<double> itself_s) {
+    return memory.recall(nothing, ahead(scan), itself_s).image.at(31, sensor.columns / 2);
+  };
+  CHECK(nearest_m(0, 0.0) == doctest::Approx(18.0).epsilon(1e-3));
+  CHECK(nearest_m(1, 0.1) == doctest::Approx(19.0).epsilon(1e-3));
+  CHECK(nearest_m(1, std::nullopt) == doctest::Approx(17.0).epsilon(1e-3));
 }
 
 TEST_CASE("a sensor that creeps moves on: its scans are kept step by step") {

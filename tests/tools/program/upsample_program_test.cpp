@@ -139,7 +139,7 @@ TEST_CASE("what calibration found is put into ranges once, and computed rows lie
   CHECK(as_recorded.out != succeeds("compare '{}' --sensor '{}'", stack, calibrated).out);
 }
 
-TEST_CASE("a network with a memory recalls earlier scans where the poses are known") {
+TEST_CASE("where the poses are known a network with a memory recalls the scans around each") {
   const Material& files = material();
   const TemporaryDirectory folder;
   const std::string weights = folder.file("memory.npz");
@@ -151,8 +151,10 @@ TEST_CASE("a network with a memory recalls earlier scans where the poses are kno
   };
   NpyStackReader without(lifted("", "without"));
   NpyStackReader with(lifted("--poses '" + files.drive + "/truth.tum'", "with"));
-  CHECK(with.read(0).range_m == without.read(0).range_m);
-  CHECK(with.read(3).range_m != without.read(3).range_m);
+  REQUIRE(with.images() == without.images());
+  for (int scan = 0; scan < 3; ++scan) {  // the first too, by later ones; the car stands
+    CHECK(with.read(scan).range_m != without.read(scan).range_m);
+  }
 
   succeeds("compare '{0}' --weights '{1}' --poses '{0}/truth.tum' --json '{2}'", files.drive,
            weights, folder.file("with.json"));
@@ -169,9 +171,8 @@ TEST_CASE("a network with a memory recalls earlier scans where the poses are kno
              files.drive, weights, scan, folder.file("page.html"));
     return file_contents(folder.file("page.html"));
   };
-  CHECK_FALSE(holds(page_of(0), "what earlier scans measured"));
-  CHECK(holds(page_of(3), "what earlier scans measured"));
-  CHECK(holds(page_of(3), "Where memory changed a range"));
+  for (const int scan : {0, 2}) CHECK(holds(page_of(scan), "what other scans measured"));
+  CHECK(holds(page_of(2), "Where memory changed a range"));
 
   // SLAM's own poses, those that it expects and then those that it finds.
   const ProgramResult run = succeeds("run '{}' --upsample '{}' --dense-map --out '{}'", files.drive,

@@ -92,6 +92,24 @@ TEST_CASE("whoever uses the scans may leave one out, or have enough") {
   CHECK(reading.left_out.text() == "1 scan was left out: scan 1: has bad times");
 }
 
+TEST_CASE("a scan is used when those that it waits for were seen, or none come") {
+  Scans source({good, not_understood, good, good, good, unreadable});
+  const InterruptGuard interrupt;
+  Reading reading;
+  std::vector<std::int64_t> order;  // seen: negative, from -1
+  const auto use = [&](const ReadScan& read) {
+    if (read.index == 3) throw ScanError("has bad times");
+    order.push_back(read.index);
+    return true;
+  };
+  read_scans(source, interrupt, reading, use,
+             {2, [&](const ReadScan& read) { order.push_back(-1 - read.index); }});
+  CHECK(order == std::vector<std::int64_t>{-1, -3, -4, 0, -5, 2, 4});
+  CHECK(reading.end == ReadingEnd::kUnreadableScan);
+  CHECK(reading.left_out.each ==
+        std::vector<std::string>{"has no points", "scan 3: has bad times"});
+}
+
 TEST_CASE("a reading says that it is running until it has ended") {
   CHECK(name(Reading().end) == "running");
   CHECK(name(ReadingEnd::kInterrupted) == "interrupted");

@@ -182,7 +182,7 @@ void add_recalled(LayersPage& page) {
   const RangeImage recalled = page.trace.image("recalled");
   std::vector<float> share = page.trace.tensor("recalled_weight").values;
   for (float& weight : share) weight /= weight + 1.0F;
-  page.ranges(recalled, "M: what earlier scans measured, seen from here");
+  page.ranges(recalled, "M: what other scans measured, seen from here");
   page.picture(share_image(share, recalled.rows, recalled.columns),
                "W² / (W² + 1): white memory alone, black nothing is recalled");
 }

@@ -15,7 +15,7 @@ struct LiftedImage {
   std::vector<float> confidence;
 };
 
-/// What earlier scans measured, seen from a later one: M and W of the term 1/2 |W (M - H)|^2 that
+/// What other scans measured, seen from this one: M and W of the term 1/2 |W (M - H)|^2 that
 /// they add to eq. 3. Made by ScanMemory.
 struct RecalledImage {
   /// M: all rows of the sensor, metres; 0 where nothing is remembered.

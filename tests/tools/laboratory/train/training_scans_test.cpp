@@ -152,6 +152,31 @@ TEST_CASE("a network with a memory gets what every scan recalls of those before 
   }
 }
 
+TEST_CASE("a drive that looks ahead gets what every scan recalls of those around it") {
+  const TemporaryDirectory folder;
+  const InterruptGuard interrupt;
+  Ranks alone;
+  const auto recalled_pixels = [&](bool look_ahead) {
+    nn::ScanSet set;
+    set.simulated = {{.drive = "block", .seeds = {5}, .scans = 30, .every = 4}};
+    set.simulated.front().look_ahead = look_ahead;
+    const auto scans = stored_scans(set, network_for(tiny_sensor(), true),
+                                    {folder.path(), 1, alone}, "scans", interrupt);
+    REQUIRE(scans->size() == 8);
+    std::vector<std::int64_t> pixels;
+    for (std::int64_t i = 0; i < 8; ++i) {
+      const std::vector<float> weight = scans->read(i).recalled.weight;
+      pixels.push_back(std::ranges::count_if(weight, [](float w) { return w > 0.0F; }));
+    }
+    return pixels;
+  };
+  const auto before = recalled_pixels(false);
+  const auto around = recalled_pixels(true);
+  CHECK(before[0] == 0);
+  CHECK(around[0] > 100);
+  for (int i = 1; i < 7; ++i) CHECK(around[i] > before[i]);
+}
+
 TEST_CASE("a recording's folder is what is in it now, without the scans that are no scans") {
   const TemporaryDirectory folder;
   SensorModel sensor = sensor_preset("os1-16");
