@@ -112,7 +112,8 @@ int evaluate_map_command(const EvaluateMapOptions& options);
 
 struct CompareOptions : InputChoice {
   std::vector<std::string> weights;
-  std::string poses;  ///< for networks with a memory; empty: they have none of earlier scans
+  std::string poses;  ///< for networks with a memory; empty: they have none of other scans
+  bool no_look_ahead = false;
   std::int64_t every = 1;
   std::string json;   ///< file to write; empty: none
   std::string curve;  ///< page to write about the last weights' confidence; empty: none

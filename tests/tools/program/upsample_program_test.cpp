@@ -163,7 +163,10 @@ TEST_CASE("where the poses are known a network with a memory recalls the scans a
   const auto f1 = [&](const char* file, std::size_t method) {
     return json_of(folder.file(file))["methods"][method]["f1"].get<double>();
   };
+  succeeds("compare '{0}' --weights '{1}' --poses '{0}/truth.tum' --no-look-ahead --json '{2}'",
+           files.drive, weights, folder.file("before.json"));
   CHECK(f1("with.json", 1) == f1("without.json", 1));  // linear
+  CHECK(f1("before.json", 3) != f1("with.json", 3));
   CHECK(f1("with.json", 3) != f1("without.json", 3));
 
   const auto page_of = [&](int scan) {

@@ -79,16 +79,17 @@ void DriveMemory::remember(const OrganizedCloud& measured, const Trajectory& tra
 }
 
 LookAheadMemory::LookAheadMemory(const nn::Upsampler* upsampler, const ScanPoses& poses,
-                                 std::function<OrganizedCloud(const RecordedScan&)> measured)
-    : poses_(poses), measured_(std::move(measured)) {
+                                 std::function<OrganizedCloud(const RecordedScan&)> measured,
+                                 bool looks_ahead)
+    : poses_(poses), measured_(std::move(measured)), looks_ahead_(looks_ahead) {
   if (upsampler == nullptr || !upsampler->has_scan_memory()) return;
   sensor_ = upsampler->sensor();
-  memory_.emplace(sensor_, nn::kLookAheadMemory);
+  memory_.emplace(sensor_, looks_ahead ? nn::kLookAheadMemory : nn::ScanMemoryOptions{});
 }
 
 LookAhead LookAheadMemory::look_ahead() {
   if (!memory_) return {};
-  return {nn::kLookAheadScans, [this](const ReadScan& read) {
+  return {looks_ahead_ ? nn::kLookAheadScans : 0, [this](const ReadScan& read) {
             const auto path = poses_.path_of(read.index, read.scan.stamp_s);
             if (!path) return;
             const OrganizedCloud measured = measured_(read.scan);

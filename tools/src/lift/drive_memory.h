@@ -39,9 +39,11 @@ class DriveMemory {
 /// it, as far as their poses are known.
 class LookAheadMemory {
  public:
-  /// measured: what is measured of a recorded scan. poses: must outlive this.
+  /// measured: what is measured of a recorded scan. poses: must outlive this. looks_ahead: or else
+  /// a scan recalls only those before it.
   LookAheadMemory(const nn::Upsampler* upsampler, const ScanPoses& poses,
-                  std::function<OrganizedCloud(const RecordedScan&)> measured);
+                  std::function<OrganizedCloud(const RecordedScan&)> measured,
+                  bool looks_ahead = true);
 
   /// For read_scans: remembers what is read.
   LookAhead look_ahead();
@@ -52,6 +54,7 @@ class LookAheadMemory {
   SensorModel sensor_;
   const ScanPoses& poses_;
   std::function<OrganizedCloud(const RecordedScan&)> measured_;
+  bool looks_ahead_;
 };
 
 /// Throws Error where poses are named that nothing looks at. upsampler: null where nothing is

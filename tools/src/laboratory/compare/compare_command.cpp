@@ -191,9 +191,10 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
   const auto measured_of = [&](const OrganizedCloud& truth) {
     return select_rows(truth, selection_for(truth.rows, kMeasuredRows));
   };
-  LookAheadMemory memory(upsampler, poses, [&](const RecordedScan& scan) {
+  const auto remembered = [&](const RecordedScan& scan) {
     return measured_of(calibrated(scan.cloud, sensor));
-  });
+  };
+  LookAheadMemory memory(upsampler, poses, remembered, !options.no_look_ahead);
   const auto source = open_input(options, sensor);
   print_warnings(*source, options.input);
   const std::size_t told = source->warnings().size();
@@ -240,6 +241,9 @@ filter) of every layer as if the network ended there.)");
   declare_input(command, options, "Recording with all rows (as for hqslam run)");
   command.option("--weights", &options.weights, "Weights files to compare", {.given = Given::kFile})
       .option("--poses", &options.poses, kMemoryPosesHelp, {.given = Given::kFile})
+      .option("--no-look-ahead", &options.no_look_ahead,
+              "Remember only the scans before each, as run and live do while SLAM is on its way",
+              {.needs = {"--poses"}})
       .option("--every", &options.every, "Take every n-th scan (default: all)",
               {.within = kAnyCount})
       .option(
