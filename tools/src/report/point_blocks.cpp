@@ -27,8 +27,9 @@ std::uint64_t spread(std::uint64_t bits) {
 /// Every third bit.
 std::uint32_t gathered(std::uint64_t bits) {
   std::uint32_t result = 0;
-  for (int i = 0; i < kBitsPerCode; ++i)
+  for (int i = 0; i < kBitsPerCode; ++i) {
     result |= static_cast<std::uint32_t>(bits >> (kAxes * i) & 1U) << i;
+  }
   return result;
 }
 
