@@ -211,6 +211,21 @@ class Lifting(unittest.TestCase):
         self.assertGreater(len(trace), 10)
 
 
+    def test_looks_ahead(self):
+        upsampler = hqslam.Upsampler(hqslam.weights("du-mix-memory_os1_16to64"))
+        memory = hqslam.ScanMemory(upsampler.sensor, look_ahead=True)
+        rows = upsampler.sensor.measured_rows
+        scans = list(hqslam.DriveSimulator("block", hqslam.load_sensor("os1-64"), scans=2))
+        for scan in scans:
+            cloud = hqslam.unproject(scan.range_m[rows], upsampler.measured_sensor)
+            memory.insert(cloud, scan.T_map_sensor_at_column, scan.stamp_s)
+        of_first, of_last = (
+            memory.recall(scan.range_m[rows], scan.T_map_sensor_at_column, itself_s=scan.stamp_s)
+            for scan in scans
+        )
+        self.assertGreater((of_first.range_m > 0).sum(), 5000)
+        self.assertEqual((of_last.range_m > 0).sum(), 0)  # it stands; no scan recalls itself
+
     def test_recalls_what_earlier_scans_measured(self):
         upsampler = hqslam.Upsampler(hqslam.weights("du-mix-memory_os1_16to64"))
         memory = hqslam.ScanMemory(upsampler.sensor)
