@@ -53,7 +53,7 @@ TEST_CASE("a lifted drive's dense map is more complete than a measured one's, an
   const ProgramResult map = succeeds("map '{0}' --rows 16 --poses '{0}/truth.tum' --out '{1}/true'",
                                      drive_of_64(), folder);
   const ProgramResult result = succeeds(
-      "evaluate-map '{0}/rows16' '{0}/lifted' '{0}/rows64' '{0}/true/dense_map.pcd' --drive '{1}'",
+      "evaluate-map '{0}/rows16' '{0}/lifted' '{0}/rows64' '{0}/true/dense_map.ply' --drive '{1}'",
       folder, drive_of_64());
   const std::vector<MapRow> rows = rows_of(result.out);
   REQUIRE(rows.size() == 4);

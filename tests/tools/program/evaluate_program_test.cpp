@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "hqslam/core/cloud_file.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/pcd.h"
 #include "hqslam/core/trajectory.h"
@@ -88,11 +89,15 @@ TEST_CASE("two stacks that differ by 0.5 m in every fourth pixel have the MAE th
 TEST_CASE("two clouds 1 m apart are all outliers with a Chamfer distance of 2 m^2") {
   const TemporaryDirectory folder;
   write_pcd({{1.0F, 2.0F, 0.0F}, {50.0F, 0.0F, 0.0F}}, folder.file("truth.pcd"));
-  write_pcd({{1.0F, 2.0F, 1.0F}, {50.0F, 0.0F, 1.0F}}, folder.file("cloud.pcd"));
-  const ProgramResult result = evaluate(folder.file("cloud.pcd"), folder.file("truth.pcd"));
-  CHECK(holds(result.out, "Chamfer distance      2.0000 m^2"));
-  CHECK(holds(result.out, "voxel IoU at 0.1 m    0.0000"));
-  CHECK(holds(result.out, "outlier points        100.00 %"));
+  Scan cloud;
+  cloud.points_m = {{1.0F, 2.0F, 1.0F}, {50.0F, 0.0F, 1.0F}};
+  for (const char* name : {"cloud.pcd", "cloud.ply", "cloud.las"}) {
+    write_cloud(cloud, folder.file(name));
+    const ProgramResult result = evaluate(folder.file(name), folder.file("truth.pcd"));
+    CHECK(holds(result.out, "Chamfer distance      2.0000 m^2"));
+    CHECK(holds(result.out, "voxel IoU at 0.1 m    0.0000"));
+    CHECK(holds(result.out, "outlier points        100.00 %"));
+  }
 }
 
 TEST_CASE("files of two kinds are not taken for trajectories") {

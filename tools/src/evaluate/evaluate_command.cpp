@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <optional>
@@ -8,7 +9,7 @@
 #include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
-#include "hqslam/core/pcd.h"
+#include "hqslam/core/point_fields.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/evaluation/cloud_error.h"
 #include "hqslam/evaluation/drift.h"
@@ -68,8 +69,8 @@ void print_cloud_error(const CloudError& error) {
 }
 
 int evaluate_clouds(const EvaluateOptions& options) {
-  const CloudError error =
-      cloud_error(read_pcd(options.estimate).points_m, read_pcd(options.reference).points_m);
+  const CloudError error = cloud_error(read_point_file(options.estimate).scan.points_m,
+                                       read_point_file(options.reference).scan.points_m);
   print_cloud_error(error);
   return kOk;
 }
@@ -157,15 +158,22 @@ CVPR 2024) with two differences: MAE is in metres, not in units of the sensor's 
 pixels without a return make no points there instead of points at the sensor. For two stacks
 the 3-D errors are means over the images and need --sensor.)";
 
-/// Throws Error if one of them alone does.
-bool both_end_with(const EvaluateOptions& options, const char* extension) {
-  const bool estimate = std::filesystem::path(options.estimate).extension() == extension;
-  const bool reference = std::filesystem::path(options.reference).extension() == extension;
-  if (estimate == reference) return estimate;
+enum class Kind { kTrajectory, kCloud, kStack };
+
+Kind kind_of(const std::string& path) {
+  const std::string ending = std::filesystem::path(path).extension().string();
+  if (ending == ".npy") return Kind::kStack;
+  return std::ranges::count(kBinaryPoints, ending) > 0 ? Kind::kCloud : Kind::kTrajectory;
+}
+
+/// Of both files. Throws Error where they are of two.
+Kind kind_of(const EvaluateOptions& options) {
+  const Kind kind = kind_of(options.estimate);
+  if (kind == kind_of(options.reference)) return kind;
   throw Error(
-      "{} and {}: expected two files of one kind, found one named {}; give two trajectories (TUM "
-      "or KITTI), two .pcd clouds or two .npy stacks",
-      options.estimate, options.reference, extension);
+      "{} and {}: expected two files of one kind; give two trajectories (TUM or KITTI), two clouds "
+      "(.pcd, .ply, .las or .bin) or two .npy stacks",
+      options.estimate, options.reference);
 }
 
 }  // namespace
@@ -174,8 +182,10 @@ void declare_evaluate(CLI::App& app, EvaluateOptions& options) {
   const OptionRules read = {.required = true, .given = Given::kFile};
   add_command(app, "evaluate", "Errors of a trajectory, a point cloud or a stack of range images",
               kDefinitions)
-      .option("ESTIMATE", &options.estimate,
-              "Trajectory (TUM or KITTI), .pcd cloud or .npy stack of range images", read)
+      .option(
+          "ESTIMATE", &options.estimate,
+          "Trajectory (TUM or KITTI), cloud (.pcd, .ply, .las, .bin) or .npy stack of range images",
+          read)
       .option("REFERENCE", &options.reference, "What it should be, in the same kind of file", read)
       .option("--align", &options.alignment, "Alignment of a trajectory before its APE is taken",
               {.shows_default = true, .one_of = {"se3", "first", "none"}})
@@ -184,13 +194,13 @@ void declare_evaluate(CLI::App& app, EvaluateOptions& options) {
 }
 
 int evaluate_command(const EvaluateOptions& options) {
-  const bool stacks = both_end_with(options, ".npy");
-  if (!stacks && !options.sensor.empty()) {
+  const Kind kind = kind_of(options);
+  if (kind == Kind::kStack) return evaluate_stacks(options);
+  if (!options.sensor.empty()) {
     throw Error("--sensor {}: is looked at with two .npy stacks, found {}; leave it out",
                 options.sensor, options.estimate);
   }
-  if (stacks) return evaluate_stacks(options);
-  if (both_end_with(options, ".pcd")) return evaluate_clouds(options);
+  if (kind == Kind::kCloud) return evaluate_clouds(options);
   return evaluate_trajectories(options);
 }
 

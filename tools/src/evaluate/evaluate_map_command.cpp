@@ -10,7 +10,7 @@
 #include "commands.h"
 #include "evaluate/occupancy_grid_error.h"
 #include "hqslam/core/error.h"
-#include "hqslam/core/pcd.h"
+#include "hqslam/core/point_fields.h"
 #include "hqslam/evaluation/cloud_error.h"
 #include "hqslam/evaluation/trajectory_error.h"
 #include "hqslam/sim/drive.h"
@@ -135,7 +135,7 @@ void evaluate_dense_maps(const std::vector<std::string>& paths, const sim::Drive
   for (const std::string& path : paths) {
     const fs::path file =
         fs::is_directory(path) ? fs::path(path) / "dense_map.pcd" : fs::path(path);
-    std::vector<Eigen::Vector3f> points_m = read_pcd(file.string()).points_m;
+    std::vector<Eigen::Vector3f> points_m = read_point_file(file.string()).scan.points_m;
     const std::optional<Pose> T_truth_map = alignment_of(file, truth);
     for (Eigen::Vector3f& point_m : points_m) {
       if (T_truth_map) point_m = (*T_truth_map * point_m.cast<double>()).cast<float>();
@@ -207,11 +207,11 @@ Of an occupancy grid, in cells within 20 m of the sensor and things 0.25 to 2 m 
 void declare_evaluate_map(CLI::App& app, EvaluateMapOptions& options) {
   add_command(app, "evaluate-map", "Maps of a simulated drive against its true city",
               kMapDefinitions)
-      .option(
-          "MAP", &options.maps,
-          "Folders with a dense_map.pcd (of hqslam run --dense-map), .pcd files, or an occupancy "
-          "grid's map.yaml",
-          {.required = true, .given = Given::kFileOrFolder})
+      .option("MAP", &options.maps,
+              "Folders with a dense_map.pcd (of hqslam run --dense-map), .pcd, .ply or .las files, "
+              "or an "
+              "occupancy grid's map.yaml",
+              {.required = true, .given = Given::kFileOrFolder})
       .option("--drive", &options.drive, "The drive: folder written by hqslam simulate",
               {.required = true, .given = Given::kFolder});
 }
