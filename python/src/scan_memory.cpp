@@ -1,5 +1,7 @@
 #include "hqslam/nn/scan_memory.h"
 
+#include <nanobind/stl/optional.h>
+
 #include "hqslam/core/error.h"
 #include "parts.h"
 #include "scans.h"
