@@ -26,6 +26,25 @@ Eigen::Matrix<double, 4, Eigen::Dynamic> cubic_through(int columns) {
   return (powers.transpose() * powers).ldlt().solve(powers.transpose());
 }
 
+/// Where a turn begins: at the column whose pose is farthest from that of the column before it, all
+/// round. A turn by a tenth of a radian counts as a metre.
+int first_column_of(const std::vector<Pose>& T_world_sensor) {
+  const auto columns = static_cast<int>(T_world_sensor.size());
+  int first = 0;
+  double farthest = 0.0;
+  for (int column = 0; column < columns; ++column) {
+    const Pose& before = T_world_sensor[(column + columns - 1) % columns];
+    const Pose& here = T_world_sensor[column];
+    // |R - R'|^2 is twice the square of a small angle between them.
+    const double step = (here.translation() - before.translation()).squaredNorm() +
+                        50.0 * (here.linear() - before.linear()).squaredNorm();
+    if (step <= farthest) continue;
+    farthest = step;
+    first = column;
+  }
+  return first;
+}
+
 }  // namespace
 
 MemoryProjection::MemoryProjection(const SensorModel& sensor)
@@ -138,9 +157,9 @@ void MemoryProjection::project_scan(KeptScan& scan, const RangeImage& measured,
   for (std::size_t first = 0; first < scan.x_m.size(); first += kAtOnce) {
     const auto count = static_cast<int>(std::min<std::size_t>(kAtOnce, scan.x_m.size() - first));
     kernels_.see_points({&scan.x_m[first], &scan.y_m[first], &scan.z_m[first],
-                         &scan.head_offset[first], motion.data(),
-                         static_cast<float>(sensor_.columns), range_m.data(), sine.data(),
-                         turn.data(), count});
+                         &scan.head_offset[first], motion.elements.data(),
+                         static_cast<float>(sensor_.columns), motion.first_column, range_m.data(),
+                         sine.data(), turn.data(), count});
     for (int i = 0; i < count; ++i) {
       Hit hit;
       if (!find_hit(range_m[i], sine[i], turn[i], hit)) continue;
@@ -160,21 +179,24 @@ void MemoryProjection::project_scan(KeptScan& scan, const RangeImage& measured,
 /// second some 1e-5 of the range.
 HeadMotion MemoryProjection::motion_through(const std::vector<Pose>& T_world_sensor,
                                             const Eigen::Vector3d& origin_m) const {
-  Eigen::Matrix<double, 12, Eigen::Dynamic> elements(12, T_world_sensor.size());
-  for (std::size_t i = 0; i < T_world_sensor.size(); ++i) {
+  const auto columns = static_cast<int>(T_world_sensor.size());
+  const int first = first_column_of(T_world_sensor);
+  Eigen::Matrix<double, 12, Eigen::Dynamic> elements(12, columns);
+  for (int i = 0; i < columns; ++i) {
+    const Pose& pose = T_world_sensor[(first + i) % columns];
     // Column by column R is its inverse row by row.
-    elements.col(i) << T_world_sensor[i].linear().reshaped(),
-        T_world_sensor[i].translation() - origin_m;
+    elements.col(i) << pose.linear().reshaped(), pose.translation() - origin_m;
   }
   Eigen::Matrix<double, 12, 4> terms = Eigen::Matrix<double, 12, 4>::Zero();
-  if (elements.cols() == 1) {
+  if (columns == 1) {
     terms.col(0) = elements;
   } else {
     terms = elements * cubic_through_columns_.transpose();
   }
   HeadMotion motion;
+  motion.first_column = static_cast<float>(2 * first < columns ? first : first - columns);
   for (int e = 0; e < 12; ++e) {
-    for (int k = 0; k < 4; ++k) motion[e][k] = static_cast<float>(terms(e, k));
+    for (int k = 0; k < 4; ++k) motion.elements[e][k] = static_cast<float>(terms(e, k));
   }
   return motion;
 }

@@ -35,9 +35,13 @@ struct Hit {
   float worth = 0.0F;
 };
 
-/// Elements of R_sensor_world, row by row, and of the sensor's position, as cubics in the place of
-/// its head in the turn (kernels::SeePoints).
-using HeadMotion = std::array<float[4], 12>;
+/// The sensor while its head turns (kernels::SeePoints).
+struct HeadMotion {
+  /// Elements of R_sensor_world, row by row, and of the sensor's position, as cubics in the place
+  /// of the head in its turn.
+  std::array<float[4], 12> elements;
+  float first_column = 0.0F;
+};
 
 /// Into which pixels of a scan the points of earlier ones fall; hqslam/nn/scan_memory.h says how.
 class MemoryProjection {

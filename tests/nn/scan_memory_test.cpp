@@ -44,11 +44,14 @@ float range_to_hall_m(const Eigen::Vector3d& from_m, const Eigen::Vector3d& alon
   return static_cast<float>(nearest_m);
 }
 
-/// Where the sensor is at each column: on its way by a metre and a tenth of a turn a scan.
-ColumnPoses poses_at(double scan, const SensorModel& sensor, const Eigen::Vector3d& offset_m) {
+/// Where the sensor is at each column: on its way by a metre and a tenth of a turn a scan, which
+/// begins at a column.
+ColumnPoses poses_at(double scan, const SensorModel& sensor, const Eigen::Vector3d& offset_m,
+                     int first_column = 0) {
   ColumnPoses poses;
   for (int column = 0; column < sensor.columns; ++column) {
-    const double t = scan + (column + 0.5) / sensor.columns;
+    const int turned = (column - first_column + sensor.columns) % sensor.columns;
+    const double t = scan + (turned + 0.5) / sensor.columns;
     poses.push_back(pose_from_xyz_rpy(offset_m + Eigen::Vector3d(-8.0 + t, 0.3 * t, 0.01 * t),
                                       0.01 * t, -0.01 * t, 0.1 * t));
   }
@@ -77,18 +80,19 @@ struct Recalled {
   RecalledImage recalled;
 };
 
-/// After ten scans through the hall, which lies at offset_m in the world.
-Recalled after_ten_scans(const Eigen::Vector3d& offset_m, bool pillar_stays = true) {
+/// After ten scans through the hall, which lies at offset_m in the world; each scan begins at
+/// another column, `shift` farther on.
+Recalled after_ten_scans(const Eigen::Vector3d& offset_m, bool pillar_stays = true, int shift = 0) {
   const SensorModel sensor = sensor_with_memory();
   const RowSelection rows = *sensor.measured_rows;
   ScanMemory memory(sensor);
   for (int scan = 0; scan < 10; ++scan) {
-    const ColumnPoses poses = poses_at(scan, sensor, offset_m);
+    const ColumnPoses poses = poses_at(scan, sensor, offset_m, scan * shift % sensor.columns);
     const RangeImage measured = select_rows(seen_from(poses, sensor, offset_m), rows);
     memory.insert(unproject(measured, select_rows(sensor, rows), CaptureTime::kRolling), poses,
                   0.1 * scan);
   }
-  const ColumnPoses poses = poses_at(10.0, sensor, offset_m);
+  const ColumnPoses poses = poses_at(10.0, sensor, offset_m, 10 * shift % sensor.columns);
   Recalled result{seen_from(poses, sensor, offset_m, pillar_stays), {}};
   result.recalled = memory.recall(select_rows(result.truth, rows), poses);
   return result;
@@ -116,6 +120,12 @@ TEST_CASE("what earlier scans measured is recalled where a later one would measu
   for (std::size_t i = 0; i < r.truth.range_m.size(); ++i) {
     REQUIRE((r.recalled.image.range_m[i] > 0.0F) == (r.recalled.weight[i] > 0.0F));
   }
+}
+
+TEST_CASE("scans that begin anywhere in the turn recall as much") {
+  const Recalled r = after_ten_scans({0.0, 0.0, 0.0}, true, 37);
+  CHECK(share_within_m(r, 0.05F) > 0.70);
+  CHECK(share_within_m(r, 0.5F) > 0.94);
 }
 
 TEST_CASE("kilometres from the frame's origin the same is recalled") {

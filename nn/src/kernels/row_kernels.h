@@ -196,15 +196,16 @@ struct MergeRow {
 /// Points of the world as a sensor sees them that moves while its head turns:
 ///   p(h) = R(h) (p_world - t(h)),  h the head's place in its turn, -1 its begin, 1 its end
 /// R and t are cubics in h: term k of element e, of R row by row and then of t, is motion[e][k].
-/// The head sees a point at column head_offset - turn; begun in the middle of the turn and taken
-/// twice more, which settles it.
+/// The head sees a point at column head_offset - turn, and begins at first_column; begun in the
+/// middle of the turn and taken twice more, which settles it.
 struct SeePoints {
   const float* x_m = nullptr;  ///< world
   const float* y_m = nullptr;
   const float* z_m = nullptr;
   const float* head_offset = nullptr;
   const float (*motion)[4] = nullptr;
-  float columns = 0.0F;  ///< of a whole turn
+  float columns = 0.0F;       ///< of a whole turn
+  float first_column = 0.0F;  ///< within half a turn from 0
   float* range_m = nullptr;
   float* sine = nullptr;  ///< of the elevation
   float* turn = nullptr;  ///< the azimuth, counter-clockwise from ahead, in columns

@@ -34,7 +34,7 @@ void see_points(const SeePoints& points) {
     for (int step = 0; step < 3; ++step) {
       p = seen_from(points, i, h);
       turn = arc_tangent(p.y, p.x) * per_rad;
-      const Vector head = load(points.head_offset + i) - turn;
+      const Vector head = load(points.head_offset + i) - turn - points.first_column;
       const Vector h_once = head * (2.0F / points.columns) - 1.0F;
       h = h_once < -1.0F ? h_once + 2.0F : h_once > 1.0F ? h_once - 2.0F : h_once;
     }

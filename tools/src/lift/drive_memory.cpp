@@ -1,6 +1,9 @@
 #include "lift/drive_memory.h"
 
 #include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
 #include <utility>
 
 #include "hqslam/core/error.h"
@@ -20,19 +23,23 @@ slam::SensorPath expected_path(const Trajectory& before, double stamp_s) {
   return {{earlier, last, {stamp_s, expected}}, 2};
 }
 
-/// Of a motion-corrected scan one. Four columns share one: within them a car moves a millimetre or
-/// two, and to find a pose takes longer than to look for ten points.
-nn::ColumnPoses column_poses(const slam::SensorPath& path, const OrganizedCloud& cloud,
-                             const SensorModel& sensor) {
-  if (cloud.time_offset_s.empty()) return {path.at(0.0)};
-  constexpr int kShared = 4;
-  nn::ColumnPoses poses;
-  for (int column = 0; column < sensor.columns; column += kShared) {
-    const double middle = (column + 0.5 * kShared) / sensor.columns - 0.5;
-    const int end = std::min(column + kShared, sensor.columns);
-    poses.resize(end, path.at(sensor.scan_period_s * middle));
+/// Where a scan begins that a sensor may begin anywhere in its turn: by the times of its points.
+int first_column_of(const OrganizedCloud& measured, const SensorModel& sensor) {
+  const RowSelection rows = *sensor.measured_rows;
+  constexpr int kEvery = 8;  // column; they all say the same
+  const double turn_of_column_rad = 2.0 * std::numbers::pi / sensor.columns;
+  std::complex<double> sum;
+  for (int row = 0; row < measured.rows; ++row) {
+    for (int column = 0; column < measured.columns; column += kEvery) {
+      const std::size_t pixel = measured.index(row, column);
+      if (measured.range_m[pixel] <= 0.0F) continue;
+      const double turned = measured.time_offset_s[pixel] / sensor.scan_period_s + 0.5;
+      const int head = sensor.firing_column(rows.offset + row * rows.stride, column);
+      sum += std::polar(1.0, turn_of_column_rad * (head + 0.5 - turned * sensor.columns));
+    }
   }
-  return poses;
+  const auto first = static_cast<int>(std::lround(std::arg(sum) / turn_of_column_rad));
+  return first < 0 ? first + sensor.columns : first;
 }
 
 /// As seen from another frame.
@@ -76,6 +83,23 @@ void DriveMemory::remember(const OrganizedCloud& measured, const Trajectory& tra
   const slam::SensorPath path(trajectory, trajectory.size() - 1);
   memory_->insert(measured, moved(T_memory_map, column_poses(path, measured, sensor_)),
                   last.stamp_s);
+}
+
+/// Four columns share one: within them a car moves a millimetre or two, and to find a pose takes
+/// longer than to look for ten points.
+nn::ColumnPoses column_poses(const slam::SensorPath& path, const OrganizedCloud& measured,
+                             const SensorModel& sensor) {
+  if (measured.time_offset_s.empty()) return {path.at(0.0)};
+  constexpr int kShared = 4;
+  const int first = first_column_of(measured, sensor);
+  nn::ColumnPoses poses(sensor.columns);
+  for (int begin = 0; begin < sensor.columns; begin += kShared) {
+    const double middle = (begin + 0.5 * kShared) / sensor.columns - 0.5;
+    const Pose pose = path.at(sensor.scan_period_s * middle);
+    const int end = std::min(begin + kShared, sensor.columns);
+    for (int i = begin; i < end; ++i) poses[(first + i) % sensor.columns] = pose;
+  }
+  return poses;
 }
 
 LookAheadMemory::LookAheadMemory(const nn::Upsampler* upsampler, const ScanPoses& poses,

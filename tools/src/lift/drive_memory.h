@@ -8,10 +8,16 @@
 #include "hqslam/core/trajectory.h"
 #include "hqslam/nn/scan_memory.h"
 #include "hqslam/nn/upsampler.h"
+#include "hqslam/slam/sensor_path.h"
 #include "recording/reading.h"
 #include "recording/scan_poses.h"
 
 namespace hqslam::tools {
+
+/// Where the sensor is at each column of a scan, or one pose for a motion-corrected one. sensor:
+/// all rows, and which of them are measured.
+nn::ColumnPoses column_poses(const slam::SensorPath& path, const OrganizedCloud& measured,
+                             const SensorModel& sensor);
 
 /// The scans of a drive so far, for a network with a memory, where SLAM put them. For any other way
 /// of lifting it remembers nothing.
