@@ -6,15 +6,37 @@
 #include <utility>
 
 #include "hqslam/core/error.h"
+#include "hqslam/core/excerpt.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/recorded_scan.h"
+#include "hqslam/core/whole_file.h"
 #include "scan_sources.h"
+#include "words.h"
 
 namespace hqslam {
 
 namespace {
 
 constexpr std::int64_t kImagesToTry = 10;
+
+/// A column on each line: where the turn of each image begins, which `hqslam upsample` writes for
+/// sensors that begin anywhere.
+std::vector<int> read_first_columns(const std::string& path, int columns) {
+  constexpr std::size_t kMostBytes = 64U << 20U;
+  const std::string file = whole_file(path, "a file of columns", kMostBytes);
+  std::vector<int> first;
+  for (std::string_view rest = file; !rest.empty();) {
+    const std::string_view line = next_line(rest);
+    const auto column = number_from<int>(line);
+    if (!column || *column < 0 || *column >= columns) {
+      throw Error(
+          "{}: line {}: expected a column from 0 to {}, found '{}'; lift the recording again", path,
+          first.size() + 1, columns - 1, excerpt(line));
+    }
+    first.push_back(*column);
+  }
+  return first;
+}
 
 void flip_rows(RangeImage& image) {
   for (int row = 0; row < image.rows / 2; ++row) {
@@ -49,6 +71,14 @@ class ImageStackSource : public ScanSource {
     if (!of_folder) return;
     confidence_ = beside("confidence.npy", false);
     intensity_ = beside("intensity.npy", true);
+    const auto columns = std::filesystem::path(path).replace_filename("first_columns.txt");
+    std::error_code error;
+    if (!std::filesystem::exists(columns, error)) return;
+    first_columns_ = read_first_columns(columns.string(), sensor.columns);
+    if (std::ssize(first_columns_) < reader_.images()) {
+      throw Error("{}: expected a line for each of {} images, found {}; lift the recording again",
+                  columns.string(), reader_.images(), first_columns_.size());
+    }
   }
 
   const SensorModel& sensor() const override { return sensor_; }
@@ -76,7 +106,8 @@ class ImageStackSource : public ScanSource {
     require_ranges_of_sensor(result, index);
     any_used_ = true;
     if (row_order_ == RowOrder::kLowestFirst) flip_rows(image);
-    result.cloud = unproject(image, sensor_, capture_time_);
+    const int first = first_columns_.empty() ? 0 : first_columns_[static_cast<std::size_t>(index)];
+    result.cloud = unproject(image, sensor_, capture_time_, first);
     if (intensity_) result.cloud.intensity = values_of(*intensity_, image, index);
     if (!confidence_) return result;
     result.cloud.confidence = values_of(*confidence_, image, index);
@@ -164,6 +195,7 @@ class ImageStackSource : public ScanSource {
   RowOrder row_order_;
   CaptureTime capture_time_;
   std::vector<double> stamps_s_;
+  std::vector<int> first_columns_;  ///< empty: all begin at 0
   NpyStackReader reader_;
   std::optional<NpyStackReader> confidence_;
   std::optional<NpyStackReader> intensity_;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <functional>
 #include <map>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -65,11 +67,11 @@ void require_matching_shapes(const Scan& scan, const SensorModel& sensor) {
 }
 
 /// When every pixel is measured, relative to the middle of the scan.
-std::vector<float> time_offsets_s(const SensorModel& sensor) {
+std::vector<float> time_offsets_s(const SensorModel& sensor, int first_column) {
   std::vector<float> of_head_s(sensor.columns);
-  for (int column = 0; column < sensor.columns; ++column) {
-    of_head_s[sensor.firing_column(0, column)] =
-        static_cast<float>(sensor.time_offset_s(0, column));
+  for (int i = 0; i < sensor.columns; ++i) {
+    of_head_s[(first_column + i) % sensor.columns] =
+        static_cast<float>(((i + 0.5) / sensor.columns - 0.5) * sensor.scan_period_s);
   }
   std::vector<float> result;
   result.reserve(of_head_s.size() * static_cast<std::size_t>(sensor.rows()));
@@ -163,14 +165,16 @@ Scan returns_of(const OrganizedCloud& cloud) {
 }
 
 OrganizedCloud unproject(const RangeImage& image, const SensorModel& sensor,
-                         CaptureTime capture_time) {
+                         CaptureTime capture_time, int first_column) {
   if (image.rows != sensor.rows() || image.columns != sensor.columns) {
     throw Error(
         "image of {}x{} pixels does not fit sensor '{}' of {}x{}: name the sensor that recorded it",
         image.rows, image.columns, sensor.name, sensor.rows(), sensor.columns);
   }
   OrganizedCloud cloud(image.rows, image.columns);
-  if (capture_time == CaptureTime::kRolling) cloud.time_offset_s = time_offsets_s(sensor);
+  if (capture_time == CaptureTime::kRolling) {
+    cloud.time_offset_s = time_offsets_s(sensor, first_column);
+  }
   const HorizontalDirections& directions = horizontal_directions(sensor);
   for (int row = 0; row < image.rows; ++row) {
     const double cos_elevation = std::cos(sensor.beam_elevation_rad[row]);
@@ -187,6 +191,24 @@ OrganizedCloud unproject(const RangeImage& image, const SensorModel& sensor,
     }
   }
   return cloud;
+}
+
+int first_column(const OrganizedCloud& cloud, const SensorModel& sensor) {
+  if (cloud.time_offset_s.empty()) return 0;
+  constexpr int kEvery = 8;  // column; they all say the same
+  const double column_rad = 2.0 * std::numbers::pi / sensor.columns;
+  std::complex<double> sum;  // a mean round the turn
+  for (int row = 0; row < cloud.rows; ++row) {
+    for (int column = 0; column < cloud.columns; column += kEvery) {
+      const std::size_t pixel = cloud.index(row, column);
+      if (cloud.range_m[pixel] <= 0.0F) continue;
+      const double turned = cloud.time_offset_s[pixel] / sensor.scan_period_s + 0.5;
+      const double first = sensor.firing_column(row, column) + 0.5 - turned * sensor.columns;
+      sum += std::polar(1.0, column_rad * first);
+    }
+  }
+  const auto first = static_cast<int>(std::lround(std::arg(sum) / column_rad));
+  return first < 0 ? first + sensor.columns : first;
 }
 
 }  // namespace hqslam

@@ -165,7 +165,8 @@ OrganizedCloud upsampled_cloud(const LiftedImage& lifted, const OrganizedCloud& 
   check_shapes(lifted.image, measured, measured_rows, sensor);
   OrganizedCloud cloud = unproject(
       lifted.image, sensor,
-      measured.time_offset_s.empty() ? CaptureTime::kMotionCorrected : CaptureTime::kRolling);
+      measured.time_offset_s.empty() ? CaptureTime::kMotionCorrected : CaptureTime::kRolling,
+      first_column(measured, select_rows(sensor, measured_rows)));
   cloud.confidence = lifted.confidence;
   if (!measured.intensity.empty()) cloud.intensity.assign(cloud.range_m.size(), 0.0F);
   const std::vector<Deviation> deviations = deviations_of(measured, measured_rows, sensor, cloud);

@@ -59,6 +59,25 @@ TEST_CASE("project inverts unproject for every preset, with rows given or found 
   }
 }
 
+TEST_CASE("where a scan begins in the turn is told by the times of its points") {
+  for (const char* name : {"os1-64", "vlp-16"}) {
+    CAPTURE(name);
+    const SensorModel sensor = sensor_preset(name);
+    RangeImage image(sensor.rows(), sensor.columns);
+    for (int column = 0; column < sensor.columns; column += 3) image.at(5, column) = 10.0F;
+    CHECK(first_column(unproject(image, sensor, CaptureTime::kMotionCorrected), sensor) == 0);
+    for (const int first : {0, 1, sensor.columns / 2, sensor.columns - 1}) {
+      const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kRolling, first);
+      CHECK(first_column(cloud, sensor) == first);
+      for (int column = 0; column < sensor.columns; ++column) {
+        if (sensor.firing_column(5, column) != first) continue;
+        CHECK(cloud.time_offset_s[cloud.index(5, column)] ==
+              doctest::Approx((0.5 / sensor.columns - 0.5) * sensor.scan_period_s));
+      }
+    }
+  }
+}
+
 TEST_CASE("the nearest return wins a pixel, that of the beam and the azimuth, in whatever order") {
   const SensorModel sensor = sensor_preset("vlp-16");
   Scan scan;

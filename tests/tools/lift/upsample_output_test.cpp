@@ -71,6 +71,29 @@ TEST_CASE("intensities have a stack of their own, where a scan has none they are
   CHECK(std::isnan(intensity().at(0)));
 }
 
+TEST_CASE("a sensor that begins its turns anywhere has the times of its scans in the stack too") {
+  const TemporaryDirectory folder;
+  const SensorModel sensor = sensor_preset("os1-16");
+  UpsampleOutput output(folder.file("out"), {"input", "linear", 3}, sensor, {});
+  RangeImage image(16, 1024);
+  for (float& range_m : image.range_m) range_m = 10.0F;
+  std::vector<OrganizedCloud> clouds;
+  for (const int first : {0, 700, 3}) {
+    clouds.push_back(unproject(image, sensor, CaptureTime::kRolling, first));
+    output.append(image, clouds.back(), 0.1);
+  }
+  CHECK(file_contents(folder.file("out/first_columns.txt")) == "0\n700\n3\n");
+  const auto source = open_recording(folder.file("out"), sensor);
+  for (const OrganizedCloud& cloud : clouds) {
+    CHECK(source->next()->cloud.time_offset_s == cloud.time_offset_s);
+  }
+
+  for (const char* wrong : {"0\n1\n", "0\n1\n1024\n", "0\n-1\n2\n", "0\n1\nsecond\n"}) {
+    write_file(folder.file("out/first_columns.txt"), wrong);
+    CHECK(refused_with([&] { open_recording(folder.file("out"), sensor); }, "first_columns.txt"));
+  }
+}
+
 TEST_CASE("upsample.json says whether all scans were taken") {
   const TemporaryDirectory folder;
   UpsampleOutput output(folder.file("out"), {"input", "linear", 7}, sensor_preset("os1-16"), {});

@@ -1,12 +1,10 @@
 #include "lift/drive_memory.h"
 
 #include <algorithm>
-#include <cmath>
-#include <complex>
-#include <numbers>
 #include <utility>
 
 #include "hqslam/core/error.h"
+#include "hqslam/core/projection.h"
 
 namespace hqslam::tools {
 namespace {
@@ -21,25 +19,6 @@ slam::SensorPath expected_path(const Trajectory& before, double stamp_s) {
   const Pose expected =
       interpolate(earlier.T_map_sensor, last.T_map_sensor, 1.0 + (stamp_s - last.stamp_s) / step_s);
   return {{earlier, last, {stamp_s, expected}}, 2};
-}
-
-/// Where a scan begins that a sensor may begin anywhere in its turn: by the times of its points.
-int first_column_of(const OrganizedCloud& measured, const SensorModel& sensor) {
-  const RowSelection rows = *sensor.measured_rows;
-  constexpr int kEvery = 8;  // column; they all say the same
-  const double turn_of_column_rad = 2.0 * std::numbers::pi / sensor.columns;
-  std::complex<double> sum;
-  for (int row = 0; row < measured.rows; ++row) {
-    for (int column = 0; column < measured.columns; column += kEvery) {
-      const std::size_t pixel = measured.index(row, column);
-      if (measured.range_m[pixel] <= 0.0F) continue;
-      const double turned = measured.time_offset_s[pixel] / sensor.scan_period_s + 0.5;
-      const int head = sensor.firing_column(rows.offset + row * rows.stride, column);
-      sum += std::polar(1.0, turn_of_column_rad * (head + 0.5 - turned * sensor.columns));
-    }
-  }
-  const auto first = static_cast<int>(std::lround(std::arg(sum) / turn_of_column_rad));
-  return first < 0 ? first + sensor.columns : first;
 }
 
 /// As seen from another frame.
@@ -91,7 +70,7 @@ nn::ColumnPoses column_poses(const slam::SensorPath& path, const OrganizedCloud&
                              const SensorModel& sensor) {
   if (measured.time_offset_s.empty()) return {path.at(0.0)};
   constexpr int kShared = 4;
-  const int first = first_column_of(measured, sensor);
+  const int first = first_column(measured, select_rows(sensor, *sensor.measured_rows));
   nn::ColumnPoses poses(sensor.columns);
   for (int begin = 0; begin < sensor.columns; begin += kShared) {
     const double middle = (begin + 0.5 * kShared) / sensor.columns - 0.5;

@@ -118,8 +118,8 @@ void declare_upsample(CLI::App& app, UpsampleOptions& options) {
       app, "upsample", "Fill the rows between those of a LiDAR with few beams",
       R"(Writes into --out: scans.npy (N x rows x columns, float32 metres), confidence.npy (of a
 network that says how sure it is, 0 to 1 per pixel), intensity.npy (where the recording has
-them), timestamps.txt, sensor.json, upsample.json (where it came from), and the truth of a
-simulated drive. hqslam run takes the folder as it is. Ctrl-C stops; what is written up to then
+them), timestamps.txt, first_columns.txt (of sensors that begin a turn anywhere), sensor.json,
+upsample.json (where it came from), and the truth of a simulated drive. hqslam run takes the folder as it is. Ctrl-C stops; what is written up to then
 is valid.)");
   declare_input(command, options,
                 "Recording as for hqslam run: the measured rows alone, or all rows of the sensor, "

@@ -26,9 +26,10 @@ constexpr const char* kWrittenBy = "hqslam upsample";
 constexpr const char* kMarker = "\"written_by\": \"hqslam upsample\"";
 constexpr const char* kMarkerFile = "upsample.json";
 constexpr const char* kStampsFile = "timestamps.txt";
-constexpr std::array<const char*, 9> kFiles = {"scans.npy", "confidence.npy", "intensity.npy",
-                                               kStampsFile, "sensor.json",    "upsample.json",
-                                               "truth.tum", "truth.kitti",    "imu.csv"};
+constexpr const char* kFirstColumnsFile = "first_columns.txt";
+constexpr std::array<const char*, 10> kFiles = {
+    "scans.npy",   "confidence.npy", "intensity.npy", kStampsFile,   kFirstColumnsFile,
+    "sensor.json", "upsample.json",  "truth.tum",     "truth.kitti", "imu.csv"};
 constexpr std::array<const char*, 3> kFilesOfDrive = {"truth.tum", "truth.kitti", "imu.csv"};
 constexpr std::array<const char*, 4> kScanFolders = {"bin", "pcd", "png", "las"};
 constexpr ScanFolder kUpsampled{kFiles, kScanFolders, kMarkerFile};
@@ -106,15 +107,31 @@ void UpsampleOutput::append(const RangeImage& image, const OrganizedCloud& cloud
   // their names when all else is there, so that a program that is killed leaves what can be read.
   PartFiles parts;
   write_formats(image, cloud, stamp_s, parts);
-  const std::string line = fmt::format("{:.9f}\n", stamp_s);
-  if (!stamps_.write(line.data(), std::ssize(line)).flush()) {
-    throw Error("{}: cannot be written; is the disk full?", (folder_ / kStampsFile).string());
-  }
+  append_line(stamps_, kStampsFile, fmt::format("{:.9f}\n", stamp_s));
+  append_first_column(first_column(cloud, sensor_));
   append_beside(confidence_, "confidence.npy", cloud.confidence);
   append_beside(intensity_, "intensity.npy", cloud.intensity);
   stack_.append(image);
   parts.rename();
   ++scans_;
+}
+
+void UpsampleOutput::append_line(std::ofstream& file, const char* name,
+                                 const std::string& line) const {
+  if (file.write(line.data(), std::ssize(line)).flush()) return;
+  throw Error("{}: cannot be written; is the disk full?", (folder_ / name).string());
+}
+
+/// The file is there from the first scan that does not begin at column 0.
+void UpsampleOutput::append_first_column(int column) {
+  if (column == 0 && !first_columns_.is_open()) return;
+  if (!first_columns_.is_open()) {
+    first_columns_.open(folder_ / kFirstColumnsFile);
+    for (std::int64_t scan = 0; scan < scans_; ++scan) {
+      append_line(first_columns_, kFirstColumnsFile, "0\n");
+    }
+  }
+  append_line(first_columns_, kFirstColumnsFile, fmt::format("{}\n", column));
 }
 
 /// Before the image itself: none may be without. Of scans that have no values none is known.

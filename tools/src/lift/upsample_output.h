@@ -37,6 +37,7 @@ struct UpsampleOrigin {
 ///   intensity.npy  the same shape, float32, if the recording has intensities; not a number where
 ///                  that of a return is not known
 ///   timestamps.txt  the stamp of each scan, seconds
+///   first_columns.txt  where the turn of each scan begins, if not all begin at column 0
 ///   sensor.json    the sensor model
 ///   upsample.json  where the scans came from, and whether all of them did
 ///   truth.tum, truth.kitti  those of the drive that was upsampled, if it has any
@@ -54,6 +55,8 @@ class UpsampleOutput {
   void finish();
 
  private:
+  void append_line(std::ofstream& file, const char* name, const std::string& line) const;
+  void append_first_column(int column);
   void append_beside(std::optional<NpyStackWriter>& stack, const char* name,
                      const std::vector<float>& values) const;
   void write_formats(const RangeImage& image, const OrganizedCloud& cloud, double stamp_s,
@@ -66,6 +69,7 @@ class UpsampleOutput {
   UpsampledFormats formats_;
   NpyStackWriter stack_;
   std::ofstream stamps_;
+  std::ofstream first_columns_;
   std::optional<NpyStackWriter> confidence_;
   std::optional<NpyStackWriter> intensity_;
   std::int64_t scans_ = 0;

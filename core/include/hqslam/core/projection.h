@@ -37,8 +37,13 @@ enum class CaptureTime {
 };
 
 /// Range image -> points at the centres of the pixels. `project` of the points gives the image
-/// back. Throws Error if the shapes of image and sensor differ.
+/// back. first_column: where the sensor's head stands when the turn begins. Throws Error if the
+/// shapes of image and sensor differ.
 OrganizedCloud unproject(const RangeImage& image, const SensorModel& sensor,
-                         CaptureTime capture_time);
+                         CaptureTime capture_time, int first_column = 0);
+
+/// Where the sensor's head stands when a scan begins, by the times of its points: some sensors
+/// begin each turn where the one before has ended. 0 without times.
+int first_column(const OrganizedCloud& cloud, const SensorModel& sensor);
 
 }  // namespace hqslam
