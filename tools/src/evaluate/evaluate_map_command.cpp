@@ -209,8 +209,7 @@ void declare_evaluate_map(CLI::App& app, EvaluateMapOptions& options) {
               kMapDefinitions)
       .option("MAP", &options.maps,
               "Folders with a dense_map.pcd (of hqslam run --dense-map), .pcd, .ply or .las files, "
-              "or an "
-              "occupancy grid's map.yaml",
+              "or an occupancy grid's map.yaml",
               {.required = true, .given = Given::kFileOrFolder})
       .option("--drive", &options.drive, "The drive: folder written by hqslam simulate",
               {.required = true, .given = Given::kFolder});

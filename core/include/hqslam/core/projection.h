@@ -37,8 +37,8 @@ enum class CaptureTime {
 };
 
 /// Range image -> points at the centres of the pixels. `project` of the points gives the image
-/// back. first_column: where the sensor's head stands when the turn begins. Throws Error if the
-/// shapes of image and sensor differ.
+/// back. first_column, from 0: where the sensor's head stands when the turn begins. Throws Error if
+/// the shapes of image and sensor differ.
 OrganizedCloud unproject(const RangeImage& image, const SensorModel& sensor,
                          CaptureTime capture_time, int first_column = 0);
 
