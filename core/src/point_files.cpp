@@ -5,6 +5,7 @@
 #include <exception>
 #include <set>
 
+#include "hqslam/core/cloud_file.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/median.h"
@@ -61,6 +62,12 @@ RawPoints read_point_file(const std::string& path) {
   std::vector<float>& intensity = points.scan.intensity;
   if (std::ranges::count(intensity, 0.0F) == std::ssize(intensity)) intensity.clear();
   return points;
+}
+
+Scan read_cloud(const std::string& path) { return scan_of(read_point_file(path), nullptr, path); }
+
+Scan read_cloud(const std::string& path, const SensorModel& sensor) {
+  return scan_of(read_point_file(path), &sensor, path);
 }
 
 FoundSensor find_sensor_of_files(const std::vector<std::string>& paths,

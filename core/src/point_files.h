@@ -23,7 +23,7 @@ RawPoints read_ply_points(const std::string& path);
 /// Throws Error, also for a compressed one (LAZ).
 RawPoints read_las_points(const std::string& path);
 
-/// A .pcd file, as read_pcd describes it. Throws Error.
+/// A .pcd file, as read_cloud describes it. Throws Error.
 RawPoints read_pcd_points(const std::string& path);
 
 /// The sensor of a recording with one scan per file, from some of them; at least one file. The rate

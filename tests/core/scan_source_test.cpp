@@ -12,8 +12,8 @@
 #include "file_contents.h"
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/npy.h"
-#include "hqslam/core/pcd.h"
 #include "hqslam/core/trajectory.h"
+#include "points_file.h"
 #include "recording_complaint.h"
 #include "temporary_directory.h"
 
@@ -82,7 +82,7 @@ TEST_CASE("a folder of .pcd files and a single file are recordings too") {
   const TemporaryDirectory directory;
   const SensorModel sensor = sensor_preset("os1-16");
   const RangeImage image = an_image(sensor);
-  write_pcd(as_scan(image, sensor).points_m, directory.file("0.pcd"));
+  write_points(as_scan(image, sensor).points_m, directory.file("0.pcd"));
   for (const std::string& path : {directory.path().string(), directory.file("0.pcd")}) {
     const auto source = open_recording(path, sensor);
     CHECK(source->size() == 1);
@@ -292,7 +292,7 @@ TEST_CASE("scans of another sensor or in other units are refused") {
   const SensorModel os1_64 = sensor_preset("os1-64");
   const Scan scan = as_scan(an_image(os1_64), os1_64);
   write_kitti_bin(scan, directory.file("0.bin"));
-  write_pcd(scan.points_m, directory.file("0.pcd"));
+  write_points(scan.points_m, directory.file("0.pcd"));
   for (const std::string name : {"os1-16", "vlp-16", "hdl-64e", "vls-128"}) {
     CAPTURE(name);
     CHECK(one_line_with(recording_complaint(directory.file("0.bin"), sensor_preset(name)), "0.bin",
@@ -300,11 +300,11 @@ TEST_CASE("scans of another sensor or in other units are refused") {
   }
   std::vector<Eigen::Vector3f> in_mm = scan.points_m;
   for (Eigen::Vector3f& point : in_mm) point *= 1000.0F;
-  write_pcd(in_mm, directory.file("mm.pcd"));
+  write_points(in_mm, directory.file("mm.pcd"));
   CHECK(one_line_with(recording_complaint(directory.file("mm.pcd"), os1_64), "mm.pcd", "metres"));
   std::vector<Eigen::Vector3f> above = scan.points_m;
   for (Eigen::Vector3f& point : above) point.z() = point.norm();
-  write_pcd(above, directory.file("above.pcd"));
+  write_points(above, directory.file("above.pcd"));
   CHECK(one_line_with(recording_complaint(directory.file("above.pcd"), os1_64), "above.pcd",
                       "outside", "name the sensor"));
 

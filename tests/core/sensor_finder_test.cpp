@@ -13,9 +13,9 @@
 #include "error_message.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/core/npy.h"
-#include "hqslam/core/pcd.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/core/scan_source.h"
+#include "points_file.h"
 #include "temporary_directory.h"
 
 using namespace hqslam;
@@ -185,8 +185,8 @@ TEST_CASE("a folder of clouds is read without a sensor, which a warning names") 
   const TemporaryDirectory folder;
   const SensorModel sensor = sensor_preset("vlp-16");
   for (int i = 0; i < 3; ++i) {
-    write_pcd(a_scan(sensor, Told::kNothing, i).scan.points_m,
-              folder.file(std::to_string(i) + ".pcd"));
+    write_points(a_scan(sensor, Told::kNothing, i).scan.points_m,
+                 folder.file(std::to_string(i) + ".pcd"));
   }
   const auto source = open_recording(folder.path().string(), std::nullopt);
   CHECK(source->sensor() == sensor);

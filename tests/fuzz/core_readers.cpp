@@ -1,6 +1,6 @@
+#include "hqslam/core/cloud_file.h"
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/npz.h"
-#include "hqslam/core/pcd.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/core/scan_source.h"
 #include "hqslam/core/sensor_model.h"
@@ -46,7 +46,7 @@ void npz(Bytes input) {
 }
 
 void pcd(Bytes input) {
-  project(read_pcd(as_whole_file(input, ".pcd"), small_sensor()), small_sensor());
+  project(read_cloud(as_whole_file(input, ".pcd"), small_sensor()), small_sensor());
 }
 
 void ply(Bytes input) { read_scans(as_file(input, ".ply")); }

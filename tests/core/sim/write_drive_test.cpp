@@ -7,9 +7,9 @@
 
 #include "error_message.h"
 #include "file_contents.h"
+#include "hqslam/core/cloud_file.h"
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/npy.h"
-#include "hqslam/core/pcd.h"
 #include "hqslam/core/scan_source.h"
 #include "hqslam/core/trajectory.h"
 #include "small_city.h"
@@ -50,7 +50,7 @@ TEST_CASE("a drive that is written part of the way reads back as what was simula
         std::ranges::count_if(scans[k].image.range_m, [](float r) { return r > 0; });
     const std::string number = "00000" + std::to_string(k);
     const Scan bin = read_kitti_bin(out + "/bin/" + number + ".bin");
-    const Scan pcd = read_pcd(out + "/pcd/" + number + ".pcd");
+    const Scan pcd = read_cloud(out + "/pcd/" + number + ".pcd");
     CHECK(bin.points_m.size() == static_cast<std::size_t>(returns));
     CHECK(pcd.points_m.size() == static_cast<std::size_t>(returns));
     const OrganizedCloud cloud = recording->next()->cloud;

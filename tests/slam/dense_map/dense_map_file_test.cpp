@@ -4,7 +4,7 @@
 
 #include "error_message.h"
 #include "file_contents.h"
-#include "hqslam/core/pcd.h"
+#include "hqslam/core/cloud_file.h"
 #include "hqslam/core/point_fields.h"
 #include "hqslam/slam/dense_map.h"
 #include "temporary_directory.h"
@@ -23,7 +23,7 @@ const std::vector<DenseMapPoint> kPoints = {{{1.0F, 2.0F, 3.0F}, 0.75F, 4},
 TEST_CASE("a .pcd map reads back, with its confidences and counts behind the coordinates") {
   const TemporaryDirectory folder;
   write_dense_map(kPoints, folder.file("map.pcd"));
-  const Scan scan = read_pcd(folder.file("map.pcd"));
+  const Scan scan = read_cloud(folder.file("map.pcd"));
   REQUIRE(scan.points_m.size() == 2);
   CHECK(scan.points_m[1] == kPoints[1].point_m);
   const std::string bytes = file_contents(folder.file("map.pcd"));

@@ -7,7 +7,7 @@
 
 #include "error_message.h"
 #include "file_contents.h"
-#include "hqslam/core/pcd.h"
+#include "hqslam/core/cloud_file.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/core/scan_source.h"
 #include "temporary_directory.h"
@@ -49,7 +49,7 @@ TEST_CASE("an upsampled drive is a stack with its sensor, and one file per scan 
     CHECK(names_in(folder.path() / "all" / kind) ==
           std::set<std::string>{std::string("000000.") + kind, std::string("000001.") + kind});
   }
-  CHECK(read_pcd(folder.file("all/pcd/000001.pcd")).points_m.size() == 1);
+  CHECK(read_cloud(folder.file("all/pcd/000001.pcd")).points_m.size() == 1);
 }
 
 TEST_CASE("intensities have a stack of their own, where a scan has none they are not known") {

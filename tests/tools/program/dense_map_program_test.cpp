@@ -6,8 +6,9 @@
 #include <sstream>
 #include <vector>
 
+#include "hqslam/core/cloud_file.h"
 #include "hqslam/core/npy.h"
-#include "hqslam/core/pcd.h"
+#include "points_file.h"
 #include "tools/program/program.h"
 
 namespace hqslam::test {
@@ -80,7 +81,7 @@ TEST_CASE("the files of a dense map are whole and the report shows its pictures"
   const TemporaryDirectory out;
   succeeds("run '{}' --upsample linear --rows 4 --dense-map --map-voxel 0.2 --out '{}'",
            simulated_drive(), out.path().string());
-  const std::size_t points = read_pcd(out.file("dense_map.pcd")).points_m.size();
+  const std::size_t points = read_cloud(out.file("dense_map.pcd")).points_m.size();
   CHECK(points > 1000);
   CHECK(
       holds(file_contents(out.file("dense_map.ply")), fmt::format("element vertex {}\n", points)));
@@ -123,7 +124,7 @@ TEST_CASE("poses of another time make no map, and that is said") {
 TEST_CASE("a map is aligned by the trajectory beside it, however the map is named") {
   const TemporaryDirectory folder;
   std::filesystem::copy(simulated_drive() + "/truth.tum", folder.file("trajectory.tum"));
-  write_pcd({{5.0F, 0.0F, 0.0F}}, folder.file("dense_map.pcd"));
+  write_points({{5.0F, 0.0F, 0.0F}}, folder.file("dense_map.pcd"));
   for (const char* map : {"dense_map.pcd", "./dense_map.pcd", "."}) {
     CAPTURE(map);
     const ProgramResult result =
@@ -150,7 +151,7 @@ TEST_CASE("a map that cannot be made costs that map alone") {
 
 TEST_CASE("of a simulation that was stopped a map is held against the scans that there are") {
   const TemporaryDirectory folder;
-  write_pcd({{5.0F, 0.0F, -1.0F}}, folder.file("map.pcd"));
+  write_points({{5.0F, 0.0F, -1.0F}}, folder.file("map.pcd"));
   const std::string stopped = folder.file("stopped");
   fs::copy(simulated_drive(), stopped);
   std::string json = file_contents(stopped + "/drive.json");

@@ -5,8 +5,8 @@
 
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/npy.h"
-#include "hqslam/core/pcd.h"
 #include "hqslam/core/trajectory.h"
+#include "points_file.h"
 #include "tools/program/program.h"
 
 namespace hqslam::test {
@@ -88,7 +88,7 @@ TEST_CASE("two stacks that differ by 0.5 m in every fourth pixel have the MAE th
 
 TEST_CASE("two clouds 1 m apart are all outliers with a Chamfer distance of 2 m^2") {
   const TemporaryDirectory folder;
-  write_pcd({{1.0F, 2.0F, 0.0F}, {50.0F, 0.0F, 0.0F}}, folder.file("truth.pcd"));
+  write_points({{1.0F, 2.0F, 0.0F}, {50.0F, 0.0F, 0.0F}}, folder.file("truth.pcd"));
   Scan cloud;
   cloud.points_m = {{1.0F, 2.0F, 1.0F}, {50.0F, 0.0F, 1.0F}};
   for (const char* name : {"cloud.pcd", "cloud.ply", "cloud.las"}) {
@@ -102,7 +102,7 @@ TEST_CASE("two clouds 1 m apart are all outliers with a Chamfer distance of 2 m^
 
 TEST_CASE("files of two kinds are not taken for trajectories") {
   const TemporaryDirectory folder;
-  write_pcd({{1.0F, 2.0F, 0.0F}}, folder.file("cloud.pcd"));
+  write_points({{1.0F, 2.0F, 0.0F}}, folder.file("cloud.pcd"));
   NpyStackWriter(folder.file("one.npy"), 16, 64).append(RangeImage(16, 64));
   for (const char* other : {"one.npy", "truth.tum"}) {
     const ProgramResult result =

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "error_message.h"
+#include "hqslam/core/cloud_file.h"
 #include "hqslam/core/npz.h"
-#include "hqslam/core/pcd.h"
 #include "hqslam/nn/weights_file.h"
 #include "tools/program/commands.h"
 
@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 bool is_whole(const std::string& path) {
   const std::string extension = fs::path(path).extension();
   if (extension == ".npz") return test::error_message([&] { read_npz(path); }) == "no Error";
-  if (extension == ".pcd") return test::error_message([&] { read_pcd(path); }) == "no Error";
+  if (extension == ".pcd") return test::error_message([&] { read_cloud(path); }) == "no Error";
   static const std::map<std::string, std::string> ends = {{".html", "</html>\n"},
                                                           {".svg", "</svg>\n"},
                                                           {".json", "}\n"},

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "core/live/loopback.h"
-#include "hqslam/core/pcd.h"
+#include "hqslam/core/cloud_file.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
 #include "http_get.h"
@@ -101,7 +101,7 @@ TEST_CASE("a drive that is sent live gives the trajectory that its capture gives
   const Trajectory by_wire = read_tum(live.path("out/trajectory.tum"));
   REQUIRE(by_wire.size() == kDriveScans);
   CHECK(read_kitti_poses(live.path("out/trajectory.kitti")).size() == kDriveScans);
-  CHECK(read_pcd(live.path("out/map.pcd")).points_m.size() > 1000);
+  CHECK(read_cloud(live.path("out/map.pcd")).points_m.size() > 1000);
   CHECK(holds(file_contents(live.path("out/report.html")), "hqslam live"));
   const auto timings = json_of(live.path("out/timings.json"));
   CHECK(timings["written_by"] == "hqslam live");

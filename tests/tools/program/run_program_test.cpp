@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "hqslam/core/pcd.h"
+#include "hqslam/core/cloud_file.h"
 #include "hqslam/core/trajectory.h"
 #include "hqslam/evaluation/trajectory_error.h"
 #include "hqslam/nn/instruction_set.h"
@@ -69,7 +69,7 @@ TEST_CASE("a simulated drive needs no sensor and no reference: both are in its f
   REQUIRE(estimate.size() == kDriveScans);
   CHECK(read_kitti_poses(out.file("trajectory.kitti")).size() == kDriveScans);
   CHECK(estimate.front().T_map_sensor.isApprox(Pose::Identity()));
-  const Scan map = read_pcd(out.file("map.pcd"));
+  const Scan map = read_cloud(out.file("map.pcd"));
   CHECK(map.points_m.size() > 1000);
   CHECK(map.intensity.size() == map.points_m.size());
   CHECK(timings(out)["end"] == "complete");
@@ -123,7 +123,7 @@ TEST_CASE("bad files in mid-drive are left out and named, and the run goes on") 
   REQUIRE(trajectory.size() == kDriveScans - 2);
   CHECK(trajectory[5].stamp_s == doctest::Approx(0.6));  // as if none were missing
   CHECK(trajectory[7].stamp_s == doctest::Approx(0.9));
-  CHECK(read_pcd(folder.file("out/map.pcd")).points_m.size() > 1000);
+  CHECK(read_cloud(folder.file("out/map.pcd")).points_m.size() > 1000);
 }
 
 TEST_CASE("a recording of which nothing can be used leaves the results of an earlier run") {

@@ -9,7 +9,6 @@
 
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/npy.h"
-#include "hqslam/core/pcd.h"
 #include "hqslam/core/point_fields.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/core/scan_source.h"
@@ -79,7 +78,8 @@ TEST_CASE("the measured rows of the result are those of the recording, the other
   CHECK(image.range_m != truth.range_m);
   const auto returns = std::count_if(image.range_m.begin(), image.range_m.end(),
                                      [](float range_m) { return range_m > 0.0F; });
-  CHECK(read_pcd(out.file("pcd/000002.pcd")).points_m.size() == static_cast<std::size_t>(returns));
+  CHECK(read_cloud(out.file("pcd/000002.pcd")).points_m.size() ==
+        static_cast<std::size_t>(returns));
   CHECK(fs::file_size(out.file("bin/000002.bin")) == 16 * static_cast<std::uintmax_t>(returns));
   CHECK(fs::file_size(out.file("png/000003.png")) > 1000);
 }

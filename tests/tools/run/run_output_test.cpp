@@ -10,7 +10,7 @@
 
 #include "error_message.h"
 #include "file_contents.h"
-#include "hqslam/core/pcd.h"
+#include "hqslam/core/cloud_file.h"
 #include "temporary_directory.h"
 #include "tools/example_run.h"
 
@@ -32,7 +32,7 @@ TEST_CASE("the results are six files that read back, and no other file is left")
   CHECK(names_in(folder.file("a/b")) == kAllResults);
   CHECK(read_tum(folder.file("a/b/trajectory.tum")).size() == 10);
   CHECK(read_kitti_poses(folder.file("a/b/trajectory.kitti")).size() == 10);
-  CHECK(read_pcd(folder.file("a/b/map.pcd")).points_m.size() == 10);
+  CHECK(read_cloud(folder.file("a/b/map.pcd")).points_m.size() == 10);
 }
 
 TEST_CASE("the timings hold medians in milliseconds, counts of statuses and every scan") {

@@ -7,6 +7,7 @@
 
 #include "commands.h"
 #include "hqslam/core/angles.h"
+#include "hqslam/core/cloud_file.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/point_fields.h"
@@ -69,8 +70,8 @@ void print_cloud_error(const CloudError& error) {
 }
 
 int evaluate_clouds(const EvaluateOptions& options) {
-  const CloudError error = cloud_error(read_point_file(options.estimate).scan.points_m,
-                                       read_point_file(options.reference).scan.points_m);
+  const CloudError error =
+      cloud_error(read_cloud(options.estimate).points_m, read_cloud(options.reference).points_m);
   print_cloud_error(error);
   return kOk;
 }

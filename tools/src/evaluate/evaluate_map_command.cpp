@@ -9,8 +9,8 @@
 
 #include "commands.h"
 #include "evaluate/occupancy_grid_error.h"
+#include "hqslam/core/cloud_file.h"
 #include "hqslam/core/error.h"
-#include "hqslam/core/point_fields.h"
 #include "hqslam/evaluation/cloud_error.h"
 #include "hqslam/evaluation/trajectory_error.h"
 #include "hqslam/sim/drive.h"
@@ -135,7 +135,7 @@ void evaluate_dense_maps(const std::vector<std::string>& paths, const sim::Drive
   for (const std::string& path : paths) {
     const fs::path file =
         fs::is_directory(path) ? fs::path(path) / "dense_map.pcd" : fs::path(path);
-    std::vector<Eigen::Vector3f> points_m = read_point_file(file.string()).scan.points_m;
+    std::vector<Eigen::Vector3f> points_m = read_cloud(file.string()).points_m;
     const std::optional<Pose> T_truth_map = alignment_of(file, truth);
     for (Eigen::Vector3f& point_m : points_m) {
       if (T_truth_map) point_m = (*T_truth_map * point_m.cast<double>()).cast<float>();

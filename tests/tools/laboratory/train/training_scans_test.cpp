@@ -10,10 +10,10 @@
 #include "error_message.h"
 #include "file_contents.h"
 #include "hqslam/core/npy.h"
-#include "hqslam/core/pcd.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/nn/network_json.h"
 #include "hqslam/sim/drive.h"
+#include "points_file.h"
 #include "temporary_directory.h"
 
 namespace hqslam::tools {
@@ -40,7 +40,7 @@ std::string sensor_pcd(const TemporaryDirectory& folder, const SensorModel& sens
   RangeImage image(sensor.rows(), sensor.columns);
   for (float& range_m : image.range_m) range_m = 5.0F;
   const std::string path = folder.file("scan.pcd");
-  write_pcd(points_of(unproject(image, sensor, CaptureTime::kMotionCorrected)), path);
+  test::write_points(points_of(unproject(image, sensor, CaptureTime::kMotionCorrected)), path);
   return path;
 }
 

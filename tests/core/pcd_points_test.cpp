@@ -1,5 +1,3 @@
-#include "hqslam/core/pcd.h"
-
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -9,6 +7,8 @@
 #include "../../core/src/pcd_header.h"
 #include "error_message.h"
 #include "file_contents.h"
+#include "hqslam/core/cloud_file.h"
+#include "points_file.h"
 #include "temporary_directory.h"
 
 using namespace hqslam;
@@ -30,12 +30,12 @@ std::string header(const std::string& fields, const std::string& size, const std
          "\nDATA " + data + "\n";
 }
 
-/// sensor: as read_pcd.
+/// sensor: as read_cloud.
 template <typename... Sensor>
 Scan scan_of(const std::string& contents, const Sensor&... sensor) {
   const TemporaryDirectory directory;
   write_file(directory.file("0.pcd"), contents);
-  return read_pcd(directory.file("0.pcd"), sensor...);
+  return read_cloud(directory.file("0.pcd"), sensor...);
 }
 
 std::string pcd_complaint(const std::string& contents) {
@@ -226,11 +226,11 @@ TEST_CASE("some rings of a sensor, its own or a little off, are taken as they ar
 TEST_CASE("points written as .pcd come back bit by bit") {
   const TemporaryDirectory directory;
   const std::vector<Eigen::Vector3f> points_m = {{1, 2, 3}, {-0.1F, 1e-7F, 123.456F}};
-  write_pcd(points_m, directory.file("map.pcd"));
-  CHECK(read_pcd(directory.file("map.pcd")).points_m == points_m);
-  write_pcd({}, directory.file("empty.pcd"));
-  CHECK(read_pcd(directory.file("empty.pcd")).points_m.empty());
-  CHECK(refused_with([] { write_pcd({}, "/nowhere/map.pcd"); }, "/nowhere"));
+  write_points(points_m, directory.file("map.pcd"));
+  CHECK(read_cloud(directory.file("map.pcd")).points_m == points_m);
+  write_points({}, directory.file("empty.pcd"));
+  CHECK(read_cloud(directory.file("empty.pcd")).points_m.empty());
+  CHECK(refused_with([] { write_points({}, "/nowhere/map.pcd"); }, "/nowhere"));
 }
 
 TEST_CASE("a file that is no point cloud is refused with file, expected and found") {
@@ -252,7 +252,7 @@ TEST_CASE("a file that is no point cloud is refused with file, expected and foun
   CHECK(one_line_with(with("DATA ascii", "DATA binary"), "truncated", "2 points of 12 bytes"));
   CHECK(one_line_with(pcd_complaint(header("x y z", "4 4 4", "F F F", 2, "binary") + "abc"),
                       "truncated", "found 3 bytes"));
-  CHECK(refused_with([] { read_pcd("/nowhere/0.pcd"); }, "/nowhere", "no file"));
+  CHECK(refused_with([] { read_cloud("/nowhere/0.pcd"); }, "/nowhere", "no file"));
 }
 
 TEST_CASE("counts that overflow or exceed the file are refused before anything is allocated") {

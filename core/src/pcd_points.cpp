@@ -1,10 +1,7 @@
-#include "hqslam/core/pcd.h"
-
 #include <bit>
 #include <cstring>
 #include <optional>
 
-#include "hqslam/core/cloud_file.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/whole_file.h"
 #include "pcd_header.h"
@@ -132,18 +129,6 @@ RawPoints read_pcd_points(const std::string& path) {
     });
   }
   return points;
-}
-
-Scan read_pcd(const std::string& path) { return scan_of(read_pcd_points(path), nullptr, path); }
-
-Scan read_pcd(const std::string& path, const SensorModel& sensor) {
-  return scan_of(read_pcd_points(path), &sensor, path);
-}
-
-void write_pcd(const std::vector<Eigen::Vector3f>& points_m, const std::string& path) {
-  Scan scan;
-  scan.points_m = points_m;
-  write_cloud(scan, path);
 }
 
 }  // namespace hqslam

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "hqslam/core/cloud_file.h"
+
+namespace hqslam::test {
+
+/// Points of which nothing else is known, in the format of the name's ending.
+inline void write_points(const std::vector<Eigen::Vector3f>& points_m, const std::string& path) {
+  Scan scan;
+  scan.points_m = points_m;
+  write_cloud(scan, path);
+}
+
+}  // namespace hqslam::test
