@@ -20,6 +20,7 @@ namespace {
 
 using test::error_message;
 using test::one_line_with;
+using test::refused_with;
 
 std::string golden_file(const std::string& name) { return golden_folder() + "/" + name + ".npz"; }
 

@@ -13,6 +13,7 @@
 #include "commands.h"
 #include "files/installed_weights.h"
 #include "files/result_files.h"
+#include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/point_fields.h"
 #include "laboratory/compare/upsampling_comparison.h"

@@ -9,6 +9,9 @@
 namespace hqslam::tools {
 namespace {
 
+using test::example_result;
+using test::example_trajectory;
+
 /// LiDAR-16 off by 0.4 m, DU-OR by 0.1 m, LiDAR-64 by 0.05 m the other way, all twice that with
 /// loop closing.
 DriveFigures three_methods_drive(bool with_truth) {

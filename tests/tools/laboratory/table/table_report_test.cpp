@@ -12,6 +12,8 @@
 namespace hqslam::tools {
 namespace {
 
+using test::example_result;
+
 constexpr const char* kWithoutReference = "rows-64 was not among the methods";
 
 DriveFigures reported_drive(bool with_all_rows) {

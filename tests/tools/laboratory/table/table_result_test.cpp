@@ -12,6 +12,8 @@
 namespace hqslam::tools {
 namespace {
 
+using test::example_result;
+
 /// A folder with the result of "du-or".
 struct SavedResult {
   SavedResult() { save_result(result, folder.path().string()); }
