@@ -68,7 +68,7 @@ void Recollection::remember(const sim::SimulatedScan& scan) {
 std::optional<RangeImage> Recollection::finished(bool is_last) {
   if (wanted_.empty()) return std::nullopt;
   if (wanted_.front().later < look_ahead_scans_ && !is_last) return std::nullopt;
-  const RangeImage image = with_recalled(wanted_.front().scan);
+  RangeImage image = with_recalled(wanted_.front().scan);
   wanted_.pop_front();
   return image;
 }
