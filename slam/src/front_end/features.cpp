@@ -3,37 +3,29 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <iterator>
 
 #include "front_end/posts.h"
+#include "front_end/row_ranges.h"
 #include "front_end/voxel_thinning.h"
 
 namespace hqslam::slam {
 
 namespace {
 
-constexpr int kHalfWindow = 5;          // neighbours on each side
-constexpr int kMaxColumnGap = 10;       // neighbours farther apart than this are none
-constexpr float kDepthJump_m = 0.3F;    // hides what lies behind
-constexpr float kParallelJump = 0.02F;  // of the range, on both sides: surface along the beam
-constexpr int kOutlierColumns = 5;      // outliers of every fifth column go into the map
-constexpr int kSlopeRows = 3;           // how far away the row beside a row may be
+constexpr int kMaxColumnGap = 10;   // between a jump's two sides
+constexpr int kOutlierColumns = 5;  // outliers of every fifth column go into the map
+constexpr int kSlopeRows = 3;       // how far away the row beside a row may be
 
 /// The ground and cluster returns of one row, one after the other, and what was found about them.
-struct Row {
+struct Row : RowRanges {
   std::vector<FeaturePoint> points;
-  std::vector<float> range_m;
-  std::vector<int> column;
   std::vector<std::uint8_t> ground;
   std::vector<float> smoothness_m;
   std::vector<std::uint8_t> unusable;  ///< hidden, along the beam, or too near an end of the row
   std::vector<std::uint8_t> is_edge;
   std::vector<FeaturePoint> outliers;
   std::vector<int> candidates;  ///< of one section after the other, kept for its memory
-
-  int size() const { return static_cast<int>(points.size()); }
-  bool neighbours(int i, int j) const { return std::abs(column[i] - column[j]) <= kMaxColumnGap; }
 };
 
 /// The ground in the first row with a return above (step -1) or below (1) a pixel.
@@ -92,49 +84,6 @@ Row gather_row(const OrganizedCloud& cloud, const Segmentation& segmentation, in
   return result;
 }
 
-void compute_smoothness(Row& row) {
-  row.smoothness_m.assign(row.points.size(), 0.0F);
-  row.unusable.assign(row.points.size(), 1);
-  for (int i = kHalfWindow; i + kHalfWindow < row.size(); ++i) {
-    float sum_m = -2.0F * kHalfWindow * row.range_m[i];
-    for (int k = 1; k <= kHalfWindow; ++k) sum_m += row.range_m[i - k] + row.range_m[i + k];
-    row.smoothness_m[i] = std::abs(sum_m);
-    row.unusable[i] = 0;
-  }
-}
-
-/// Marks the far side of depth jumps and surfaces along the beam.
-void mark_unreliable(Row& row) {
-  for (int i = kHalfWindow; i + kHalfWindow + 1 < row.size(); ++i) {
-    const float here_m = row.range_m[i];
-    const float next_m = row.range_m[i + 1];
-    if (row.neighbours(i, i + 1)) {
-      if (here_m - next_m > kDepthJump_m) {
-        std::fill(row.unusable.begin() + i - kHalfWindow, row.unusable.begin() + i + 1, 1);
-      } else if (next_m - here_m > kDepthJump_m) {
-        std::fill(row.unusable.begin() + i + 1, row.unusable.begin() + i + kHalfWindow + 2, 1);
-      }
-    }
-    const float before_m = row.range_m[i - 1];
-    if (std::abs(before_m - here_m) > kParallelJump * here_m &&
-        std::abs(next_m - here_m) > kParallelJump * here_m) {
-      row.unusable[i] = 1;
-    }
-  }
-}
-
-/// Keeps the neighbours of a chosen point from being chosen, up to the next gap.
-void suppress_neighbours(const Row& row, int chosen, std::vector<std::uint8_t>& taken) {
-  taken[chosen] = 1;
-  for (const int direction : {-1, 1}) {
-    for (int k = 1; k <= kHalfWindow; ++k) {
-      const int i = chosen + direction * k;
-      if (i < 0 || i >= row.size() || !row.neighbours(i, i - direction)) break;
-      taken[i] = 1;
-    }
-  }
-}
-
 /// Takes candidates, the best first, until there are `wanted`; what is near one is left out.
 /// better(a, b): whether a goes before b; of equals the first in the row does.
 template <typename Better, typename Take>
@@ -148,7 +97,7 @@ void choose(Row& row, int wanted, const Better& better, std::vector<std::uint8_t
     const int i = *std::prev(last);
     if (taken[i] != 0) continue;
     take(i);
-    suppress_neighbours(row, i, taken);
+    row.suppress_neighbours(i, taken);
     --wanted;
   }
 }
@@ -194,8 +143,13 @@ void choose_flat_points(Row& row, int first, int last, const FeatureOptions& opt
 Features features_of_row(const OrganizedCloud& cloud, const Segmentation& segmentation,
                          int row_index, const FeatureOptions& options) {
   Row row = gather_row(cloud, segmentation, row_index);
-  compute_smoothness(row);
-  mark_unreliable(row);
+  row.smoothness_m.assign(row.points.size(), 0.0F);
+  row.unusable.assign(row.points.size(), 1);
+  for (int i = Row::kHalfWindow; i + Row::kHalfWindow < row.size(); ++i) {
+    row.smoothness_m[i] = row.smoothness_at_m(i);
+    row.unusable[i] = 0;
+  }
+  row.mark_unreliable(kMaxColumnGap, row.unusable);
   row.is_edge.assign(row.points.size(), 0);
 
   Features features;

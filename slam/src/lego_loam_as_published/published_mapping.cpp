@@ -149,8 +149,8 @@ void PublishedMapping::add(const LastScan& scan, const std::vector<FeaturePoint>
   T_odom_end_ = T_odom_end;
   std::vector<Eigen::Vector3f> outliers_m;
   for (const FeaturePoint& point : outliers) outliers_m.push_back(point.point_m);
-  const std::vector<Eigen::Vector3f> edges_m = thinned(scan.edges_m, kEdgeLeaf_m);
-  std::vector<Eigen::Vector3f> surfaces_m = thinned(scan.surfaces_m, kSurfaceLeaf_m);
+  const std::vector<Eigen::Vector3f> edges_m = thinned(scan.edges.points_m, kEdgeLeaf_m);
+  std::vector<Eigen::Vector3f> surfaces_m = thinned(scan.surfaces.points_m, kSurfaceLeaf_m);
   const std::vector<Eigen::Vector3f> thin_outliers_m = thinned(outliers_m, kSurfaceLeaf_m);
   surfaces_m.insert(surfaces_m.end(), thin_outliers_m.begin(), thin_outliers_m.end());
   if (!keyframes_.empty()) match(edges_m, thinned(surfaces_m, kSurfaceLeaf_m));

@@ -1,7 +1,9 @@
 #include "published_odometry.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 
 #include "hqslam/core/angles.h"
 
@@ -24,11 +26,11 @@ constexpr double kWeightFall = 1.8;
 constexpr int kNone = -1;
 
 /// The nearest point, kNone if it is not within reach.
-int nearest(const std::vector<Eigen::Vector3f>& points_m, const Eigen::Vector3f& query_m) {
+int nearest(const RowPoints& target, const Eigen::Vector3f& query_m) {
   int best = kNone;
   float best_m2 = kMaxSquaredDistance_m2;
-  for (std::size_t i = 0; i < points_m.size(); ++i) {
-    const float m2 = (points_m[i] - query_m).squaredNorm();
+  for (std::size_t i = 0; i < target.points_m.size(); ++i) {
+    const float m2 = (target.points_m[i] - query_m).squaredNorm();
     if (m2 < best_m2) {
       best_m2 = m2;
       best = static_cast<int>(i);
@@ -37,16 +39,16 @@ int nearest(const std::vector<Eigen::Vector3f>& points_m, const Eigen::Vector3f&
   return best;
 }
 
-/// The nearest point, of those that `wanted` says by their row, after and before `closest`: upwards
+/// The nearest point, of those in the row of `closest` or in others, after and before it: upwards
 /// to index `bound`, downwards to 0, in both directions while the rows are within reach.
-template <typename Wanted>
-int second_nearest(const std::vector<Eigen::Vector3f>& points_m, const std::vector<int>& rows,
-                   const Eigen::Vector3f& query_m, int closest, int bound, const Wanted& wanted) {
+int second_nearest(const RowPoints& target, const Eigen::Vector3f& query_m, int closest, int bound,
+                   bool in_same_row) {
+  const auto& [points_m, rows] = target;
   int best = kNone;
   float best_m2 = kMaxSquaredDistance_m2;
   const auto look_at = [&](int i) {
-    if (!wanted(rows[i])) return;
-    const float m2 = (points_m[i] - query_m).squaredNorm();
+    if ((target.rows[i] == target.rows[closest]) != in_same_row) return;
+    const float m2 = (target.points_m[i] - query_m).squaredNorm();
     if (m2 < best_m2) {
       best_m2 = m2;
       best = i;
@@ -59,16 +61,35 @@ int second_nearest(const std::vector<Eigen::Vector3f>& points_m, const std::vect
   return best;
 }
 
-struct LineMatch {
+/// What a feature was matched with.
+struct PublishedMatch {
   int first = kNone;
-  int second = kNone;
+  int in_other_row = kNone;
+  int in_same_row = kNone;  ///< of a plane
 };
 
-struct PlaneMatch {
-  int first = kNone;
-  int second = kNone;  ///< same row
-  int third = kNone;   ///< another row
-};
+/// bound: of second_nearest.
+PublishedMatch match_of(const RowPoints& target, const Eigen::Vector3f& query_m, int bound,
+                        bool is_plane) {
+  PublishedMatch match;
+  match.first = nearest(target, query_m);
+  if (match.first == kNone) return match;
+  match.in_other_row = second_nearest(target, query_m, match.first, bound, false);
+  if (is_plane) match.in_same_row = second_nearest(target, query_m, match.first, bound, true);
+  return match;
+}
+
+/// From the line or plane through the points; nothing where one is missing.
+std::optional<WeightedDistance> distance_from(const RowPoints& target, const PublishedMatch& match,
+                                              bool is_plane, const Eigen::Vector3d& p) {
+  if (match.in_other_row == kNone || (is_plane && match.in_same_row == kNone)) return std::nullopt;
+  const Eigen::Vector3d a = target.points_m[match.first].cast<double>();
+  const Eigen::Vector3d c = target.points_m[match.in_other_row].cast<double>();
+  if (!is_plane) return distance_from_line(p, a, c);
+  const Eigen::Vector3d b = target.points_m[match.in_same_row].cast<double>();
+  const Eigen::Vector3d normal = (b - a).cross(c - a).normalized();
+  return WeightedDistance{normal, normal.dot(p - a)};
+}
 
 }  // namespace
 
@@ -77,43 +98,37 @@ Eigen::Vector3d PublishedOdometry::at_start(const FeaturePoint& point) const {
   return pose_of(s * motion_) * point.point_m.cast<double>();
 }
 
-void PublishedOdometry::match_surfaces(const std::vector<FeaturePoint>& flat) {
-  std::vector<PlaneMatch> matches(flat.size());
+/// Edges are matched with lines, for yaw, x and y, flat points with planes, for roll, pitch and z.
+void PublishedOdometry::match(const std::vector<FeaturePoint>& features, const RowPoints& target,
+                              bool with_planes) {
+  const auto bound = static_cast<int>(features.size());
+  const int angles = with_planes ? 2 : 1;
+  const std::array<int, 3> parameters =
+      with_planes ? std::array{0, 1, 5} : std::array{2, 3, 4};  // of motion_
+  std::vector<PublishedMatch> matches(features.size());
   PublishedSteps<3> steps(kGain, kMinEigenvalue);
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     const std::array<Eigen::Matrix3d, 3> dR = rotation_derivatives(motion_);
     int used = 0;
-    for (std::size_t i = 0; i < flat.size(); ++i) {
-      const Eigen::Vector3d p = at_start(flat[i]);
-      PlaneMatch& match = matches[i];
+    for (std::size_t i = 0; i < features.size(); ++i) {
+      const Eigen::Vector3d p = at_start(features[i]);
       if (iteration % kSearchEvery == 0) {
-        const Eigen::Vector3f query_m = p.cast<float>();
-        const auto search = [&](const auto& wanted) {
-          return second_nearest(last_.surfaces_m, last_.surface_rows, query_m, match.first,
-                                static_cast<int>(flat.size()), wanted);
-        };
-        match = {nearest(last_.surfaces_m, query_m), kNone, kNone};
-        if (match.first != kNone) {
-          const int row = last_.surface_rows[match.first];
-          match.second = search([&](int other) { return other == row; });
-          match.third = search([&](int other) { return other != row; });
-        }
+        matches[i] = match_of(target, p.cast<float>(), bound, with_planes);
       }
-      if (match.second == kNone || match.third == kNone) continue;
-      const Eigen::Vector3d a = last_.surfaces_m[match.first].cast<double>();
-      const Eigen::Vector3d b = last_.surfaces_m[match.second].cast<double>();
-      const Eigen::Vector3d c = last_.surfaces_m[match.third].cast<double>();
-      const Eigen::Vector3d normal = (b - a).cross(c - a).normalized();
-      const double distance_m = normal.dot(p - a);
-      const double weight = iteration < kSearchEvery
-                                ? 1.0
-                                : 1.0 - kWeightFall * std::abs(distance_m) / std::sqrt(p.norm());
-      if (!(weight > kMinWeight) || distance_m == 0.0) continue;
-      const Eigen::Vector3d raw = flat[i].point_m.cast<double>();
-      // The Jacobian is that of the end of the sweep for every point.
-      steps.add(
-          weight * Eigen::Vector3d(normal.dot(dR[0] * raw), normal.dot(dR[1] * raw), normal.z()),
-          weight * distance_m);
+      const auto found = distance_from(target, matches[i], with_planes, p);
+      if (!found) continue;
+      const double fall = kWeightFall * std::abs(found->distance_m);
+      const double weight = iteration < kSearchEvery ? 1.0
+                            : with_planes            ? 1.0 - fall / std::sqrt(p.norm())
+                                                     : 1.0 - fall;
+      if (!(weight > kMinWeight) || found->distance_m == 0.0) continue;
+      const Eigen::Vector3d raw = features[i].point_m.cast<double>();
+      Eigen::Vector3d row;
+      for (int k = 0; k < 3; ++k) {  // the Jacobian is that of the end of the sweep for every point
+        row[k] = k < angles ? found->gradient.dot(dR[parameters[k]] * raw)
+                            : found->gradient[parameters[k] - 3];
+      }
+      steps.add(weight * row, weight * found->distance_m);
       ++used;
     }
     if (used < kMinCorrespondences) {
@@ -121,74 +136,33 @@ void PublishedOdometry::match_surfaces(const std::vector<FeaturePoint>& flat) {
       continue;
     }
     const Eigen::Vector3d step = steps.take();
-    motion_(0) += step(0);
-    motion_(1) += step(1);
-    motion_(5) += step(2);
-    if (degrees(step.head<2>().norm()) < kConverged_deg && std::abs(step(2)) < kConverged_m) break;
-  }
-}
-
-void PublishedOdometry::match_edges(const std::vector<FeaturePoint>& sharp) {
-  std::vector<LineMatch> matches(sharp.size());
-  PublishedSteps<3> steps(kGain, kMinEigenvalue);
-  for (int iteration = 0; iteration < kIterations; ++iteration) {
-    const std::array<Eigen::Matrix3d, 3> dR = rotation_derivatives(motion_);
-    int used = 0;
-    for (std::size_t i = 0; i < sharp.size(); ++i) {
-      const Eigen::Vector3d p = at_start(sharp[i]);
-      LineMatch& match = matches[i];
-      if (iteration % kSearchEvery == 0) {
-        const Eigen::Vector3f query_m = p.cast<float>();
-        match = {nearest(last_.edges_m, query_m), kNone};
-        if (match.first != kNone) {
-          const int row = last_.edge_rows[match.first];
-          match.second = second_nearest(last_.edges_m, last_.edge_rows, query_m, match.first,
-                                        static_cast<int>(sharp.size()),
-                                        [&](int other) { return other != row; });
-        }
-      }
-      if (match.second == kNone) continue;
-      const WeightedDistance line = distance_from_line(p, last_.edges_m[match.first].cast<double>(),
-                                                       last_.edges_m[match.second].cast<double>());
-      const double weight = iteration < kSearchEvery ? 1.0 : 1.0 - kWeightFall * line.distance_m;
-      if (!(weight > kMinWeight) || line.distance_m == 0.0) continue;
-      const Eigen::Vector3d raw = sharp[i].point_m.cast<double>();
-      steps.add(weight * Eigen::Vector3d(line.gradient.dot(dR[2] * raw), line.gradient.x(),
-                                         line.gradient.y()),
-                weight * line.distance_m);
-      ++used;
+    for (int k = 0; k < 3; ++k) motion_(parameters[k]) += step(k);
+    if (degrees(step.head(angles).norm()) < kConverged_deg &&
+        step.tail(3 - angles).norm() < kConverged_m) {
+      break;
     }
-    if (used < kMinCorrespondences) {
-      steps.discard();
-      continue;
-    }
-    const Eigen::Vector3d step = steps.take();
-    motion_(2) += step(0);
-    motion_(3) += step(1);
-    motion_(4) += step(2);
-    if (degrees(std::abs(step(0))) < kConverged_deg && step.tail<2>().norm() < kConverged_m) break;
   }
 }
 
 LastScan PublishedOdometry::at_end(const PublishedFeatures& features) const {
   const Pose T_end_start = pose_of(motion_).inverse();
-  LastScan last;
-  for (const FeaturePoint& point : features.less_sharp) {
-    last.edges_m.emplace_back((T_end_start * at_start(point)).cast<float>());
-    last.edge_rows.push_back(point.row);
-  }
-  for (const FeaturePoint& point : features.less_flat) {
-    last.surfaces_m.emplace_back((T_end_start * at_start(point)).cast<float>());
-    last.surface_rows.push_back(point.row);
-  }
-  return last;
+  const auto moved = [&](const std::vector<FeaturePoint>& points) {
+    RowPoints result;
+    for (const FeaturePoint& point : points) {
+      result.points_m.emplace_back((T_end_start * at_start(point)).cast<float>());
+      result.rows.push_back(point.row);
+    }
+    return result;
+  };
+  return {moved(features.less_sharp), moved(features.less_flat)};
 }
 
 void PublishedOdometry::add(const PublishedFeatures& features) {
   if (has_last_) {
-    if (last_.edges_m.size() >= kMinLastEdges && last_.surfaces_m.size() >= kMinLastSurfaces) {
-      match_surfaces(features.flat);
-      match_edges(features.sharp);
+    if (last_.edges.rows.size() >= kMinLastEdges &&
+        last_.surfaces.rows.size() >= kMinLastSurfaces) {
+      match(features.flat, last_.surfaces, true);
+      match(features.sharp, last_.edges, false);
     }
     T_odom_end_ = orthonormalized(T_odom_end_ * pose_of(motion_));
     has_motion_ = true;

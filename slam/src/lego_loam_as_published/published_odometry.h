@@ -7,13 +7,16 @@
 
 namespace hqslam::slam::as_published {
 
-/// The scan before, as the odometry matches with it: points in the sensor's frame at the end of
-/// its sweep, in the order of their rows.
+/// Points in the order of their rows.
+struct RowPoints {
+  std::vector<Eigen::Vector3f> points_m;
+  std::vector<int> rows;
+};
+
+/// The scan before, as the odometry matches with it: in the sensor's frame at the end of its sweep.
 struct LastScan {
-  std::vector<Eigen::Vector3f> edges_m;
-  std::vector<int> edge_rows;
-  std::vector<Eigen::Vector3f> surfaces_m;
-  std::vector<int> surface_rows;
+  RowPoints edges;
+  RowPoints surfaces;
 };
 
 /// LeGO-LOAM's feature association, second half: the motion over a sweep.
@@ -43,8 +46,7 @@ class PublishedOdometry {
 
  private:
   Eigen::Vector3d at_start(const FeaturePoint& point) const;
-  void match_surfaces(const std::vector<FeaturePoint>& flat);
-  void match_edges(const std::vector<FeaturePoint>& sharp);
+  void match(const std::vector<FeaturePoint>& features, const RowPoints& target, bool with_planes);
   LastScan at_end(const PublishedFeatures& features) const;
 
   double scan_period_s_;
