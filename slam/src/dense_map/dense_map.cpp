@@ -3,9 +3,7 @@
 #include <algorithm>
 
 #include "check_option.h"
-#include "dense_map/block_surroundings.h"
 #include "dense_map/mapped_scan.h"
-#include "dense_map/path_table.h"
 #include "dense_map/see_through.h"
 #include "dense_map/voxel_grid.h"
 #include "dense_map/voxel_votes.h"
@@ -114,10 +112,9 @@ DenseMap& DenseMap::operator=(DenseMap&&) noexcept = default;
 
 void DenseMap::insert(const OrganizedCloud& cloud, const std::optional<RowSelection>& measured_rows,
                       const SensorPath& path) {
-  check_mapped_scan(cloud, path);
+  const MappedScan scan(cloud, path);
   Implementation& self = *implementation_;
   ++self.scans;
-  const PathTable table(path, cloud);
   std::vector<PointVote> votes(cloud.range_m.size());
   std::vector<Eigen::Vector3d> points_m(cloud.range_m.size());
 #pragma omp parallel for schedule(static)
@@ -125,9 +122,9 @@ void DenseMap::insert(const OrganizedCloud& cloud, const std::optional<RowSelect
     const bool measured_row = !measured_rows || measured_rows->contains(row);
     for (int column = 0; column < cloud.columns; ++column) {
       const std::size_t pixel = cloud.index(row, column);
-      if (!has_return(cloud, pixel) || cloud.range_m[pixel] > self.options.max_range_m) continue;
+      if (!scan.has_return(pixel) || cloud.range_m[pixel] > self.options.max_range_m) continue;
       votes[pixel] = self.vote_of(cloud, pixel, measured_row);
-      points_m[pixel] = table.at(pixel) * cloud.points_m[pixel].cast<double>();
+      points_m[pixel] = scan.point_in_map_m(pixel);
     }
   }
   const bool bright = !cloud.intensity.empty();
@@ -139,16 +136,13 @@ void DenseMap::insert(const OrganizedCloud& cloud, const std::optional<RowSelect
 }
 
 void DenseMap::see_through(const OrganizedCloud& measured, const SensorPath& path) {
-  check_mapped_scan(measured, path);
+  const MappedScan scan(measured, path);
   Implementation& self = *implementation_;
   ++self.scans;
-  const PathTable table(path, measured);
   std::vector<Beam> beams;
   for (std::size_t pixel = 0; pixel < measured.range_m.size(); ++pixel) {
-    if (!has_return(measured, pixel)) continue;
-    const Pose& T_map_sensor = table.at(pixel);
-    const Beam beam{T_map_sensor.translation(),
-                    T_map_sensor * measured.points_m[pixel].cast<double>()};
+    if (!scan.has_return(pixel)) continue;
+    const Beam beam{scan.T_map_sensor(pixel).translation(), scan.point_in_map_m(pixel)};
     if (self.grid.voxel_of(beam.origin_m) && self.grid.voxel_of(beam.end_m)) beams.push_back(beam);
   }
   vote_against_seen_through(self.grid, beams, self.scans, self.options.max_range_m);

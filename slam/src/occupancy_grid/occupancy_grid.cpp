@@ -9,7 +9,6 @@
 #include "check_option.h"
 #include "dense_map/grid_walk.h"
 #include "dense_map/mapped_scan.h"
-#include "dense_map/path_table.h"
 #include "front_end/ground.h"
 #include "hqslam/core/error.h"
 #include "hqslam/slam/dense_map.h"
@@ -54,15 +53,14 @@ DenseMapOptions obstacle_options(const OccupancyGridOptions& options) {
 }
 
 /// The points of a scan in the map's frame; not finite where there is none, or none so near.
-std::vector<Eigen::Vector3d> points_in_map_m(const OrganizedCloud& cloud, const SensorPath& path,
+std::vector<Eigen::Vector3d> points_in_map_m(const OrganizedCloud& cloud, const MappedScan& scan,
                                              double max_range_m) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  const PathTable table(path, cloud);
   std::vector<Eigen::Vector3d> points_m(cloud.range_m.size(), Eigen::Vector3d::Constant(kNone));
 #pragma omp parallel for schedule(static)
   for (std::size_t pixel = 0; pixel < points_m.size(); ++pixel) {
-    if (!has_return(cloud, pixel) || cloud.range_m[pixel] > max_range_m) continue;
-    const Eigen::Vector3d point_m = table.at(pixel) * cloud.points_m[pixel].cast<double>();
+    if (!scan.has_return(pixel) || cloud.range_m[pixel] > max_range_m) continue;
+    const Eigen::Vector3d point_m = scan.point_in_map_m(pixel);
     if (GroundHeights::is_near(point_m)) points_m[pixel] = point_m;
   }
   return points_m;
@@ -180,14 +178,14 @@ OccupancyGrid& OccupancyGrid::operator=(OccupancyGrid&&) noexcept = default;
 
 void OccupancyGrid::add_ground(const OrganizedCloud& measured, const SensorModel& sensor,
                                const SensorPath& path) {
-  check_mapped_scan(measured, path);
+  const MappedScan scan(measured, path);
   if (measured.rows != sensor.rows() || measured.columns != sensor.columns) {
     throw Error("occupancy grid: a scan of {}x{} pixels, expected the sensor's {}x{}",
                 measured.rows, measured.columns, sensor.rows(), sensor.columns);
   }
   Implementation& self = *implementation_;
   const std::vector<Eigen::Vector3d> points_m =
-      points_in_map_m(measured, path, self.options.max_range_m);
+      points_in_map_m(measured, scan, self.options.max_range_m);
   OrganizedCloud level = measured;
   const Eigen::Vector3d origin_m = path.at(0.0).translation();
   for (std::size_t pixel = 0; pixel < points_m.size(); ++pixel) {
@@ -204,11 +202,11 @@ void OccupancyGrid::add_ground(const OrganizedCloud& measured, const SensorModel
 void OccupancyGrid::insert(const OrganizedCloud& cloud,
                            const std::optional<RowSelection>& measured_rows,
                            const SensorPath& path) {
-  check_mapped_scan(cloud, path);
+  const MappedScan scan(cloud, path);
   Implementation& self = *implementation_;
   self.settle();
   const std::vector<Eigen::Vector3d> points_m =
-      points_in_map_m(cloud, path, self.options.max_range_m);
+      points_in_map_m(cloud, scan, self.options.max_range_m);
   OrganizedCloud obstacles = cloud;
   obstacles.intensity.clear();  // the map would keep them
   for (std::size_t pixel = 0; pixel < points_m.size(); ++pixel) {
@@ -225,21 +223,20 @@ void OccupancyGrid::insert(const OrganizedCloud& cloud,
 }
 
 void OccupancyGrid::see_through(const OrganizedCloud& measured, const SensorPath& path) {
-  check_mapped_scan(measured, path);
+  const MappedScan scan(measured, path);
   Implementation& self = *implementation_;
   self.settle();
   self.obstacles.see_through(measured, path);
   ++self.scans;
   const std::vector<Eigen::Vector3d> points_m =
-      points_in_map_m(measured, path, self.options.max_range_m);
+      points_in_map_m(measured, scan, self.options.max_range_m);
   self.mark_ends(points_m);
   // Farther away beams have room for a post between them.
   const double near_m = self.options.resolution_m * measured.columns / (2.0 * std::numbers::pi);
-  const PathTable table(path, measured);
 #pragma omp parallel for schedule(dynamic, 64)
   for (std::size_t pixel = 0; pixel < points_m.size(); ++pixel) {
     if (!points_m[pixel].allFinite()) continue;
-    self.mark_passed(table.at(pixel).translation(), points_m[pixel], near_m);
+    self.mark_passed(scan.T_map_sensor(pixel).translation(), points_m[pixel], near_m);
   }
 }
 

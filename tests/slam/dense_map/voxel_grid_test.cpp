@@ -7,8 +7,6 @@
 #include <random>
 #include <tuple>
 
-#include "dense_map/block_surroundings.h"
-
 using namespace hqslam::slam;
 
 TEST_CASE("a voxel holds what lies from its index to the next, below zero too") {
