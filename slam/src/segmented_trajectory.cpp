@@ -42,11 +42,10 @@ void SegmentedTrajectory::improve(std::size_t segment, const Pose& T_map_near,
   }
 }
 
-std::vector<SegmentedTrajectory::ScanCovariance> SegmentedTrajectory::corrected_covariances()
-    const {
-  std::vector<ScanCovariance> result;
+std::vector<std::pair<std::size_t, Matrix6>> SegmentedTrajectory::corrected_covariances() const {
+  std::vector<std::pair<std::size_t, Matrix6>> result;
   for (const OwnCovariance& of : covariances_) {
-    if (of.corrected) result.push_back({of.scan, *of.corrected});
+    if (of.corrected) result.emplace_back(of.scan, *of.corrected);
   }
   return result;
 }

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "alignment/motion_state.h"
@@ -32,12 +33,8 @@ class SegmentedTrajectory {
   /// Loop closing found out how a segment lies: in, at a pose T_map_near in its frame, the
   /// covariance of what was not measured before it. Before correct().
   void improve(std::size_t segment, const Pose& T_map_near, const Matrix6& unmeasured);
-  struct ScanCovariance {
-    std::size_t scan = 0;
-    Matrix6 covariance;
-  };
   /// Of scans for which another covariance holds than was reported.
-  std::vector<ScanCovariance> corrected_covariances() const;
+  std::vector<std::pair<std::size_t, Matrix6>> corrected_covariances() const;
 
   /// Moves every scan with its keyframe: in, per keyframe, T_corrected_map.
   void correct(const std::vector<Pose>& corrections);

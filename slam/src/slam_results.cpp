@@ -36,11 +36,7 @@ std::vector<std::size_t> Slam::submap_of_scan() const {
 }
 
 std::vector<std::pair<std::size_t, Matrix6>> Slam::corrected_covariances() const {
-  std::vector<std::pair<std::size_t, Matrix6>> result;
-  for (const auto& [scan, covariance] : implementation_->path.corrected_covariances()) {
-    result.emplace_back(scan, covariance);
-  }
-  return result;
+  return implementation_->path.corrected_covariances();
 }
 
 std::vector<Eigen::Vector3f> Slam::map_points_m(std::optional<std::size_t> submap,

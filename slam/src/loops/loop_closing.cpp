@@ -37,10 +37,6 @@ constexpr int kMaxMissed = 2;
 constexpr double kLoopSigma_m = 0.03;
 constexpr double kLoopSigma_rad = 0.002;
 
-bool is_within(const Pose& change, double max_m, double max_rad) {
-  return change.translation().norm() <= max_m && rotation_angle_rad(change) <= max_rad;
-}
-
 }  // namespace
 
 LoopResult LoopClosing::process(std::vector<LoopKeyframe> keyframes) {

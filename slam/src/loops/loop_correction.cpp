@@ -18,22 +18,17 @@ constexpr double kStrainPerDrift = 2.0;
 constexpr double kLeastMove_m = 0.001;
 constexpr double kLeastTurn_rad = 0.00003;
 
-bool bears(const PoseGraphEdge& edge, const std::vector<Pose>& T_map_node, double max_m,
-           double max_rad) {
-  const Pose strain = disagreement(edge, T_map_node);
-  return strain.translation().norm() <= max_m && rotation_angle_rad(strain) <= max_rad;
-}
-
 }  // namespace
 
 bool is_plausible(const PoseGraph& graph, const std::vector<double>& edge_drift_m,
                   const std::vector<Pose>& T_map_node) {
   for (std::size_t i = 0; i < graph.odometry.size(); ++i) {
     const double max_m = kMaxOdometryStrain_m + kStrainPerDrift * edge_drift_m[i];
-    if (!bears(graph.odometry[i], T_map_node, max_m, kMaxOdometryStrain_rad)) return false;
+    const Pose strain = disagreement(graph.odometry[i], T_map_node);
+    if (!is_within(strain, max_m, kMaxOdometryStrain_rad)) return false;
   }
   return std::all_of(graph.loops.begin(), graph.loops.end(), [&](const PoseGraphEdge& loop) {
-    return bears(loop, T_map_node, kMaxLoopStrain_m, kMaxLoopStrain_rad);
+    return is_within(disagreement(loop, T_map_node), kMaxLoopStrain_m, kMaxLoopStrain_rad);
   });
 }
 

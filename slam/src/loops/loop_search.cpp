@@ -23,18 +23,13 @@ Mapping map_about(const LoopSearchSpace& space, const Pose& T_map_place) {
   return {space.options, space.map.about(space.options, loop_surroundings(T_map_place))};
 }
 
-bool is_plausible(const Pose& change, const PlausibleDrift& drift) {
-  return change.translation().norm() <= drift.translation_m &&
-         rotation_angle_rad(change) <= drift.rotation_rad;
-}
-
 std::optional<FoundLoop> verified(const LoopSearchSpace& space, std::size_t node,
                                   const Mapping& local, const Pose& T_map_last_start) {
   const VerifiedLoop loop = verify_loop(space.features, local, T_map_last_start);
   const Pose change = space.graph.T_map_node.back().inverse() * loop.T_map_sensor;
-  if (loop.verdict != LoopVerdict::kAccepted || !is_plausible(change, space.drift[node])) {
-    return std::nullopt;
-  }
+  const PlausibleDrift& drift = space.drift[node];
+  const bool is_plausible = is_within(change, drift.translation_m, drift.rotation_rad);
+  if (loop.verdict != LoopVerdict::kAccepted || !is_plausible) return std::nullopt;
   return FoundLoop{node, loop.T_map_sensor, loop.fit.overlap};
 }
 

@@ -135,6 +135,10 @@ Pose disagreement(const PoseGraphEdge& edge, const std::vector<Pose>& T_map_node
   return edge.T_from_to.inverse() * (T_map_node[edge.from].inverse() * T_map_node[edge.to]);
 }
 
+bool is_within(const Pose& motion, double max_m, double max_rad) {
+  return motion.translation().norm() <= max_m && rotation_angle_rad(motion) <= max_rad;
+}
+
 std::vector<Pose> optimized(const PoseGraph& graph) {
   std::vector<NodeParameters> nodes;
   nodes.reserve(graph.T_map_node.size());

@@ -27,6 +27,9 @@ struct PoseGraph {
 /// By how much two poses disagree with an edge: E = T_from_to^-1 (T_map_from^-1 T_map_to).
 Pose disagreement(const PoseGraphEdge& edge, const std::vector<Pose>& T_map_node);
 
+/// Whether a motion is no longer, and turns no farther.
+bool is_within(const Pose& motion, double max_m, double max_rad);
+
 /// The poses that agree best with all edges; empty if no solution was found.
 ///
 ///   minimise  sum over odometry |r|^2 + sum over loops rho(|r|^2),
