@@ -24,11 +24,14 @@ Pose street_pose(double x_m, double y_m = 0.0, double yaw_rad = 0.0) {
 slam::SavedMap driven(const test::Village& village) {
   slam::Slam slam(test::street_sensor());
   for (int i = 0; i <= 80; ++i) {
-    slam.process(village.scan(test::street_sensor(), street_pose(test::kStreetStep_m * i)),
-                 0.1 * i);
+    slam.process(village.scan(street_pose(test::kStreetStep_m * i)), 0.1 * i);
   }
   slam.finish();
   return slam.saved_map();
+}
+
+slam::Slam located_in(const slam::SavedMap& map, const std::optional<Pose>& T_map_start = {}) {
+  return slam::Slam(test::street_sensor(), slam::SlamOptions(), map, T_map_start);
 }
 
 /// Where a scan of the street is in that map: its first scan is the origin.
@@ -47,12 +50,11 @@ TEST_CASE(
   CHECK(map.places.size() >= 18);
   for (const double yaw_rad : {0.3, std::numbers::pi}) {
     CAPTURE(yaw_rad);
-    slam::Slam slam(test::street_sensor(), slam::SlamOptions(), map);
+    slam::Slam slam = located_in(map);
     const std::size_t points = slam.map_points_m().size();
     for (int i = 0; i < 10; ++i) {
       const Pose T_street_sensor = street_pose(43.0, 1.0 - 0.2 * i, yaw_rad);
-      const auto report =
-          slam.process(village.scan(test::street_sensor(), T_street_sensor), 0.1 * i);
+      const auto report = slam.process(village.scan(T_street_sensor), 0.1 * i);
       CAPTURE(i);
       CHECK(report.mapping_status == Status::kOk);
       CHECK(error_m(report.T_map_sensor, T_street_sensor) < 0.05);
@@ -67,16 +69,14 @@ TEST_CASE(
 
 TEST_CASE("a place that the map does not know is not recognized, until one is that it knows") {
   const slam::SavedMap map = driven(test::street(31));
-  slam::Slam slam(test::street_sensor(), slam::SlamOptions(), map);
+  slam::Slam slam = located_in(map);
   for (int i = 0; i < 5; ++i) {
-    const auto report =
-        slam.process(test::street(77).scan(test::street_sensor(), street_pose(30.0 + i)), 0.1 * i);
+    const auto report = slam.process(test::street(77).scan(street_pose(30.0 + i)), 0.1 * i);
     CHECK(report.mapping_status == Status::kNotRecognized);
     CHECK_FALSE(is_registered(report.mapping_status));
     CHECK(std::isinf(report.covariance(0, 0)));
   }
-  const auto report =
-      slam.process(test::street(31).scan(test::street_sensor(), street_pose(30.0)), 0.5);
+  const auto report = slam.process(test::street(31).scan(street_pose(30.0)), 0.5);
   CHECK(report.mapping_status != Status::kNotRecognized);
   CHECK(error_m(report.T_map_sensor, street_pose(30.0)) < 0.05);
   const double sigma_m = std::sqrt(report.covariance(0, 0));
@@ -86,8 +86,8 @@ TEST_CASE("a place that the map does not know is not recognized, until one is th
 
 TEST_CASE("a sensor that is covered at first, or later, is recognized when it sees again") {
   const test::Village village = test::street(31);
-  slam::Slam slam(test::street_sensor(), slam::SlamOptions(), driven(village));
-  OrganizedCloud nothing = village.scan(test::street_sensor(), street_pose(30.0));
+  slam::Slam slam = located_in(driven(village));
+  OrganizedCloud nothing = village.scan(street_pose(30.0));
   std::fill(nothing.range_m.begin(), nothing.range_m.end(), 0.0F);
   int scan = 0;
   Pose T_odom_covered = Pose::Identity();
@@ -100,8 +100,7 @@ TEST_CASE("a sensor that is covered at first, or later, is recognized when it se
     CHECK(last.T_odom_sensor.isApprox(T_odom_covered));
     for (int i = 0; i < 5; ++i) {
       const Pose T_street_sensor = street_pose(30.0 + covered + 0.2 * i);
-      const auto report =
-          slam.process(village.scan(test::street_sensor(), T_street_sensor), 0.1 * scan++);
+      const auto report = slam.process(village.scan(T_street_sensor), 0.1 * scan++);
       CAPTURE(i);
       CHECK(is_registered(report.mapping_status));
       CHECK(error_m(report.T_map_sensor, T_street_sensor) < 0.1);
@@ -112,15 +111,12 @@ TEST_CASE("a sensor that is covered at first, or later, is recognized when it se
 }
 
 TEST_CASE("of two halves that are alike the start that is given tells which it is") {
-  test::Village village;
-  village.add_street(-20.0, 0.0, 60.0, 31);
-  village.add_street(40.0, 0.0, 60.0, 31);
+  const test::Village village = test::street_of_two_equal_halves();
   const slam::SavedMap map = driven(village);
   const Pose truth = street_pose(68.0, 0.5, 0.1);
-  const OrganizedCloud scan = village.scan(test::street_sensor(), truth);
-  slam::Slam anywhere(test::street_sensor(), slam::SlamOptions(), map);
-  slam::Slam about(test::street_sensor(), slam::SlamOptions(), map,
-                   in_map(street_pose(64.0, 0.0, 0.3)));
+  const OrganizedCloud scan = village.scan(truth);
+  slam::Slam anywhere = located_in(map);
+  slam::Slam about = located_in(map, in_map(street_pose(64.0, 0.0, 0.3)));
   CHECK(anywhere.process(scan, 0.0).mapping_status == Status::kNotRecognized);
   const auto report = about.process(scan, 0.0);
   CHECK(report.mapping_status == Status::kOk);
@@ -129,11 +125,11 @@ TEST_CASE("of two halves that are alike the start that is given tells which it i
 
 TEST_CASE("a sensor that is carried along the street is found there after a few scans") {
   const test::Village village = test::street(31);
-  slam::Slam slam(test::street_sensor(), slam::SlamOptions(), driven(village));
+  slam::Slam slam = located_in(driven(village));
   int located = 0;
   for (int i = 0; i < 20; ++i) {
     const Pose T_street_sensor = street_pose(i < 8 ? 20.0 : 65.0, 0.0, i < 8 ? 0.0 : 2.0);
-    const auto report = slam.process(village.scan(test::street_sensor(), T_street_sensor), 0.1 * i);
+    const auto report = slam.process(village.scan(T_street_sensor), 0.1 * i);
     if (!is_registered(report.mapping_status)) continue;
     ++located;
     CHECK(error_m(report.T_map_sensor, T_street_sensor) < 0.05);
@@ -151,8 +147,7 @@ TEST_CASE("a sensor that spins fast is located in a given map as one that stands
     const double turned_rad = 0.75 * time_s * std::abs(time_s);
     return Pose(T_yard_start * Eigen::AngleAxisd(turned_rad, Eigen::Vector3d::UnitZ()));
   };
-  slam::Slam slam(test::street_sensor(), slam::SlamOptions(), mapped.saved_map(),
-                  T_map_yard * T_yard_start);
+  slam::Slam slam = located_in(mapped.saved_map(), T_map_yard * T_yard_start);
   for (int i = 0; i < 40; ++i) {
     const auto report = slam.process(
         test::Yard().rolling_scan(test::street_sensor(),
@@ -174,8 +169,7 @@ TEST_CASE("a map is extended by a drive that comes by it, which a third is locat
   for (double x_m = 115.0; x_m > 5.0;
        x_m -= test::kStreetStep_m) {  // the other way, from beyond its end
     const Pose T_street_sensor = street_pose(x_m, 1.0, std::numbers::pi);
-    const auto report =
-        slam.process(village.scan(test::street_sensor(), T_street_sensor), 0.1 * scan++);
+    const auto report = slam.process(village.scan(T_street_sensor), 0.1 * scan++);
     if (x_m > 100.0) CHECK(std::isinf(report.covariance(0, 0)));
     if (x_m < 10.0) {
       CHECK(error_m(report.T_map_sensor, T_street_sensor) < 0.1);
@@ -196,8 +190,8 @@ TEST_CASE("a map is extended by a drive that comes by it, which a third is locat
   for (double x_m = 10.0; x_m < 110.0; x_m += 5.0) {
     CAPTURE(x_m);
     const Pose T_street_sensor = street_pose(x_m, 0.5);
-    slam::Slam third(test::street_sensor(), slam::SlamOptions(), extended);
-    const auto report = third.process(village.scan(test::street_sensor(), T_street_sensor), 0.0);
+    slam::Slam third = located_in(extended);
+    const auto report = third.process(village.scan(T_street_sensor), 0.0);
     if (!is_registered(report.mapping_status)) continue;
     ++recognized;
     CHECK(error_m(report.T_map_sensor, T_street_sensor) < 0.1);
@@ -209,8 +203,7 @@ TEST_CASE("a map is not extended by a drive elsewhere") {
   const slam::SavedMap map = driven(test::street(31));
   slam::Slam slam = slam::Slam::extending(test::street_sensor(), slam::SlamOptions(), map);
   for (int i = 0; i < 60; ++i) {
-    slam.process(test::street(77).scan(test::street_sensor(), street_pose(test::kStreetStep_m * i)),
-                 0.1 * i);
+    slam.process(test::street(77).scan(street_pose(test::kStreetStep_m * i)), 0.1 * i);
   }
   slam.finish();
   CHECK(slam.submap_of_scan().back() == 1);
@@ -223,12 +216,11 @@ TEST_CASE("a map is not extended by a drive elsewhere") {
 
 TEST_CASE("a map that cannot be located in is refused, and one that has no places is not saved") {
   const slam::SavedMap empty;
-  CHECK_THROWS_WITH_AS(slam::Slam(test::street_sensor(), slam::SlamOptions(), empty),
-                       doctest::Contains("no place"), Error);
+  CHECK_THROWS_WITH_AS(located_in(empty), doctest::Contains("no place"), Error);
   slam::SlamOptions open;
   open.loop_closing.enabled = false;
   CHECK_THROWS_WITH_AS(slam::Slam(test::street_sensor(), open).saved_map(),
                        doctest::Contains("loop closing"), Error);
-  const slam::Slam given(test::street_sensor(), slam::SlamOptions(), driven(test::street(31)));
+  const slam::Slam given = located_in(driven(test::street(31)));
   CHECK_THROWS_WITH_AS(given.saved_map(), doctest::Contains("given map"), Error);
 }

@@ -1,6 +1,8 @@
 #include <doctest/doctest.h>
 
 #include <limits>
+#include <string>
+#include <utility>
 
 #include "error_message.h"
 #include "hqslam/core/error.h"
@@ -12,44 +14,27 @@ using slam::Status;
 using test::drive_scan;
 using test::worst_error_m;
 
-namespace {
-
-/// The drive around the yard with stamps of another clock: its worst error, and how often the map
-/// did not tell the pose.
-struct ClockedDrive {
-  double worst_error_m = 0.0;
-  int not_ok = 0;
-};
-
-template <typename StampOf>
-ClockedDrive drive_with_clock(const StampOf& stamp_s) {
-  const SensorModel sensor = test::small_sensor(16, 512);
-  slam::Slam slam(sensor);
-  ClockedDrive result;
-  for (int i = 0; i < 30; ++i) {
-    const auto report = slam.process(drive_scan(sensor, i), stamp_s(i));
-    CHECK(report.stamp_s == stamp_s(i));
-    result.not_ok += report.mapping_status != Status::kOk;
-  }
-  result.worst_error_m = worst_error_m(slam.trajectory());
-  return result;
-}
-}  // namespace
-
 TEST_CASE("a drive is tracked to centimetres whatever the clock does") {
-  const ClockedDrive equal_or_falling = drive_with_clock([](int i) { return i < 15 ? 1.0 : 0.5; });
-  CHECK(equal_or_falling.worst_error_m < 0.15);
-  CHECK(equal_or_falling.not_ok <= 4);
-  // Every fifth scan is stamped right after the one before.
-  const ClockedDrive late = drive_with_clock(
-      [](int i) { return test::kDrivePeriod_s * i - (i % 5 == 4 ? 0.0999 : 0.0); });
-  CHECK(late.worst_error_m < 0.15);
-  CHECK(late.not_ok <= 4);
-  // From the time since the start to that of day, and back.
-  const ClockedDrive set_twice = drive_with_clock(
-      [](int i) { return test::kDrivePeriod_s * i + (i >= 10 && i < 20 ? 1.7e9 : 0.0); });
-  CHECK(set_twice.worst_error_m < 0.15);
-  CHECK(set_twice.not_ok <= 4);
+  const std::pair<const char*, double (*)(int scan)> clocks[] = {
+      {"equal or falling", [](int i) { return i < 15 ? 1.0 : 0.5; }},
+      {"every fifth scan right after the one before",
+       [](int i) { return test::kDrivePeriod_s * i - (i % 5 == 4 ? 0.0999 : 0.0); }},
+      {"from the time since the start to that of day, and back",
+       [](int i) { return test::kDrivePeriod_s * i + (i >= 10 && i < 20 ? 1.7e9 : 0.0); }}};
+  const SensorModel sensor = test::small_sensor(16, 512);
+  for (const auto& [clock, stamp_s] : clocks) {
+    const std::string of_clock = clock;
+    CAPTURE(of_clock);
+    slam::Slam slam(sensor);
+    int not_ok = 0;
+    for (int i = 0; i < 30; ++i) {
+      const auto report = slam.process(drive_scan(sensor, i), stamp_s(i));
+      CHECK(report.stamp_s == stamp_s(i));
+      not_ok += report.mapping_status != Status::kOk;
+    }
+    CHECK(worst_error_m(slam.trajectory()) < 0.15);
+    CHECK(not_ok <= 4);
+  }
 }
 
 TEST_CASE("a stamp that is no time in seconds is refused, and nothing has changed") {
@@ -132,8 +117,8 @@ TEST_CASE("capture times that are no offsets from the middle of the scan in seco
   };
   const auto period_s = static_cast<float>(sensor.scan_period_s);
   const auto refused = [&](const OrganizedCloud& cloud) {
-    return test::one_line_with(test::error_message([&] { slam.process(cloud, 0.0); }),
-                               "capture times", "middle of the scan");
+    return test::refused_with([&] { slam.process(cloud, 0.0); }, "capture times",
+                              "middle of the scan");
   };
   CHECK(refused(changed(1.0F, period_s / 2.0F)));   // from its beginning
   CHECK(refused(changed(1.0F, -period_s / 2.0F)));  // from its end
@@ -149,8 +134,7 @@ TEST_CASE("capture times that are no offsets from the middle of the scan in seco
   }
   CHECK_NOTHROW(slam.process(half, 0.2));
   const OrganizedCloud timeless = changed(std::numeric_limits<float>::quiet_NaN(), 0.0F);
-  CHECK(test::one_line_with(test::error_message([&] { slam.process(timeless, 0.3); }),
-                            "capture times", "finite"));
+  CHECK(test::refused_with([&] { slam.process(timeless, 0.3); }, "capture times", "finite"));
   // Of pixels without a return the times mean nothing.
   OrganizedCloud cloud = sound;
   cloud.range_m[5] = 0.0F;

@@ -261,11 +261,8 @@ TEST_CASE("a steady drive with roll and pitch is tracked from its first scan on"
 }
 
 TEST_CASE("a fast sensor that was covered and stands elsewhere then is followed there at once") {
-  test::Village street;
-  street.add_street(-40.0, 0.0, 240.0, 31);
-  test::Village elsewhere;
-  elsewhere.add_street(-60.0, 0.0, 120.0, 32);
-  const SensorModel sensor = test::small_sensor(16, 360);
+  const test::Village street = test::street(31, -40.0, 240.0);
+  const SensorModel sensor = test::street_sensor();
   slam::Slam slam(sensor);
   int scans = 0;
   const auto process = [&](const OrganizedCloud& cloud) {
@@ -275,12 +272,12 @@ TEST_CASE("a fast sensor that was covered and stands elsewhere then is followed 
   double x_m = 0.0;
   for (int i = 0; i < 20; ++i) {
     x_m += std::min(0.5 * i, 8.0);
-    process(street.scan(sensor, test::yard_pose(x_m, 0.0, 0.0)));
+    process(street.scan(test::yard_pose(x_m, 0.0, 0.0)));
   }
   CHECK(slam.trajectory().back().T_map_sensor.translation().x() ==
         doctest::Approx(x_m).epsilon(0.01));
   for (int i = 0; i < 20; ++i) process(OrganizedCloud(sensor.rows(), sensor.columns));
-  const OrganizedCloud there = elsewhere.scan(sensor, test::yard_pose(0.0, 0.0, 1.0));
+  const OrganizedCloud there = test::street(32, -60.0, 120.0).scan(test::yard_pose(0.0, 0.0, 1.0));
   const Pose T_map_there = process(there).T_map_sensor;
   for (int i = 0; i < 5; ++i) {
     const slam::ScanReport report = process(there);

@@ -11,6 +11,7 @@
 
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/slam.h"
+#include "slam/loops/worst_error.h"
 #include "slam/village.h"
 #include "slam/yard_drive.h"
 
@@ -23,22 +24,11 @@ struct Driven {
   std::vector<Pose> T_street_sensor;
   std::vector<slam::ScanReport> reports;
   std::vector<slam::LoopReport> last_reports;
-  Trajectory trajectory;
+  std::vector<Pose> T_map_sensor;
   std::vector<std::size_t> submap_of_scan;
   std::vector<std::size_t> segment_of_scan;
   std::size_t map_points = 0;
   std::array<std::size_t, 2> map_points_of_submap{};
-
-  /// Farthest from where it belongs, scans from `first` on.
-  double worst_error_m(std::size_t first) const {
-    double worst_m = 0.0;
-    for (std::size_t i = first; i < trajectory.size(); ++i) {
-      const Pose truth = T_street_sensor.front().inverse() * T_street_sensor[i];
-      worst_m = std::max(worst_m,
-                         (trajectory[i].T_map_sensor.translation() - truth.translation()).norm());
-    }
-    return worst_m;
-  }
 };
 
 /// Steps of a metre along the street from x_m on, up or down.
@@ -54,18 +44,17 @@ std::vector<Pose> steps(double x_m, double y_m, int count, bool up) {
 /// Drives through one village, and is then carried to where the second way begins.
 Driven drive(const test::Village& village, const std::vector<Pose>& way,
              const test::Village& other_village, const std::vector<Pose>& other_way) {
-  const SensorModel sensor = test::small_sensor(16, 360);
-  slam::Slam slam(sensor);
+  slam::Slam slam(test::street_sensor());
   Driven driven;
   const auto process = [&](const test::Village& where, const Pose& T_street_sensor) {
     driven.T_street_sensor.push_back(T_street_sensor);
-    driven.reports.push_back(slam.process(where.scan(sensor, T_street_sensor),
+    driven.reports.push_back(slam.process(where.scan(T_street_sensor),
                                           0.1 * static_cast<double>(driven.reports.size())));
   };
   for (const Pose& T_street_sensor : way) process(village, T_street_sensor);
   for (const Pose& T_street_sensor : other_way) process(other_village, T_street_sensor);
   driven.last_reports = slam.finish();
-  driven.trajectory = slam.trajectory();
+  driven.T_map_sensor = test::poses_of(slam.trajectory());
   driven.submap_of_scan = slam.submap_of_scan();
   driven.segment_of_scan = slam.segment_of_scan();
   driven.map_points = slam.map_points_m().size();
@@ -89,7 +78,7 @@ TEST_CASE("who is carried to a place passed before, either way, is joined with t
     CHECK(driven.segment_of_scan[79] == 0);
     CHECK(driven.segment_of_scan.back() == 1);
     // The first scans after it was carried were not located: nothing is known about them.
-    CHECK(driven.worst_error_m(90) < 0.15);
+    CHECK(test::worst_error_m(driven.T_map_sensor, driven.T_street_sensor, 90) < 0.15);
     CHECK(std::count_if(driven.reports.begin(), driven.reports.end(),
                         [](const slam::ScanReport& report) {
                           return report.loop.status == slam::LoopStatus::kClosed;
@@ -104,7 +93,7 @@ TEST_CASE("who is carried to a place passed before, either way, is joined with t
 
 TEST_CASE(
     "whenever the map is asked for all of it is there, also when the sensor was just carried") {
-  const SensorModel sensor = test::small_sensor(16, 360);
+  const SensorModel sensor = test::street_sensor();
   slam::SlamOptions options;
   options.mapping.recent_path_m = 20.0;
   slam::Slam slam(sensor, options);
@@ -113,7 +102,7 @@ TEST_CASE(
   for (const unsigned seed : {31U, 77U}) {
     const test::Village village = test::street(seed);
     for (const Pose& T_street_sensor : steps(0.0, 0.0, 40, true)) {
-      slam.process(village.scan(sensor, T_street_sensor), 0.1 * scan);
+      slam.process(village.scan(T_street_sensor), 0.1 * scan);
       const std::size_t points = slam.map_points_m().size();
       CAPTURE(scan++);
       CHECK(points > 0.99 * static_cast<double>(before));
@@ -154,15 +143,14 @@ TEST_CASE("who is carried to a place never passed is followed there, in a part o
                               steps(0.0, 0.0, 50, true));
   CHECK(driven.submap_of_scan[79] == 0);
   CHECK(driven.submap_of_scan.back() == 1);
-  const Pose step =
-      driven.trajectory[100].T_map_sensor.inverse() * driven.trajectory[129].T_map_sensor;
+  const Pose step = driven.T_map_sensor[100].inverse() * driven.T_map_sensor[129];
   CHECK(step.translation().norm() == doctest::Approx(29.0).epsilon(0.01));
   CHECK(driven.reports.back().mapping_status == Status::kOk);
 }
 
 TEST_CASE(
     "who stood, was covered and stands elsewhere then is in a part of its own from there on") {
-  const SensorModel sensor = test::small_sensor(16, 360);
+  const SensorModel sensor = test::street_sensor();
   slam::Slam slam(sensor);
   int scans = 0;
   const auto process = [&](const OrganizedCloud& cloud) {
@@ -170,9 +158,9 @@ TEST_CASE(
   };
   const test::Village village = test::street(31);
   for (const Pose& T_street_sensor : steps(0.0, 0.0, 10, true)) {
-    process(village.scan(sensor, T_street_sensor));
+    process(village.scan(T_street_sensor));
   }
-  const OrganizedCloud standing = village.scan(sensor, test::yard_pose(9.0, 0.0, 0.0));
+  const OrganizedCloud standing = village.scan(test::yard_pose(9.0, 0.0, 0.0));
   for (int i = 0; i < 10; ++i) process(standing);
   for (int i = 0; i < 20; ++i) process(OrganizedCloud(sensor.rows(), sensor.columns));
   const std::size_t points_before = slam.map_points_m().size();
@@ -214,7 +202,7 @@ TEST_CASE("a map that went on before a scan was located in it loses nothing when
 }
 
 TEST_CASE("a covariance keeps what was not measured, until a loop takes it away") {
-  const SensorModel sensor = test::small_sensor(16, 360);
+  const SensorModel sensor = test::street_sensor();
   const test::Village village = test::street(31);
   for (const bool blind : {true, false}) {
     CAPTURE(blind);
@@ -225,13 +213,13 @@ TEST_CASE("a covariance keeps what was not measured, until a loop takes it away"
       T_street_sensor.push_back(pose);
       reports.push_back(slam.process(cloud, 0.1 * static_cast<double>(reports.size())));
     };
-    for (const Pose& pose : steps(0.0, 0.0, 80, true)) process(village.scan(sensor, pose), pose);
+    for (const Pose& pose : steps(0.0, 0.0, 80, true)) process(village.scan(pose), pose);
     // Back to a place passed before, blind for three seconds or from one scan to the next.
     for (int i = 0; blind && i < 30; ++i) {
       process(OrganizedCloud(sensor.rows(), sensor.columns), T_street_sensor.back());
     }
     const std::size_t seen_again = reports.size();
-    for (const Pose& pose : steps(15.0, 1.0, 50, true)) process(village.scan(sensor, pose), pose);
+    for (const Pose& pose : steps(15.0, 1.0, 50, true)) process(village.scan(pose), pose);
     slam.finish();
     CHECK(slam.submap_of_scan().back() == 0);
     const auto sigma_m = [](const Eigen::Matrix<double, 6, 6>& covariance) {

@@ -17,6 +17,10 @@
 
 namespace hqslam::test {
 
+/// Few columns, for speed: what streets are driven with, and how.
+inline SensorModel street_sensor() { return small_sensor(16, 360); }
+inline constexpr double kStreetStep_m = 1.0;
+
 /// Flat ground with upright boxes: houses, walls, posts, as many and as irregular as are wanted.
 struct Village {
   struct Box {
@@ -61,6 +65,9 @@ struct Village {
     boxes.push_back({{low_m.x(), low_m.y(), 0.0}, {high_m.x(), high_m.y(), height_m}});
   }
 
+  OrganizedCloud scan(const Pose& T_village_sensor) const {
+    return scan(street_sensor(), T_village_sensor);
+  }
   /// What a sensor that stands still sees, up to 60 m.
   OrganizedCloud scan(const SensorModel& sensor, const Pose& T_village_sensor) const {
     constexpr double kReach_m = 60.0;
@@ -105,9 +112,14 @@ inline Village street(unsigned seed, double begin_m = -40.0, double length_m = 1
   village.add_street(begin_m, 0.0, length_m, seed);
   return village;
 }
-/// How it is driven, and with what: few columns, for speed.
-inline constexpr double kStreetStep_m = 1.0;
-inline SensorModel street_sensor() { return small_sensor(16, 360); }
+
+/// The same houses from x = -20 to 40 m and from 40 to 100 m.
+inline Village street_of_two_equal_halves() {
+  Village village;
+  village.add_street(-20.0, 0.0, 60.0, 31);
+  village.add_street(40.0, 0.0, 60.0, 31);
+  return village;
+}
 
 /// A village and a way through it.
 struct Circuit {
@@ -154,13 +166,30 @@ inline Circuit circuit() {
   return result;
 }
 
-/// The features of a scan as mapping takes them.
+/// How far the end of a path around a circuit is from where it was passed first, beyond what is
+/// true.
+inline double closing_error_m(const std::vector<Pose>& estimate, const std::vector<Pose>& truth) {
+  const std::size_t last = truth.size() - 1;
+  const auto distance_m = [&](const Pose& pose) {
+    return (pose.translation() - truth[last].translation()).norm();
+  };
+  const auto middle = truth.begin() + static_cast<std::ptrdiff_t>(last / 2);
+  const auto nearest = std::min_element(truth.begin(), middle, [&](const Pose& a, const Pose& b) {
+    return distance_m(a) < distance_m(b);
+  });
+  const auto first = static_cast<std::size_t>(nearest - truth.begin());
+  const Pose T_true = truth[first].inverse() * truth[last];
+  const Pose T_estimated = estimate[first].inverse() * estimate[last];
+  return (T_estimated.translation() - T_true.translation()).norm();
+}
+
+/// What the front end finds in a scan, and the same as mapping takes it.
+inline slam::Features scan_features(const OrganizedCloud& cloud, const SensorModel& sensor) {
+  slam::Segmenter segmenter(sensor, {}, {});
+  return slam::extract_features(cloud, segmenter.segment(cloud), {}, sensor.measured_rows);
+}
 inline slam::MapFeatures features_of(const OrganizedCloud& cloud, const SensorModel& sensor) {
-  const slam::SlamOptions options;
-  slam::Segmenter segmenter(sensor, options.ground, options.segmentation);
-  return slam::map_features(slam::extract_features(cloud, segmenter.segment(cloud),
-                                                   options.features, sensor.measured_rows),
-                            options.mapping);
+  return slam::map_features(scan_features(cloud, sensor), {});
 }
 
 }  // namespace hqslam::test

@@ -22,9 +22,22 @@ MotionState known_to(double sigma) {
 
 slam::Drift sixteen_rows() { return slam::Drift(sensor_preset("os1-16")); }
 
-const Pose kHere = Pose::Identity();
+const MotionState kExact = known_to(0.0);
+
+/// Of the pose of a scan with this state.
+Matrix6 covariance_of(const slam::Drift& drift, const MotionState& state,
+                      const Pose& motion = Pose::Identity()) {
+  return drift.covariance(motion, drift.against_map(state));
+}
 
 Pose ahead(double x_m) { return pose_from_xyz_rpy({x_m, 0, 0}, 0, 0, 0); }
+
+/// One whose heading nothing measured since, to 0.1 rad.
+slam::Drift with_heading_lost() {
+  slam::Drift drift = sixteen_rows();
+  drift.lose(0.1 * 0.1 * Vector6::Unit(5).asDiagonal().toDenseMatrix(), false);
+  return drift;
+}
 
 }  // namespace
 
@@ -34,21 +47,19 @@ TEST_CASE("drift grows with the path, not with the number of scans") {
   const MotionState state = known_to(0.01);
   in_one_step.grow(ahead(1e-6), state);
   in_ten.grow(ahead(1e-6), state);
-  const Matrix6 start = in_one_step.covariance(kHere, in_one_step.against_map(state));
+  const Matrix6 start = covariance_of(in_one_step, state);
   // Steps so small that the lever of a turn is none.
   in_one_step.grow(ahead(0.01), state);
   for (int i = 0; i < 10; ++i) in_ten.grow(ahead(0.001), state);
-  const double grown =
-      in_one_step.covariance(kHere, in_one_step.against_map(state))(2, 2) - start(2, 2);
+  const double grown = covariance_of(in_one_step, state)(2, 2) - start(2, 2);
   CHECK(grown > 0.0);
-  CHECK(in_ten.covariance(kHere, in_ten.against_map(state))(2, 2) - start(2, 2) ==
-        doctest::Approx(grown).epsilon(1e-3));
+  CHECK(covariance_of(in_ten, state)(2, 2) - start(2, 2) == doctest::Approx(grown).epsilon(1e-3));
 }
 
 TEST_CASE("a scan against the map: each axis by its factor, whatever the rows") {
   for (const char* preset : {"os1-16", "os1-64"}) {
     const slam::Drift drift(sensor_preset(preset));
-    const Matrix6 usual = drift.covariance(kHere, drift.against_map(known_to(0.005))) / 25e-6;
+    const Matrix6 usual = covariance_of(drift, known_to(0.005)) / 25e-6;
     CHECK(usual(0, 0) == doctest::Approx(23.0));
     CHECK(usual(1, 1) == doctest::Approx(23.0));
     CHECK(usual(2, 2) == doctest::Approx(1.35));
@@ -61,8 +72,7 @@ TEST_CASE("a scan against the map: each axis by its factor, whatever the rows") 
 TEST_CASE("where little is seen of what stands x, y and yaw are less certain than they say") {
   const slam::Drift drift = sixteen_rows();
   const auto of_stated = [&](double sigma_m, int axis) {
-    return drift.covariance(kHere, drift.against_map(known_to(sigma_m)))(axis, axis) /
-           (sigma_m * sigma_m);
+    return covariance_of(drift, known_to(sigma_m))(axis, axis) / (sigma_m * sigma_m);
   };
   for (const int axis : {0, 1, 5}) {
     CAPTURE(axis);
@@ -79,11 +89,11 @@ TEST_CASE("where little is seen of what stands x, y and yaw are less certain tha
 TEST_CASE("a sensor that is shaken is less certain along and about the axes that it is shaken on") {
   slam::Drift drift = sixteen_rows();  // 0.1 s a scan
   const MotionState state = known_to(0.005);
-  const Matrix6 still = drift.covariance(kHere, drift.against_map(state));
+  const Matrix6 still = covariance_of(drift, state);
   Twist velocity;
   velocity.linear.x() = 8.0;
   drift.learn(velocity);  // a drive that begins is no jolt
-  CHECK(drift.covariance(kHere, drift.against_map(state)) == still);
+  CHECK(covariance_of(drift, state) == still);
   for (int i = 0; i < 500; ++i) {
     velocity.linear.z() = i % 2 == 0 ? 0.1 : -0.1;
     velocity.angular.y() = i % 2 == 0 ? 0.5 : -0.5;
@@ -92,34 +102,31 @@ TEST_CASE("a sensor that is shaken is less certain along and about the axes that
   Matrix6 shaken = still;
   shaken(2, 2) += 0.3 * std::pow(0.1 * 0.2, 2);
   shaken(4, 4) += 0.0097 * std::pow(0.1 * 1.0, 2);
-  CHECK(drift.covariance(kHere, drift.against_map(state)).isApprox(shaken, 1e-6));
+  CHECK(covariance_of(drift, state).isApprox(shaken, 1e-6));
   for (int i = 0; i < 500; ++i) drift.learn(velocity);
-  CHECK(drift.covariance(kHere, drift.against_map(state)).isApprox(still, 1e-6));
+  CHECK(covariance_of(drift, state).isApprox(still, 1e-6));
 }
 
 TEST_CASE("a sensor that is shaken from the first scan on is known to be from the third") {
   slam::Drift drift = sixteen_rows();
-  const MotionState exact = known_to(0.0);
   Twist velocity;
   for (const double rate_rad_per_s : {0.5, -0.5, 0.5}) {
     velocity.angular.y() = rate_rad_per_s;
     drift.learn(velocity);
   }
-  CHECK(drift.covariance(kHere, drift.against_map(exact))(4, 4) ==
-        doctest::Approx(0.0097 * std::pow(0.1 * 1.0, 2)));
+  CHECK(covariance_of(drift, kExact)(4, 4) == doctest::Approx(0.0097 * std::pow(0.1 * 1.0, 2)));
 }
 
 TEST_CASE("what the first scans are off by as they are shaken stays in the map for good") {
   slam::Drift drift = sixteen_rows();
-  const MotionState exact = known_to(0.0);
   Twist velocity;
   for (int i = 0; i < 500; ++i) {
     velocity.angular.y() = i % 2 == 0 ? 0.5 : -0.5;
     drift.learn(velocity);
   }
-  for (int i = 0; i < 1000; ++i) drift.grow(ahead(0.02), exact, true);
+  for (int i = 0; i < 1000; ++i) drift.grow(ahead(0.02), kExact, true);
   for (int i = 0; i < 500; ++i) drift.learn(velocity);
-  const Matrix6 covariance = drift.covariance(kHere, drift.against_map(exact));
+  const Matrix6 covariance = covariance_of(drift, kExact);
   // Once, and 1.35 % a metre of what later ones are off by.
   CHECK(covariance(4, 4) - covariance(3, 3) ==
         doctest::Approx((1.0 + 0.0135 * 20.0) * 0.0097 * std::pow(0.1 * 1.0, 2)).epsilon(0.01));
@@ -127,10 +134,9 @@ TEST_CASE("what the first scans are off by as they are shaken stays in the map f
 
 TEST_CASE("a start tilts the map within the first metres, by the spacing of the rows") {
   slam::Drift drift = sixteen_rows();
-  const MotionState exact = known_to(0.0);
   constexpr double kPath_m = 20.0;
-  for (int i = 0; i < 1000; ++i) drift.grow(ahead(kPath_m / 1000), exact, true);
-  const Matrix6 covariance = drift.covariance(kHere, drift.against_map(exact));
+  for (int i = 0; i < 1000; ++i) drift.grow(ahead(kPath_m / 1000), kExact, true);
+  const Matrix6 covariance = covariance_of(drift, kExact);
   const double tilt_rad = 0.019 * 0.0368;
   const double lean_rad2_per_m = std::pow(1.2e-4, 2);  // what gravity leaves of beams that are off
   const auto of_start = [&](int axis) {
@@ -150,9 +156,8 @@ TEST_CASE(
     "beams that are off make it lean by the root of the path, less so where gravity levels it") {
   const auto sigma_after = [](int steps_m, bool is_levelled, int at) {
     slam::Drift drift = sixteen_rows();
-    const MotionState exact = known_to(0.0);
-    for (int i = 0; i < steps_m; ++i) drift.grow(ahead(1.0), exact, is_levelled);
-    return std::sqrt(drift.covariance(kHere, drift.against_map(exact))(at, at));
+    for (int i = 0; i < steps_m; ++i) drift.grow(ahead(1.0), kExact, is_levelled);
+    return std::sqrt(covariance_of(drift, kExact)(at, at));
   };
   constexpr int kAhead = 0;
   constexpr int kPitch = 4;
@@ -163,62 +168,48 @@ TEST_CASE(
 }
 
 TEST_CASE("what is known of the last scan is carried along to this one") {
-  slam::Drift drift = sixteen_rows();
-  MotionState lost = known_to(0.0);
-  lost.covariance(5, 5) = 0.1 * 0.1;
-  drift.lose(lost.covariance.topLeftCorner<6, 6>(), false);
-  const MotionState exact = known_to(0.0);
-  CHECK(drift.covariance(ahead(20.0), drift.against_map(exact))(1, 1) == doctest::Approx(4.0));
+  slam::Drift drift = with_heading_lost();
+  CHECK(covariance_of(drift, kExact, ahead(20.0))(1, 1) == doctest::Approx(4.0));
   slam::Drift moved = drift;
   moved.move(ahead(20.0));
-  CHECK(moved.covariance(kHere, moved.against_map(exact))
-            .isApprox(drift.covariance(ahead(20.0), drift.against_map(exact))));
+  CHECK(covariance_of(moved, kExact).isApprox(covariance_of(drift, kExact, ahead(20.0))));
 }
 
 TEST_CASE("a heading that is off leads aside") {
-  slam::Drift drift = sixteen_rows();
-  MotionState lost = known_to(0.0);
-  lost.covariance(5, 5) = 0.1 * 0.1;
-  drift.lose(lost.covariance.topLeftCorner<6, 6>(), false);
-  const MotionState exact = known_to(0.0);
-  const double before_m2 = drift.covariance(kHere, drift.against_map(exact))(1, 1);
-  drift.grow(ahead(20.0), exact);
-  CHECK(drift.covariance(kHere, drift.against_map(exact))(1, 1) - before_m2 >=
-        doctest::Approx(4.0));
-  CHECK(drift.covariance(kHere, drift.against_map(exact))(5, 5) >= doctest::Approx(0.01));
+  slam::Drift drift = with_heading_lost();
+  const double before_m2 = covariance_of(drift, kExact)(1, 1);
+  drift.grow(ahead(20.0), kExact);
+  CHECK(covariance_of(drift, kExact)(1, 1) - before_m2 >= doctest::Approx(4.0));
+  CHECK(covariance_of(drift, kExact)(5, 5) >= doctest::Approx(0.01));
 }
 
 TEST_CASE("what nothing measured stays uncertain for good") {
   slam::Drift drift = sixteen_rows();
-  const MotionState exact = known_to(0.0);
-  const double before_m2 = drift.covariance(kHere, drift.against_map(exact))(0, 0);
+  const double before_m2 = covariance_of(drift, kExact)(0, 0);
   drift.lose(9.0 * Matrix6::Identity(), false);
-  for (int i = 0; i < 100; ++i) drift.grow(ahead(0.5), exact);
-  CHECK(drift.covariance(kHere, drift.against_map(exact))(0, 0) - before_m2 >=
-        doctest::Approx(9.0));
+  for (int i = 0; i < 100; ++i) drift.grow(ahead(0.5), kExact);
+  CHECK(covariance_of(drift, kExact)(0, 0) - before_m2 >= doctest::Approx(9.0));
 }
 
 TEST_CASE("a loop takes away what was not measured, but not what has come up since") {
-  const MotionState exact = known_to(0.0);
   for (const bool is_carried : {false, true}) {
     CAPTURE(is_carried);
     slam::Drift drift = sixteen_rows();
     drift.lose(9.0 * Matrix6::Identity(), is_carried);
     const slam::DriftState before = drift.state();
     for (int i = 0; i < 10; ++i) drift.grow(ahead(0.5), known_to(0.01));
-    CHECK(std::isinf(drift.covariance(kHere, drift.against_map(exact))(0, 0)) == is_carried);
+    CHECK(std::isinf(covariance_of(drift, kExact)(0, 0)) == is_carried);
     slam::Drift never_lost = sixteen_rows();
     for (int i = 0; i < 10; ++i) never_lost.grow(ahead(0.5), known_to(0.01));
     const slam::DriftState after{before.drift, 1e-4 * Matrix6::Identity(), false};
     slam::Drift found = drift;
     found.set(improved(drift.state(), {before, after}, ahead(5.0), true));
-    const double of_drift_m2 = never_lost.covariance(kHere, never_lost.against_map(exact))(0, 0);
-    CHECK(found.covariance(kHere, found.against_map(exact))(0, 0) ==
-          doctest::Approx(of_drift_m2 + 1e-4));
+    const double of_drift_m2 = covariance_of(never_lost, kExact)(0, 0);
+    CHECK(covariance_of(found, kExact)(0, 0) == doctest::Approx(of_drift_m2 + 1e-4));
     // Where the way was lost again since, nothing follows for the pose now.
     slam::Drift lost_again = drift;
     lost_again.lose(4.0 * Matrix6::Identity(), true);
     lost_again.set(improved(lost_again.state(), {before, after}, ahead(5.0), false));
-    CHECK(std::isinf(lost_again.covariance(kHere, lost_again.against_map(exact))(0, 0)));
+    CHECK(std::isinf(covariance_of(lost_again, kExact)(0, 0)));
   }
 }

@@ -57,8 +57,8 @@ TEST_CASE("a map's intensities stand before its confidences") {
 }
 
 TEST_CASE("a map that cannot be written is an error of one line") {
-  CHECK(one_line_with(error_message([] { write_dense_map(kPoints, "/nowhere/map.ply"); }),
-                      "/nowhere/map.ply", "cannot be written"));
-  CHECK(one_line_with(error_message([] { write_dense_map(kPoints, "/nowhere/map.ply", {1.0F}); }),
-                      "1 intensities for 2 points"));
+  CHECK(refused_with([] { write_dense_map(kPoints, "/nowhere/map.ply"); }, "/nowhere/map.ply",
+                     "cannot be written"));
+  CHECK(refused_with([] { write_dense_map(kPoints, "/nowhere/map.ply", {1.0F}); },
+                     "1 intensities for 2 points"));
 }

@@ -14,8 +14,7 @@
 
 using namespace hqslam;
 using namespace hqslam::slam;
-using hqslam::test::error_message;
-using hqslam::test::one_line_with;
+using hqslam::test::refused_with;
 
 namespace {
 
@@ -269,29 +268,27 @@ TEST_CASE("clouds, poses and options that cannot be are errors of one line") {
   DenseMap map({});
   OrganizedCloud cloud = test::cloud_of({{5.0F, 0.0F, 0.0F}, {6.0F, 0.0F, 0.0F}});
   cloud.confidence = {1.0F};
-  CHECK(one_line_with(error_message([&] { map.insert(cloud, std::nullopt, kOrigin); }), "1x2",
-                      "1 confidences"));
+  CHECK(refused_with([&] { map.insert(cloud, std::nullopt, kOrigin); }, "1x2", "1 confidences"));
   cloud.confidence.clear();
   cloud.intensity = {1.0F, 2.0F, 3.0F};
-  CHECK(one_line_with(error_message([&] { map.insert(cloud, std::nullopt, kOrigin); }), "1x2",
-                      "3 intensities"));
+  CHECK(refused_with([&] { map.insert(cloud, std::nullopt, kOrigin); }, "1x2", "3 intensities"));
   cloud.intensity.clear();
   cloud.range_m.pop_back();
-  CHECK(one_line_with(error_message([&] { map.see_through(cloud, kOrigin); }), "1 ranges"));
+  CHECK(refused_with([&] { map.see_through(cloud, kOrigin); }, "1 ranges"));
   Pose nowhere = Pose::Identity();
   nowhere.translation().x() = std::numeric_limits<double>::infinity();
-  CHECK(one_line_with(
-      error_message([&] {
+  CHECK(refused_with(
+      [&] {
         map.insert(test::cloud_of({{5.0F, 0.0F, 0.0F}}), std::nullopt, SensorPath(nowhere));
-      }),
+      },
       "pose", "not finite"));
   DenseMapOptions options;
   options.voxel_m = 0.0;
-  CHECK(one_line_with(error_message([&] { DenseMap{options}; }), "voxel_m", "0.02"));
+  CHECK(refused_with([&] { DenseMap{options}; }, "voxel_m", "0.02"));
   options = {};
   options.least_confidence = 1.0;
-  CHECK(one_line_with(error_message([&] { validate(options); }), "least_confidence", "0.999"));
+  CHECK(refused_with([&] { validate(options); }, "least_confidence", "0.999"));
   options = {};
   options.max_range_m = std::numeric_limits<double>::quiet_NaN();
-  CHECK(one_line_with(error_message([&] { validate(options); }), "max_range_m"));
+  CHECK(refused_with([&] { validate(options); }, "max_range_m"));
 }

@@ -46,7 +46,6 @@ TEST_CASE("where the way to a neighbour is not known, its pose is not asked") {
 }
 
 TEST_CASE("a scan without a pose is an error of one line") {
-  CHECK(hqslam::test::one_line_with(
-      hqslam::test::error_message([] { SensorPath({pose_at(0.0, 0.0)}, 1); }), "scan 1",
-      "1 poses"));
+  CHECK(
+      hqslam::test::refused_with([] { SensorPath({pose_at(0.0, 0.0)}, 1); }, "scan 1", "1 poses"));
 }

@@ -43,16 +43,13 @@ TEST_CASE("a drive is located in a surveyed cloud of its street, and not in that
   slam::Slam elsewhere(test::street_sensor(), slam::SlamOptions(), map);
   for (int i = 0; i < 6; ++i) {
     const Pose T_street_sensor = test::yard_pose(22.0 - 0.5 * i, 1.0, 2.8);
-    const auto report = here.process(
-        test::street(31, -20.0, 80.0).scan(test::street_sensor(), T_street_sensor), 0.1 * i);
+    const auto report = here.process(test::street(31, -20.0, 80.0).scan(T_street_sensor), 0.1 * i);
     CAPTURE(i);
     CHECK(is_registered(report.mapping_status));
     const Pose error = report.T_map_sensor.inverse() * T_survey_street * T_street_sensor;
     CHECK(error.translation().norm() < 0.1);
     CHECK(rotation_angle_rad(error) < 0.01);
-    CHECK(elsewhere
-              .process(test::street(77, -20.0, 80.0).scan(test::street_sensor(), T_street_sensor),
-                       0.1 * i)
+    CHECK(elsewhere.process(test::street(77, -20.0, 80.0).scan(T_street_sensor), 0.1 * i)
               .mapping_status == slam::Status::kNotRecognized);
   }
 }

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-#include "slam/yard.h"
+#include "slam/village.h"
 
 using namespace hqslam;
 
@@ -24,15 +24,23 @@ struct OneRow {
     RangeImage image(1, sensor.columns);
     image.range_m = range_m;
     cloud = unproject(image, sensor, CaptureTime::kMotionCorrected);
-    segmentation.pixel_class.assign(range_m.size(), slam::PixelClass::kCluster);
+    for (const float range : range_m) {
+      segmentation.pixel_class.push_back(range > 0.0F ? slam::PixelClass::kCluster
+                                                      : slam::PixelClass::kNoReturn);
+    }
   }
   slam::Features features() const { return slam::extract_features(cloud, segmentation, {}); }
 };
 
+/// A circle about the sensor with a wedge that reaches in from it.
+std::vector<float> wedge_at(int tip) {
+  std::vector<float> range_m(360, 10.0F);
+  for (int i = -12; i <= 12; ++i) range_m[tip + i] = 9.0F + 0.08F * static_cast<float>(std::abs(i));
+  return range_m;
+}
+
 slam::Features yard_features(const SensorModel& sensor, const test::Yard& yard) {
-  slam::Segmenter segmenter(sensor, {}, {});
-  const OrganizedCloud cloud = yard.scan(sensor, test::yard_pose(0, 0, 0));
-  return slam::extract_features(cloud, segmenter.segment(cloud), {});
+  return test::scan_features(yard.scan(sensor, test::yard_pose(0, 0, 0)), sensor);
 }
 
 }  // namespace
@@ -40,12 +48,10 @@ slam::Features yard_features(const SensorModel& sensor, const test::Yard& yard) 
 TEST_CASE("the ground's slope lies in the ground, across the row; nothing else has one") {
   const SensorModel sensor = test::small_sensor(16, 512);
   const Pose tilted = pose_from_xyz_rpy({0.0, 0.0, 1.7}, 0.05, -0.03, 0.4);
-  slam::Segmenter segmenter(sensor, {}, {});
   test::Yard floor;
   floor.pillars = false;
   floor.half_length_m = floor.half_width_m = 500.0;
-  const OrganizedCloud cloud = floor.scan(sensor, tilted);
-  const auto features = slam::extract_features(cloud, segmenter.segment(cloud), {});
+  const auto features = test::scan_features(floor.scan(sensor, tilted), sensor);
   const Eigen::Vector3f up = tilted.linear().transpose().col(2).cast<float>();
   CHECK(features.ground.size() > 200);
   for (const auto& point : features.ground) {
@@ -86,18 +92,14 @@ TEST_CASE("a circle around the sensor has no edges") {
 }
 
 TEST_CASE("the tip of a wedge is the sharpest edge") {
-  std::vector<float> range_m(360, 10.0F);
-  for (int i = -12; i <= 12; ++i) range_m[100 + i] = 9.0F + 0.08F * static_cast<float>(std::abs(i));
-  const OneRow row(range_m);
+  const OneRow row(wedge_at(100));
   const auto features = row.features();
   REQUIRE(!features.sharp_edges.empty());
   CHECK(features.sharp_edges[0].point_m == row.cloud.points_m[100]);
 }
 
 TEST_CASE("the tip of a wedge in the ground is no edge") {
-  std::vector<float> range_m(360, 10.0F);
-  for (int i = -12; i <= 12; ++i) range_m[100 + i] = 9.0F + 0.08F * static_cast<float>(std::abs(i));
-  OneRow row(range_m);
+  OneRow row(wedge_at(100));
   std::fill(row.segmentation.pixel_class.begin(), row.segmentation.pixel_class.end(),
             slam::PixelClass::kGround);
   CHECK(row.features().edges.empty());
@@ -131,9 +133,7 @@ TEST_CASE("a point whose both neighbours are 2 % away lies along the beam and is
 
 TEST_CASE("the last point of a section takes part in the choice") {
   // Sections of 60 points: 119 is the last of the second. A wedge there has its tip at 119.
-  std::vector<float> range_m(360, 10.0F);
-  for (int i = -12; i <= 12; ++i) range_m[119 + i] = 9.0F + 0.08F * static_cast<float>(std::abs(i));
-  const OneRow row(range_m);
+  const OneRow row(wedge_at(119));
   bool found = false;
   for (const auto& edge : row.features().sharp_edges) {
     found = found || edge.point_m == row.cloud.points_m[119];
@@ -158,11 +158,7 @@ TEST_CASE("a row of fewer than eleven points has no edges and does not crash") {
   for (const int count : {0, 1, 5, 10}) {
     std::vector<float> range_m(360, 0.0F);
     for (int i = 0; i < count; ++i) range_m[i] = 4.0F + static_cast<float>(i % 3);
-    OneRow row(range_m);
-    for (int i = 0; i < 360; ++i) {
-      if (range_m[i] <= 0.0F) row.segmentation.pixel_class[i] = slam::PixelClass::kNoReturn;
-    }
-    CHECK(row.features().edges.empty());
+    CHECK(OneRow(range_m).features().edges.empty());
   }
 }
 
@@ -173,11 +169,7 @@ TEST_CASE("the same relative shape is no edge when it is the curve of a distant 
     const double angle_rad = (i - 512) * 2 * M_PI / 1024;
     range_m[i] = std::abs(angle_rad) < 1.0 ? static_cast<float>(60.0 / std::cos(angle_rad)) : 0.0F;
   }
-  OneRow row(range_m);
-  for (int i = 0; i < 1024; ++i) {
-    if (range_m[i] <= 0.0F) row.segmentation.pixel_class[i] = slam::PixelClass::kNoReturn;
-  }
-  CHECK(row.features().edges.empty());
+  CHECK(OneRow(range_m).features().edges.empty());
 }
 
 TEST_CASE("edges of a yard lie on its pillars and corners") {

@@ -53,18 +53,16 @@ TEST_CASE("of a part that no way leads to anything is plausible") {
 }
 
 TEST_CASE("a place is a candidate if it looks alike and is within reach of plausible drift") {
-  test::Village village;
-  village.add_street(-40.0, 0.0, 200.0, 1);
-  const SensorModel sensor = test::small_sensor(16, 360);
+  const test::Village village = test::street(1, -40.0, 200.0);
   PoseGraph graph = straight(30);
   std::vector<slam::ScanContext> contexts;
   for (const Pose& pose : graph.T_map_node) {
-    contexts.push_back(slam::scan_context(
-        village.scan(sensor, test::yard_pose(pose.translation().x(), 0.0, 0.0))));
+    contexts.push_back(
+        slam::scan_context(village.scan(test::yard_pose(pose.translation().x(), 0.0, 0.0))));
   }
   // At the end the sensor is back at node 10, but believed to be 25 m beside it.
   graph.T_map_node.push_back(pose_from_xyz_rpy({40.0, 25.0, 0.0}, 0.0, 0.0, 0.1));
-  contexts.push_back(slam::scan_context(village.scan(sensor, test::yard_pose(40.5, 0.3, 0.0))));
+  contexts.push_back(slam::scan_context(village.scan(test::yard_pose(40.5, 0.3, 0.0))));
   const auto candidates_with = [&](double drift_m, std::size_t old_nodes) {
     const std::vector<slam::PlausibleDrift> drift(31, {drift_m, 0.3});
     std::vector<std::size_t> nodes(old_nodes);

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "slam/imu/accelerometer.h"
+#include "slam/loops/worst_error.h"
 #include "slam/village.h"
 #include "slam/yard.h"
 
@@ -96,32 +97,6 @@ DrivenCircuit drive(const test::Circuit& circuit, const Estimate& estimate) {
   return driven;
 }
 
-double worst_circuit_error_m(const DrivenCircuit& driven, const std::vector<Pose>& truth) {
-  double worst_m = 0.0;
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    const Pose T_map_sensor = truth.front().inverse() * truth[i];
-    worst_m = std::max(worst_m,
-                       (driven.T_map_sensor[i].translation() - T_map_sensor.translation()).norm());
-  }
-  return worst_m;
-}
-
-/// How far the end of the way is from where it was passed first, beyond what is true.
-double closing_error_m(const DrivenCircuit& driven, const std::vector<Pose>& truth) {
-  const std::size_t last = truth.size() - 1;
-  const auto distance_m = [&](const Pose& pose) {
-    return (pose.translation() - truth[last].translation()).norm();
-  };
-  const auto middle = truth.begin() + static_cast<std::ptrdiff_t>(last / 2);
-  const auto nearest = std::min_element(truth.begin(), middle, [&](const Pose& a, const Pose& b) {
-    return distance_m(a) < distance_m(b);
-  });
-  const auto first = static_cast<std::size_t>(nearest - truth.begin());
-  const Pose T_true = truth[first].inverse() * truth[last];
-  const Pose T_estimated = driven.T_map_sensor[first].inverse() * driven.T_map_sensor[last];
-  return (T_estimated.translation() - T_true.translation()).norm();
-}
-
 }  // namespace
 
 TEST_CASE("a way that drifts by metres is closed, and path and map become right") {
@@ -129,14 +104,14 @@ TEST_CASE("a way that drifts by metres is closed, and path and map become right"
   const Pose error = pose_from_xyz_rpy({0.0, 0.0, 0.004}, 0.0, 0.0, 0.0003);
   const DrivenCircuit open = drive(circuit, {error, Status::kOk, false});
   const DrivenCircuit closed = drive(circuit, {error, Status::kOk, true});
-  CHECK(worst_circuit_error_m(open, circuit.T_village_sensor) > 2.5);
+  CHECK(test::worst_error_m(open.T_map_sensor, circuit.T_village_sensor) > 2.5);
   CHECK(closed.count(LoopStatus::kClosed) >= 1);
-  CHECK(worst_circuit_error_m(closed, circuit.T_village_sensor) < 1.0);
+  CHECK(test::worst_error_m(closed.T_map_sensor, circuit.T_village_sensor) < 1.0);
   // The second pass lies on the first again: fewer voxels are taken.
   CHECK(20 * closed.map_points_m.size() < 19 * open.map_points_m.size());
   // Where the way ends it was before: both passes are at one place now.
-  CHECK(closing_error_m(open, circuit.T_village_sensor) > 2.0);
-  CHECK(closing_error_m(closed, circuit.T_village_sensor) < 0.3);
+  CHECK(test::closing_error_m(open.T_map_sensor, circuit.T_village_sensor) > 2.0);
+  CHECK(test::closing_error_m(closed.T_map_sensor, circuit.T_village_sensor) < 0.3);
   CHECK(closed.count(LoopStatus::kImplausible) == 0);
   const DrivenCircuit again = drive(circuit, {error, Status::kOk, true});
   CHECK(again.map_points_m == closed.map_points_m);

@@ -16,7 +16,7 @@ namespace {
 
 /// A street driven through, node by node, and a scan taken at its end that may be anywhere in it.
 struct DrivenStreet {
-  SensorModel sensor = test::small_sensor(16, 360);
+  SensorModel sensor = test::street_sensor();
   slam::Mapping mapping{slam::MappingOptions{}};
   slam::PoseGraph graph;
   std::vector<slam::ScanContext> contexts;
@@ -50,31 +50,17 @@ DrivenStreet drive(const test::Village& village, const Pose& T_map_believed,
   DrivenStreet street;
   for (double x_m = -20.0; x_m <= 100.0; x_m += 4.0) {
     const Pose pose = test::yard_pose(x_m, 0.0, 0.0);
-    street.add_node(village.scan(street.sensor, pose), pose);
+    street.add_node(village.scan(pose), pose);
   }
-  street.add_node(village.scan(street.sensor, T_map_last), T_map_believed);
+  street.add_node(village.scan(T_map_last), T_map_believed);
   return street;
-}
-
-test::Village street_of_one_kind() {
-  test::Village village;
-  village.add_street(-60.0, 0.0, 200.0, 31);
-  return village;
-}
-
-/// The same houses from x = -20 to 40 m and from 40 to 100 m.
-test::Village street_of_two_equal_halves() {
-  test::Village village;
-  village.add_street(-20.0, 0.0, 60.0, 31);
-  village.add_street(40.0, 0.0, 60.0, 31);
-  return village;
 }
 
 }  // namespace
 
 TEST_CASE("a place is found from far away, and the pose with it") {
   const Pose truth = test::yard_pose(20.0, 1.0, 0.1);
-  const auto street = drive(street_of_one_kind(), test::yard_pose(35.0, 60.0, 0.2));
+  const auto street = drive(test::street(31, -60.0, 200.0), test::yard_pose(35.0, 60.0, 0.2));
   const auto result = street.search(100.0);
   CHECK(result.status == LoopStatus::kAwaitsOthers);
   REQUIRE(result.loop);
@@ -87,7 +73,7 @@ TEST_CASE("a place is found from far away, and the pose with it") {
 
 TEST_CASE("who comes back the other way in the other lane is recognized, by that lane alone") {
   const Pose truth = test::yard_pose(21.0, 3.8, std::numbers::pi);
-  auto street = drive(street_of_one_kind(), test::yard_pose(35.0, 40.0, 3.0), truth);
+  auto street = drive(test::street(31, -60.0, 200.0), test::yard_pose(35.0, 40.0, 3.0), truth);
   const auto result = street.search(100.0);
   REQUIRE(result.loop);
   CHECK((result.loop->T_map_last.translation() - truth.translation()).norm() < 0.1);
@@ -98,7 +84,7 @@ TEST_CASE("who comes back the other way in the other lane is recognized, by that
 }
 
 TEST_CASE("of two places that look the same none is taken") {
-  const auto street = drive(street_of_two_equal_halves(), test::yard_pose(50.0, 60.0, 0.1));
+  const auto street = drive(test::street_of_two_equal_halves(), test::yard_pose(50.0, 60.0, 0.1));
   const auto result = street.search(100.0);
   CHECK(result.status == LoopStatus::kAmbiguous);
   CHECK(result.candidates >= 2);
@@ -107,7 +93,7 @@ TEST_CASE("of two places that look the same none is taken") {
 
 TEST_CASE("where the estimate itself fits no other place is asked") {
   const Pose near_truth = test::yard_pose(20.2, 0.9, 0.1);
-  const auto street = drive(street_of_two_equal_halves(), near_truth);
+  const auto street = drive(test::street_of_two_equal_halves(), near_truth);
   const auto result = street.search(100.0);
   REQUIRE(result.loop);
   CHECK(result.candidates == 1);
@@ -115,10 +101,8 @@ TEST_CASE("where the estimate itself fits no other place is asked") {
 }
 
 TEST_CASE("a place that was never passed is not found") {
-  DrivenStreet street = drive(street_of_one_kind(), test::yard_pose(20.0, 60.0, 0.0));
-  test::Village other;
-  other.add_street(-60.0, 0.0, 200.0, 77);
-  const auto cloud = other.scan(street.sensor, test::yard_pose(20.0, 0.0, 0.0));
+  DrivenStreet street = drive(test::street(31, -60.0, 200.0), test::yard_pose(20.0, 60.0, 0.0));
+  const auto cloud = test::street(77, -60.0, 200.0).scan(test::yard_pose(20.0, 0.0, 0.0));
   street.graph.T_map_node.pop_back();
   street.contexts.pop_back();
   street.add_node(cloud, test::yard_pose(20.0, 60.0, 0.0));

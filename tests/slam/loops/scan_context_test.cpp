@@ -34,8 +34,7 @@ TEST_CASE("a bin of a scan context holds how high its highest point reaches") {
 }
 
 TEST_CASE("a place is recognised whichever way the sensor looks, and the turn is found") {
-  test::Village village;
-  village.add_street(-60.0, 0.0, 120.0, 1);
+  const test::Village village = test::street(1, -60.0, 120.0);
   for (const int rows : {16, 64}) {
     const SensorModel sensor = test::small_sensor(rows, 360);
     const ScanContext first = scan_context(village.scan(sensor, test::yard_pose(0.0, 0.0, 0.2)));
@@ -55,17 +54,13 @@ TEST_CASE("a place is recognised whichever way the sensor looks, and the turn is
 }
 
 TEST_CASE("other places look different, whatever the turn") {
-  test::Village village;
-  village.add_street(-60.0, 0.0, 120.0, 1);
-  const SensorModel sensor = test::small_sensor(16, 360);
-  const ScanContext here = scan_context(village.scan(sensor, test::yard_pose(0.0, 0.0, 0.0)));
+  const test::Village village = test::street(1, -60.0, 120.0);
+  const ScanContext here = scan_context(village.scan(test::yard_pose(0.0, 0.0, 0.0)));
   const double again =
-      compare(here, scan_context(village.scan(sensor, test::yard_pose(0.5, 0.5, 1.0))), 0.0, kPi)
-          .distance;
+      compare(here, scan_context(village.scan(test::yard_pose(0.5, 0.5, 1.0))), 0.0, kPi).distance;
   for (const unsigned seed : {2U, 3U, 4U, 5U}) {
-    test::Village other;
-    other.add_street(-60.0, 0.0, 120.0, seed);
-    const ScanContext there = scan_context(other.scan(sensor, test::yard_pose(0.0, 0.0, 0.0)));
+    const ScanContext there =
+        scan_context(test::street(seed, -60.0, 120.0).scan(test::yard_pose(0.0, 0.0, 0.0)));
     CHECK(compare(here, there, 0.0, kPi).distance > 2.0 * again);
   }
 }

@@ -5,17 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "slam/yard.h"
+#include "slam/village.h"
 
 using namespace hqslam;
 using slam::Status;
 
 namespace {
-
-slam::MapFeatures features_for_map(const SensorModel& sensor, const OrganizedCloud& cloud) {
-  slam::Segmenter segmenter(sensor, {}, {});
-  return slam::map_features(slam::extract_features(cloud, segmenter.segment(cloud), {}), {});
-}
 
 /// A sensor that is believed to be here: metres, radians.
 slam::MotionState believed(const Pose& T_map_sensor, double sigma = 0.3) {
@@ -26,19 +21,27 @@ slam::MotionState believed(const Pose& T_map_sensor, double sigma = 0.3) {
   return state;
 }
 
-/// A map of the yard from eleven places along its length, in the frame of the first.
+/// A map of the yard from eleven places along its length, whose frame is that of the first, moved.
 struct MappedYard {
   SensorModel sensor = test::small_sensor(32, 1024);
   test::Yard yard;
-  Pose T_yard_map = test::yard_pose(-5, 0, 0);
+  Pose T_map_yard;
   slam::Mapping mapping{slam::MappingOptions{}};
 
-  explicit MappedYard(const test::Yard& yard_ = {}) : yard(yard_) {
+  explicit MappedYard(const test::Yard& yard_ = {}, const Pose& T_map_first = Pose::Identity())
+      : yard(yard_), T_map_yard(T_map_first * test::yard_pose(-5, 0, 0).inverse()) {
     for (int i = 0; i <= 10; ++i) {
       const Pose T_yard_sensor = test::yard_pose(-5 + i, 0, 0);
-      mapping.insert(features_for_map(sensor, yard.scan(sensor, T_yard_sensor)),
-                     T_yard_map.inverse() * T_yard_sensor, {});
+      mapping.insert(features_at(T_yard_sensor), T_map_yard * T_yard_sensor, {});
     }
+  }
+  slam::MapFeatures features_at(const Pose& T_yard_sensor) const {
+    return test::features_of(yard.scan(sensor, T_yard_sensor), sensor);
+  }
+  slam::MappingResult registered(const Pose& T_yard_sensor, const Pose& T_map_predicted,
+                                 double sigma = 0.3) const {
+    return mapping.register_scan(features_at(T_yard_sensor), believed(T_map_predicted, sigma),
+                                 T_map_predicted);
   }
 };
 
@@ -106,17 +109,19 @@ double roll_beside_a_bank_rad(const slam::MappingOptions& options) {
 
 }  // namespace
 
-TEST_CASE("a scan is located in the map from a rough prediction") {
-  const MappedYard mapped;
-  const Pose T_yard_sensor = test::yard_pose(0.3, 0.4, 0.1);
-  const Pose truth = mapped.T_yard_map.inverse() * T_yard_sensor;
-  const Pose predicted = truth * pose_from_xyz_rpy({0.2, -0.15, 0.05}, 0.01, -0.01, 0.02);
-  const auto features =
-      features_for_map(mapped.sensor, mapped.yard.scan(mapped.sensor, T_yard_sensor));
-  const auto result = mapped.mapping.register_scan(features, believed(predicted), predicted);
-  CHECK(result.status == Status::kOk);
-  CHECK((result.state.T_map_sensor.translation() - truth.translation()).norm() < 0.03);
-  CHECK(rotation_angle_rad(result.state.T_map_sensor.inverse() * truth) < 0.003);
+TEST_CASE("a scan is located in the map from a rough prediction, as well far from its origin") {
+  // LeGO-LOAM weighs planar features by their distance from the map's origin.
+  for (const Pose& T_map_first :
+       {Pose(Pose::Identity()), pose_from_xyz_rpy({4000, -3000, 50}, 0, 0, 1.0)}) {
+    const MappedYard mapped({}, T_map_first);
+    const Pose T_yard_sensor = test::yard_pose(0.3, 0.4, 0.1);
+    const Pose truth = mapped.T_map_yard * T_yard_sensor;
+    const auto result = mapped.registered(
+        T_yard_sensor, truth * pose_from_xyz_rpy({0.2, -0.15, 0.05}, 0.01, -0.01, 0.02));
+    CHECK(result.status == Status::kOk);
+    CHECK((result.state.T_map_sensor.translation() - truth.translation()).norm() < 0.03);
+    CHECK(rotation_angle_rad(result.state.T_map_sensor.inverse() * truth) < 0.003);
+  }
 }
 
 TEST_CASE("ground that bends between the points of the map does not tilt the scan") {
@@ -162,16 +167,14 @@ TEST_CASE("a place met again with drift is matched with only when it was taken u
     mapped.mapping.insert(elsewhere, pose_from_xyz_rpy({50.0 * i, 500.0, 0.0}, 0, 0, 0), {});
   }
   const Pose T_yard_sensor = test::yard_pose(0.3, 0.4, 0.1);
-  const Pose truth = mapped.T_yard_map.inverse() * T_yard_sensor;
+  const Pose truth = mapped.T_map_yard * T_yard_sensor;
   const Pose drifted = truth * pose_from_xyz_rpy({0.4, 0.0, 0.0}, 0, 0, 0);
-  const auto features =
-      features_for_map(mapped.sensor, mapped.yard.scan(mapped.sensor, T_yard_sensor));
   slam::MapPoints left_window = mapped.mapping.slide_window();
-  const auto before = mapped.mapping.register_scan(features, believed(drifted), drifted);
+  const auto before = mapped.registered(T_yard_sensor, drifted);
   CHECK(before.status == Status::kTooFewFeatures);
   CHECK(before.state.T_map_sensor.isApprox(drifted));
   mapped.mapping.restore_to_window(std::move(left_window));
-  const auto after = mapped.mapping.register_scan(features, believed(drifted), drifted);
+  const auto after = mapped.registered(T_yard_sensor, drifted);
   CHECK(after.status == Status::kOk);
   CHECK((after.state.T_map_sensor.translation() - truth.translation()).norm() < 0.03);
 }
@@ -182,36 +185,13 @@ TEST_CASE("in a corridor without ends the motion along it is held, not invented"
   corridor.pillars = false;
   corridor.end_walls = false;
   const MappedYard mapped(corridor);
-  const Pose T_yard_sensor = test::yard_pose(0.0, 0.2, 0.0);
-  const Pose predicted = mapped.T_yard_map.inverse() * test::yard_pose(0.4, 0.0, 0.01);
-  const auto features =
-      features_for_map(mapped.sensor, corridor.scan(mapped.sensor, T_yard_sensor));
+  const Pose predicted = mapped.T_map_yard * test::yard_pose(0.4, 0.0, 0.01);
   // As well as a car's next scan is predicted.
-  const auto result = mapped.mapping.register_scan(features, believed(predicted, 0.03), predicted);
+  const auto result = mapped.registered(test::yard_pose(0.0, 0.2, 0.0), predicted, 0.03);
   CHECK(result.status == Status::kDegenerate);
   CHECK(result.state.T_map_sensor.translation().x() ==
         doctest::Approx(predicted.translation().x()).epsilon(0.02));
   CHECK(result.state.T_map_sensor.translation().y() == doctest::Approx(0.2).epsilon(0.2));
-}
-
-TEST_CASE("far from the origin of the map a scan is located as well as at it") {
-  // LeGO-LOAM weighs planar features by their distance from the map's origin.
-  MappedYard mapped;
-  const Pose far = pose_from_xyz_rpy({4000, -3000, 50}, 0, 0, 1.0);
-  slam::Mapping mapping{slam::MappingOptions{}};
-  for (int i = 0; i <= 10; ++i) {
-    const Pose T_yard_sensor = test::yard_pose(-5 + i, 0, 0);
-    mapping.insert(features_for_map(mapped.sensor, mapped.yard.scan(mapped.sensor, T_yard_sensor)),
-                   far * mapped.T_yard_map.inverse() * T_yard_sensor, {});
-  }
-  const Pose T_yard_sensor = test::yard_pose(0.3, 0.4, 0.1);
-  const Pose truth = far * mapped.T_yard_map.inverse() * T_yard_sensor;
-  const Pose predicted = truth * pose_from_xyz_rpy({0.2, -0.15, 0.05}, 0, 0, 0.02);
-  const auto features =
-      features_for_map(mapped.sensor, mapped.yard.scan(mapped.sensor, T_yard_sensor));
-  const auto result = mapping.register_scan(features, believed(predicted), predicted);
-  CHECK(result.status == Status::kOk);
-  CHECK((result.state.T_map_sensor.translation() - truth.translation()).norm() < 0.03);
 }
 
 TEST_CASE("rings on a bare floor do not hold the sensor back") {
@@ -222,10 +202,8 @@ TEST_CASE("rings on a bare floor do not hold the sensor back") {
   floor.end_walls = false;
   floor.half_width_m = 1000.0;
   const MappedYard mapped(floor);
-  const Pose predicted = mapped.T_yard_map.inverse() * test::yard_pose(6.0, 0.0, 0.0);
-  const auto features =
-      features_for_map(mapped.sensor, floor.scan(mapped.sensor, test::yard_pose(6.0, 0.0, 0.0)));
-  const auto result = mapped.mapping.register_scan(features, believed(predicted), predicted);
+  const Pose predicted = mapped.T_map_yard * test::yard_pose(6.0, 0.0, 0.0);
+  const auto result = mapped.registered(test::yard_pose(6.0, 0.0, 0.0), predicted);
   CHECK(result.status == Status::kDegenerate);
   CHECK((result.state.T_map_sensor.translation() - predicted.translation()).norm() < 0.01);
 }
@@ -234,7 +212,7 @@ TEST_CASE("without a map the prediction stands and the status says so") {
   const SensorModel sensor = test::small_sensor();
   const slam::Mapping mapping{slam::MappingOptions{}};
   const auto features =
-      features_for_map(sensor, test::Yard().scan(sensor, test::yard_pose(0, 0, 0)));
+      test::features_of(test::Yard().scan(sensor, test::yard_pose(0, 0, 0)), sensor);
   const Pose predicted = pose_from_xyz_rpy({1, 2, 3}, 0, 0, 1);
   const auto result = mapping.register_scan(features, believed(predicted), predicted);
   CHECK(result.status == Status::kTooFewFeatures);
@@ -290,9 +268,8 @@ TEST_CASE("surfaces that lean to one side do not lift the sensor") {
   // A floor and walls, and before one wall a bank whose slope the map has a little too high.
   const MappedYard mapped;
   const Pose T_yard_sensor = test::yard_pose(0.3, 0.0, 0.0);
-  const Pose truth = mapped.T_yard_map.inverse() * T_yard_sensor;
-  slam::MapFeatures features =
-      features_for_map(mapped.sensor, mapped.yard.scan(mapped.sensor, T_yard_sensor));
+  const Pose truth = mapped.T_map_yard * T_yard_sensor;
+  slam::MapFeatures features = mapped.features_at(T_yard_sensor);
   slam::Mapping mapping = mapped.mapping;
   slam::MapFeatures bank_in_map;
   for (int i = 0; i < 40; ++i) {

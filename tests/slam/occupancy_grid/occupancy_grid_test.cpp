@@ -138,23 +138,22 @@ TEST_CASE("the same scans give the same map, in any order and with any number of
 TEST_CASE("wrong options, scans of another sensor and drives without ground are one line") {
   OccupancyGridOptions options;
   options.resolution_m = 0.0;
-  CHECK(one_line_with(error_message([&] { OccupancyGrid grid(options); }), "resolution_m"));
+  CHECK(refused_with([&] { OccupancyGrid grid(options); }, "resolution_m"));
   options = {};
   options.highest_obstacle_m = 0.2;
-  CHECK(one_line_with(error_message([&] { validate(options); }), "highest_obstacle_m"));
+  CHECK(refused_with([&] { validate(options); }, "highest_obstacle_m"));
   options.highest_obstacle_m = std::numeric_limits<double>::quiet_NaN();
-  CHECK(one_line_with(error_message([&] { validate(options); }), "highest_obstacle_m"));
+  CHECK(refused_with([&] { validate(options); }, "highest_obstacle_m"));
 
   const SensorModel sensor = small_sensor();
   OccupancyGrid grid({});
   const OrganizedCloud nothing(sensor.rows(), sensor.columns);
   const SensorPath path(yard_pose(0, 0, 0));
-  CHECK(one_line_with(error_message([&] { grid.add_ground(nothing, small_sensor(8), path); }),
-                      "16x512"));
+  CHECK(refused_with([&] { grid.add_ground(nothing, small_sensor(8), path); }, "16x512"));
   grid.add_ground(nothing, sensor, path);
   grid.insert(nothing, std::nullopt, path);
   grid.see_through(nothing, path);
-  CHECK(one_line_with(error_message([&] { static_cast<void>(grid.map()); }), "z axis points up"));
+  CHECK(refused_with([&] { static_cast<void>(grid.map()); }, "z axis points up"));
 }
 
 TEST_CASE("points and places out of all bounds are left out") {
@@ -189,5 +188,5 @@ TEST_CASE("a map as large as a country is refused before it is made") {
       grid.see_through(scan, SensorPath(Pose(Eigen::Translation3d(x_m, y_m, 0.0))));
     }
   }
-  CHECK(one_line_with(error_message([&] { static_cast<void>(grid.map()); }), "larger cells"));
+  CHECK(refused_with([&] { static_cast<void>(grid.map()); }, "larger cells"));
 }
