@@ -10,6 +10,7 @@
 #include "lego_loam_as_published/published_odometry.h"
 #include "lego_loam_as_published/published_step.h"
 #include "lego_loam_as_published/segmented_scan.h"
+#include "slam/poses.h"
 #include "slam/village.h"
 
 using namespace hqslam;
@@ -153,10 +154,12 @@ TEST_CASE("the derivatives of a rotation are its differences") {
   for (int i = 0; i < 3; ++i) {
     Parameters later = p;
     later(i) += 1e-6;
-    const Eigen::Matrix3d difference = (pose_of(later).linear() - pose_of(p).linear()) / 1e-6;
+    const Eigen::Matrix3d difference =
+        (slam::as_published::pose_of(later).linear() - slam::as_published::pose_of(p).linear()) /
+        1e-6;
     CHECK((difference - derivatives[i]).norm() < 1e-5);
   }
-  CHECK((slam::as_published::parameters_of(pose_of(p)) - p).norm() < 1e-12);
+  CHECK((slam::as_published::parameters_of(slam::as_published::pose_of(p)) - p).norm() < 1e-12);
 }
 
 TEST_CASE("LeGO-LOAM as published follows a slow drive, not as closely as Slam does") {
@@ -176,9 +179,7 @@ TEST_CASE("as published, too, the same scans give the same poses, and nothing se
   const SensorModel sensor = sensor_preset("os1-16");
   const Trajectory first = drive.driven(LegoLoamAsPublished(sensor), sensor);
   const Trajectory second = drive.driven(LegoLoamAsPublished(sensor), sensor);
-  for (std::size_t i = 0; i < first.size(); ++i) {
-    CHECK(first[i].T_map_sensor.matrix() == second[i].T_map_sensor.matrix());
-  }
+  CHECK(test::are_same(first, second));
   LegoLoamAsPublished blind(sensor);
   for (int i = 0; i < 8; ++i) {
     const Pose pose = blind.process(OrganizedCloud(16, sensor.columns), kPublishedPeriod_s * i);

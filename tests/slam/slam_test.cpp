@@ -11,9 +11,11 @@
 
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/saved_map.h"
+#include "slam/poses.h"
 #include "slam/steady_drive.h"
 #include "slam/village.h"
 #include "slam/yard_drive.h"
+#include "thread_limit.h"
 
 using namespace hqslam;
 using slam::Status;
@@ -77,20 +79,16 @@ TEST_CASE("one and two threads give the same bytes, and so do two runs") {
   const SensorModel sensor = test::small_sensor(16, 512);
   std::vector<Trajectory> trajectories;
   std::vector<std::vector<Eigen::Vector3f>> maps;
-  const int threads_before = omp_get_max_threads();
   for (const int threads : {1, 2, 2}) {
-    omp_set_num_threads(threads);
+    const slam::ThreadLimit limit(threads);
     slam::Slam slam(sensor);
     for (int i = 0; i < 20; ++i) slam.process(drive_scan(sensor, i), i * test::kDrivePeriod_s);
     trajectories.push_back(slam.trajectory());
     maps.push_back(slam.map_points_m());
   }
-  omp_set_num_threads(threads_before);
   for (int run = 1; run < 3; ++run) {
     CHECK(maps[run] == maps[0]);
-    for (std::size_t i = 0; i < trajectories[0].size(); ++i) {
-      CHECK(trajectories[run][i].T_map_sensor.matrix() == trajectories[0][i].T_map_sensor.matrix());
-    }
+    CHECK(test::are_same(trajectories[run], trajectories[0]));
   }
 }
 
@@ -125,10 +123,7 @@ TEST_CASE("the map has the intensities of what it is made of, and no pose looks 
   CHECK(saved.planes_intensity.size() == saved.planes_m.size());
   CHECK(without.map_points_m({}, &intensity) == points_m);
   CHECK(intensity.empty());
-  for (std::size_t i = 0; i < slam.trajectory().size(); ++i) {
-    CHECK(slam.trajectory()[i].T_map_sensor.matrix() ==
-          without.trajectory()[i].T_map_sensor.matrix());
-  }
+  CHECK(test::are_same(slam.trajectory(), without.trajectory()));
 }
 
 TEST_CASE("empty, nearly empty and garbage scans are survived, reported and recovered from") {

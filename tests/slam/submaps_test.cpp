@@ -11,7 +11,7 @@
 
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/slam.h"
-#include "slam/loops/worst_error.h"
+#include "slam/poses.h"
 #include "slam/village.h"
 #include "slam/yard_drive.h"
 

@@ -1,7 +1,6 @@
 #include "front_end/features.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <iterator>
 

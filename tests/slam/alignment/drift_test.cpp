@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "hqslam/core/sensor_model.h"
+#include "slam/poses.h"
 
 using namespace hqslam;
 using slam::Matrix6;
@@ -30,8 +31,6 @@ Matrix6 covariance_of(const slam::Drift& drift, const MotionState& state,
   return drift.covariance(motion, drift.against_map(state));
 }
 
-Pose ahead(double x_m) { return pose_from_xyz_rpy({x_m, 0, 0}, 0, 0, 0); }
-
 /// One whose heading nothing measured since, to 0.1 rad.
 slam::Drift with_heading_lost() {
   slam::Drift drift = sixteen_rows();
@@ -45,12 +44,12 @@ TEST_CASE("drift grows with the path, not with the number of scans") {
   slam::Drift in_one_step = sixteen_rows();
   slam::Drift in_ten = sixteen_rows();
   const MotionState state = known_to(0.01);
-  in_one_step.grow(ahead(1e-6), state);
-  in_ten.grow(ahead(1e-6), state);
+  in_one_step.grow(test::at_x(1e-6), state);
+  in_ten.grow(test::at_x(1e-6), state);
   const Matrix6 start = covariance_of(in_one_step, state);
   // Steps so small that the lever of a turn is none.
-  in_one_step.grow(ahead(0.01), state);
-  for (int i = 0; i < 10; ++i) in_ten.grow(ahead(0.001), state);
+  in_one_step.grow(test::at_x(0.01), state);
+  for (int i = 0; i < 10; ++i) in_ten.grow(test::at_x(0.001), state);
   const double grown = covariance_of(in_one_step, state)(2, 2) - start(2, 2);
   CHECK(grown > 0.0);
   CHECK(covariance_of(in_ten, state)(2, 2) - start(2, 2) == doctest::Approx(grown).epsilon(1e-3));
@@ -124,7 +123,7 @@ TEST_CASE("what the first scans are off by as they are shaken stays in the map f
     velocity.angular.y() = i % 2 == 0 ? 0.5 : -0.5;
     drift.learn(velocity);
   }
-  for (int i = 0; i < 1000; ++i) drift.grow(ahead(0.02), kExact, true);
+  for (int i = 0; i < 1000; ++i) drift.grow(test::at_x(0.02), kExact, true);
   for (int i = 0; i < 500; ++i) drift.learn(velocity);
   const Matrix6 covariance = covariance_of(drift, kExact);
   // Once, and 1.35 % a metre of what later ones are off by.
@@ -135,7 +134,7 @@ TEST_CASE("what the first scans are off by as they are shaken stays in the map f
 TEST_CASE("a start tilts the map within the first metres, by the spacing of the rows") {
   slam::Drift drift = sixteen_rows();
   constexpr double kPath_m = 20.0;
-  for (int i = 0; i < 1000; ++i) drift.grow(ahead(kPath_m / 1000), kExact, true);
+  for (int i = 0; i < 1000; ++i) drift.grow(test::at_x(kPath_m / 1000), kExact, true);
   const Matrix6 covariance = covariance_of(drift, kExact);
   const double tilt_rad = 0.019 * 0.0368;
   const double lean_rad2_per_m = std::pow(1.2e-4, 2);  // what gravity leaves of beams that are off
@@ -156,7 +155,7 @@ TEST_CASE(
     "beams that are off make it lean by the root of the path, less so where gravity levels it") {
   const auto sigma_after = [](int steps_m, bool is_levelled, int at) {
     slam::Drift drift = sixteen_rows();
-    for (int i = 0; i < steps_m; ++i) drift.grow(ahead(1.0), kExact, is_levelled);
+    for (int i = 0; i < steps_m; ++i) drift.grow(test::at_x(1.0), kExact, is_levelled);
     return std::sqrt(covariance_of(drift, kExact)(at, at));
   };
   constexpr int kAhead = 0;
@@ -169,16 +168,16 @@ TEST_CASE(
 
 TEST_CASE("what is known of the last scan is carried along to this one") {
   slam::Drift drift = with_heading_lost();
-  CHECK(covariance_of(drift, kExact, ahead(20.0))(1, 1) == doctest::Approx(4.0));
+  CHECK(covariance_of(drift, kExact, test::at_x(20.0))(1, 1) == doctest::Approx(4.0));
   slam::Drift moved = drift;
-  moved.move(ahead(20.0));
-  CHECK(covariance_of(moved, kExact).isApprox(covariance_of(drift, kExact, ahead(20.0))));
+  moved.move(test::at_x(20.0));
+  CHECK(covariance_of(moved, kExact).isApprox(covariance_of(drift, kExact, test::at_x(20.0))));
 }
 
 TEST_CASE("a heading that is off leads aside") {
   slam::Drift drift = with_heading_lost();
   const double before_m2 = covariance_of(drift, kExact)(1, 1);
-  drift.grow(ahead(20.0), kExact);
+  drift.grow(test::at_x(20.0), kExact);
   CHECK(covariance_of(drift, kExact)(1, 1) - before_m2 >= doctest::Approx(4.0));
   CHECK(covariance_of(drift, kExact)(5, 5) >= doctest::Approx(0.01));
 }
@@ -187,7 +186,7 @@ TEST_CASE("what nothing measured stays uncertain for good") {
   slam::Drift drift = sixteen_rows();
   const double before_m2 = covariance_of(drift, kExact)(0, 0);
   drift.lose(9.0 * Matrix6::Identity(), false);
-  for (int i = 0; i < 100; ++i) drift.grow(ahead(0.5), kExact);
+  for (int i = 0; i < 100; ++i) drift.grow(test::at_x(0.5), kExact);
   CHECK(covariance_of(drift, kExact)(0, 0) - before_m2 >= doctest::Approx(9.0));
 }
 
@@ -197,19 +196,19 @@ TEST_CASE("a loop takes away what was not measured, but not what has come up sin
     slam::Drift drift = sixteen_rows();
     drift.lose(9.0 * Matrix6::Identity(), is_carried);
     const slam::DriftState before = drift.state();
-    for (int i = 0; i < 10; ++i) drift.grow(ahead(0.5), known_to(0.01));
+    for (int i = 0; i < 10; ++i) drift.grow(test::at_x(0.5), known_to(0.01));
     CHECK(std::isinf(covariance_of(drift, kExact)(0, 0)) == is_carried);
     slam::Drift never_lost = sixteen_rows();
-    for (int i = 0; i < 10; ++i) never_lost.grow(ahead(0.5), known_to(0.01));
+    for (int i = 0; i < 10; ++i) never_lost.grow(test::at_x(0.5), known_to(0.01));
     const slam::DriftState after{before.drift, 1e-4 * Matrix6::Identity(), false};
     slam::Drift found = drift;
-    found.set(improved(drift.state(), {before, after}, ahead(5.0), true));
+    found.set(improved(drift.state(), {before, after}, test::at_x(5.0), true));
     const double of_drift_m2 = covariance_of(never_lost, kExact)(0, 0);
     CHECK(covariance_of(found, kExact)(0, 0) == doctest::Approx(of_drift_m2 + 1e-4));
     // Where the way was lost again since, nothing follows for the pose now.
     slam::Drift lost_again = drift;
     lost_again.lose(4.0 * Matrix6::Identity(), true);
-    lost_again.set(improved(lost_again.state(), {before, after}, ahead(5.0), false));
+    lost_again.set(improved(lost_again.state(), {before, after}, test::at_x(5.0), false));
     CHECK(std::isinf(covariance_of(lost_again, kExact)(0, 0)));
   }
 }

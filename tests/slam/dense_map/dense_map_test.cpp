@@ -1,16 +1,17 @@
 #include "hqslam/slam/dense_map.h"
 
 #include <doctest/doctest.h>
-#include <omp.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <random>
+#include <utility>
 
 #include "error_message.h"
 #include "slam/cloud_of.h"
+#include "thread_limit.h"
 
 using namespace hqslam;
 using namespace hqslam::slam;
@@ -18,7 +19,7 @@ using hqslam::test::refused_with;
 
 namespace {
 
-/// A cloud of one row with these points.
+/// The cloud if all of it were computed.
 OrganizedCloud computed(OrganizedCloud cloud, float confidence) {
   cloud.confidence.assign(cloud.range_m.size(), confidence);
   return cloud;
@@ -40,6 +41,10 @@ const SensorPath kOrigin{Pose::Identity()};
 
 SensorPath at(double x_m, double y_m = 0.0) {
   return SensorPath(Pose(Eigen::Translation3d(x_m, y_m, 0.0)));
+}
+
+void insert(DenseMap& map, const OrganizedCloud& cloud) {
+  map.insert(cloud, std::nullopt, kOrigin);
 }
 
 std::size_t points_near_x(const std::vector<DenseMapPoint>& points, float x_m) {
@@ -75,7 +80,8 @@ std::vector<OrganizedCloud> random_scans(int count) {
 }
 
 std::vector<DenseMapPoint> map_of(const std::vector<OrganizedCloud>& scans, bool backwards,
-                                  std::vector<float>& intensity) {
+                                  int threads, std::vector<float>& intensity) {
+  const ThreadLimit limit(threads);
   Trajectory trajectory;
   for (std::size_t i = 0; i < scans.size(); ++i) {
     const double k = static_cast<double>(i);
@@ -118,7 +124,7 @@ TEST_CASE("a voxel's intensity is the mean of those of the points that its place
   std::vector<std::size_t> order = {0, 1, 2, 3};
   do {
     DenseMap map({.least_confidence = 0.01});
-    for (const std::size_t i : order) map.insert(scans[i], std::nullopt, kOrigin);
+    for (const std::size_t i : order) insert(map, scans[i]);
     std::vector<float> intensity;
     const auto points = map.points(&intensity);
     REQUIRE(points.size() == 4);
@@ -132,7 +138,7 @@ TEST_CASE("a voxel's intensity is the mean of those of the points that its place
 
 TEST_CASE("a map of scans without intensities has none") {
   DenseMap map({});
-  map.insert(test::cloud_of(wall(5.0F)), std::nullopt, kOrigin);
+  insert(map, test::cloud_of(wall(5.0F)));
   std::vector<float> intensity = {1.0F};
   CHECK(map.points(&intensity).size() == 200);
   CHECK(intensity.empty());
@@ -162,9 +168,9 @@ TEST_CASE("points of a turning, driving sensor are put where it was when it meas
 TEST_CASE("a wall that other scans see through vanishes; one that they see stays") {
   DenseMap map({});
   // Something stands 5 m ahead in two scans and is gone in six.
-  for (int i = 0; i < 2; ++i) map.insert(test::cloud_of(wall(5.05F)), std::nullopt, kOrigin);
+  for (int i = 0; i < 2; ++i) insert(map, test::cloud_of(wall(5.05F)));
   std::vector<Eigen::Vector3f> behind_m = wall(10.05F);
-  for (int i = 0; i < 6; ++i) map.insert(test::cloud_of(behind_m), std::nullopt, kOrigin);
+  for (int i = 0; i < 6; ++i) insert(map, test::cloud_of(behind_m));
   const std::size_t before = points_near_x(map.points(), 5.05F);
   CHECK(before == 200);
   for (int i = 0; i < 2; ++i) map.see_through(test::cloud_of(wall(5.05F)), kOrigin);
@@ -181,9 +187,9 @@ TEST_CASE("a wall that other scans see through vanishes; one that they see stays
 TEST_CASE("a computed wall is believed when scans agree, a lone computed point is not") {
   const OrganizedCloud lone = computed(test::cloud_of({{5.05F, 0.05F, 0.05F}}), 0.5F);
   DenseMap map({});
-  map.insert(lone, std::nullopt, kOrigin);
+  insert(map, lone);
   CHECK(map.points().empty());
-  map.insert(lone, std::nullopt, kOrigin);
+  insert(map, lone);
   REQUIRE(map.points().size() == 1);
   CHECK(map.points()[0].confidence == doctest::Approx(0.5).epsilon(1e-3));
   CHECK(map.points()[0].times_seen == 2);
@@ -191,10 +197,8 @@ TEST_CASE("a computed wall is believed when scans agree, a lone computed point i
 
 TEST_CASE("a computed point between measured ones is believed sooner than one in the open") {
   DenseMap map({});
-  map.insert(test::cloud_of({{5.05F, -0.05F, 0.05F}, {5.05F, 0.15F, 0.05F}}), std::nullopt,
-             kOrigin);
-  map.insert(computed(test::cloud_of({{5.05F, 0.05F, 0.05F}, {5.05F, 2.05F, 0.05F}}), 0.5F),
-             std::nullopt, kOrigin);
+  insert(map, test::cloud_of({{5.05F, -0.05F, 0.05F}, {5.05F, 0.15F, 0.05F}}));
+  insert(map, computed(test::cloud_of({{5.05F, 0.05F, 0.05F}, {5.05F, 2.05F, 0.05F}}), 0.5F));
   CHECK(map.points().size() == 3);
 }
 
@@ -215,30 +219,25 @@ TEST_CASE("rows between the measured ones are computed, and taken as half right 
 
 TEST_CASE("the same scans give the same bytes, in any order, with one thread and with three") {
   const auto scans = random_scans(8);
-  const int before = omp_get_max_threads();
-  omp_set_num_threads(1);
-  std::vector<float> bright, bright_backwards, bright_of_three;
-  const auto one = map_of(scans, false, bright);
-  const auto backwards = map_of(scans, true, bright_backwards);
-  omp_set_num_threads(3);
-  const auto three = map_of(scans, false, bright_of_three);
-  omp_set_num_threads(before);
+  std::vector<float> bright;
+  const auto one = map_of(scans, false, 1, bright);
   CHECK(one.size() > 500);
-  CHECK(same_bytes(one, backwards));
-  CHECK(same_bytes(one, three));
   CHECK(bright.size() == one.size());
-  CHECK(same_bytes(bright, bright_backwards));
-  CHECK(same_bytes(bright, bright_of_three));
+  for (const auto& [backwards, threads] : {std::pair{true, 1}, {false, 3}}) {
+    std::vector<float> also_bright;
+    CHECK(same_bytes(one, map_of(scans, backwards, threads, also_bright)));
+    CHECK(same_bytes(bright, also_bright));
+  }
 }
 
 TEST_CASE("memory is bounded: what is full takes no further voxels and says so") {
   DenseMapOptions options;
   options.max_voxels = 100;
   DenseMap map(options);
-  map.insert(test::cloud_of(wall(5.05F)), std::nullopt, kOrigin);
+  insert(map, test::cloud_of(wall(5.05F)));
   CHECK(map.is_full());
   CHECK(map.voxels() == 100);
-  map.insert(test::cloud_of(wall(5.05F)), std::nullopt, kOrigin);
+  insert(map, test::cloud_of(wall(5.05F)));
   CHECK(map.voxels() == 100);
   const auto points = map.points();
   REQUIRE(points.size() == 100);
@@ -252,13 +251,13 @@ TEST_CASE("points beyond the range, without a return or not finite leave no trac
       {{60.0F, 0.0F, 0.0F}, {5.0F, 0.0F, 0.0F}, {kNan, 0.0F, 0.0F}, {1e30F, 0.0F, 0.0F}});
   cloud.range_m = {60.0F, 0.0F, 5.0F, 5.0F};
   DenseMap map({});
-  map.insert(cloud, std::nullopt, kOrigin);
+  insert(map, cloud);
   map.see_through(cloud, kOrigin);
   cloud.range_m = {kNan, kInfinite, -5.0F, kInfinite};
-  map.insert(cloud, std::nullopt, kOrigin);
+  insert(map, cloud);
   cloud.range_m.assign(4, 5.0F);
   cloud.time_offset_s.assign(4, kNan);
-  map.insert(cloud, std::nullopt, kOrigin);
+  insert(map, cloud);
   map.see_through(cloud, kOrigin);
   CHECK(map.voxels() == 0);
   CHECK(map.points().empty());
@@ -268,10 +267,10 @@ TEST_CASE("clouds, poses and options that cannot be are errors of one line") {
   DenseMap map({});
   OrganizedCloud cloud = test::cloud_of({{5.0F, 0.0F, 0.0F}, {6.0F, 0.0F, 0.0F}});
   cloud.confidence = {1.0F};
-  CHECK(refused_with([&] { map.insert(cloud, std::nullopt, kOrigin); }, "1x2", "1 confidences"));
+  CHECK(refused_with([&] { insert(map, cloud); }, "1x2", "1 confidences"));
   cloud.confidence.clear();
   cloud.intensity = {1.0F, 2.0F, 3.0F};
-  CHECK(refused_with([&] { map.insert(cloud, std::nullopt, kOrigin); }, "1x2", "3 intensities"));
+  CHECK(refused_with([&] { insert(map, cloud); }, "1x2", "3 intensities"));
   cloud.intensity.clear();
   cloud.range_m.pop_back();
   CHECK(refused_with([&] { map.see_through(cloud, kOrigin); }, "1 ranges"));

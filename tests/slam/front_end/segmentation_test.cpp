@@ -2,7 +2,6 @@
 
 #include <doctest/doctest.h>
 
-#include "hqslam/core/error.h"
 #include "slam/yard.h"
 
 using namespace hqslam;

@@ -6,7 +6,7 @@
 
 #include "hqslam/core/imu_sample.h"
 #include "slam/imu/accelerometer.h"
-#include "slam/loops/worst_error.h"
+#include "slam/poses.h"
 
 using namespace hqslam;
 using slam::FeltGravity;

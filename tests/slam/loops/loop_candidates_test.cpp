@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "slam/poses.h"
 #include "slam/village.h"
 #include "slam/yard.h"
 
@@ -18,7 +19,7 @@ namespace {
 PoseGraph straight(int nodes) {
   PoseGraph graph;
   for (int i = 0; i < nodes; ++i) {
-    graph.T_map_node.push_back(pose_from_xyz_rpy({4.0 * i, 0.0, 0.0}, 0.0, 0.0, 0.0));
+    graph.T_map_node.push_back(test::at_x(4.0 * i));
     if (i > 0) graph.odometry.push_back({graph.T_map_node.size() - 2, graph.T_map_node.size() - 1});
   }
   return graph;

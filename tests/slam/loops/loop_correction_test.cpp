@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "slam/at_x.h"
+#include "slam/poses.h"
 
 using namespace hqslam;
 using slam::PoseGraph;

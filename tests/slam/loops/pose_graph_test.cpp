@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-#include "slam/loops/worst_error.h"
+#include "slam/poses.h"
 
 using namespace hqslam;
 using slam::optimized;

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "hqslam/core/pose.h"
-#include "slam/at_x.h"
+#include "slam/poses.h"
 
 using namespace hqslam;
 

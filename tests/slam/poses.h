@@ -3,14 +3,26 @@
 #include <algorithm>
 #include <vector>
 
+#include "hqslam/core/pose.h"
 #include "hqslam/core/trajectory.h"
 
 namespace hqslam::test {
+
+inline Pose at_x(double x_m) { return pose_from_xyz_rpy({x_m, 0.0, 0.0}, 0.0, 0.0, 0.0); }
 
 inline std::vector<Pose> poses_of(const Trajectory& trajectory) {
   std::vector<Pose> result;
   for (const StampedPose& pose : trajectory) result.push_back(pose.T_map_sensor);
   return result;
+}
+
+/// To the last bit.
+inline bool are_same(const std::vector<Pose>& a, const std::vector<Pose>& b) {
+  return std::ranges::equal(a, b,
+                            [](const Pose& p, const Pose& q) { return p.matrix() == q.matrix(); });
+}
+inline bool are_same(const Trajectory& a, const Trajectory& b) {
+  return are_same(poses_of(a), poses_of(b));
 }
 
 /// Of poses in the frame of the first true one, those from `first` on.
