@@ -25,12 +25,12 @@ Mapping map_about(const LoopSearchSpace& space, const Pose& T_map_place) {
 
 std::optional<FoundLoop> verified(const LoopSearchSpace& space, std::size_t node,
                                   const Mapping& local, const Pose& T_map_last_start) {
-  const VerifiedLoop loop = verify_loop(space.features, local, T_map_last_start);
-  const Pose change = space.graph.T_map_node.back().inverse() * loop.T_map_sensor;
+  const std::optional<VerifiedLoop> loop = verify_loop(space.features, local, T_map_last_start);
+  if (!loop) return std::nullopt;
+  const Pose change = space.graph.T_map_node.back().inverse() * loop->T_map_sensor;
   const PlausibleDrift& drift = space.drift[node];
-  const bool is_plausible = is_within(change, drift.translation_m, drift.rotation_rad);
-  if (loop.verdict != LoopVerdict::kAccepted || !is_plausible) return std::nullopt;
-  return FoundLoop{node, loop.T_map_sensor, loop.fit.overlap};
+  if (!is_within(change, drift.translation_m, drift.rotation_rad)) return std::nullopt;
+  return FoundLoop{node, loop->T_map_sensor, loop->fit.overlap};
 }
 
 std::vector<Eigen::Vector3f> in_frame(const std::vector<Eigen::Vector3f>& points_m,

@@ -81,29 +81,18 @@ Fit fit_of(const MapFeatures& features, const FeatureMaps& map, const MotionStat
   return sum.result();
 }
 
-VerifiedLoop verify_loop(const MapFeatures& features, const Mapping& older_map,
-                         const Pose& T_map_sensor_start) {
-  VerifiedLoop result;
+std::optional<VerifiedLoop> verify_loop(const MapFeatures& features, const Mapping& older_map,
+                                        const Pose& T_map_sensor_start) {
   MappingResult found = registered_at(features, older_map, T_map_sensor_start);
   if (found.status == Status::kNotConverged) {
     found = registered_at(features, older_map, found.state.T_map_sensor);
   }
-  result.T_map_sensor = found.state.T_map_sensor;
   // Where the pose can slide, edges that are none keep it moving to and fro.
-  const bool settled = found.status == Status::kOk || found.status == Status::kDegenerate;
-  if (!settled) return result;
-  result.fit = fit_of(features, older_map.map(), found.state);
-  if (result.fit.overlap < kMinOverlap) {
-    result.verdict = LoopVerdict::kLittleOverlap;
-  } else if (result.fit.residual_m > kMaxResidual_m) {
-    result.verdict = LoopVerdict::kLargeResidual;
-  } else if (found.status == Status::kDegenerate ||
-             slides(features, older_map, found.state.T_map_sensor)) {
-    result.verdict = LoopVerdict::kNotObservable;
-  } else {
-    result.verdict = LoopVerdict::kAccepted;
-  }
-  return result;
+  if (found.status != Status::kOk) return std::nullopt;
+  const Fit fit = fit_of(features, older_map.map(), found.state);
+  const bool fits = fit.overlap >= kMinOverlap && fit.residual_m <= kMaxResidual_m;
+  if (!fits || slides(features, older_map, found.state.T_map_sensor)) return std::nullopt;
+  return VerifiedLoop{found.state.T_map_sensor, fit};
 }
 
 }  // namespace hqslam::slam
