@@ -11,14 +11,6 @@ namespace hqslam::slam {
 
 namespace {
 
-/// (x, y, z, roll, pitch, yaw)
-Vector6 parameter_vector(const MotionParameters& p) {
-  Vector6 result;
-  result << p.in_plane[0], p.in_plane[1], p.out_of_plane[0], p.out_of_plane[1], p.out_of_plane[2],
-      p.in_plane[2];
-  return result;
-}
-
 /// Places in (x, y, z, roll, pitch, yaw) that are not estimated.
 std::vector<int> held_parameters(FreeParameters free) {
   if (free == FreeParameters::kInPlane) return {2, 3, 4};
@@ -52,19 +44,14 @@ void ConstraintList::add(const std::vector<std::optional<PlaneConstraint>>& foun
 }
 
 Pose pose_of(const MotionParameters& p) {
-  return pose_from_xyz_rpy({p.in_plane[0], p.in_plane[1], p.out_of_plane[0]}, p.out_of_plane[1],
-                           p.out_of_plane[2], p.in_plane[2]);
+  return pose_from_xyz_rpy({p[0], p[1], p[3]}, p[4], p[5], p[2]);
 }
 
 MotionParameters parameters_of(const Pose& pose) {
   const Eigen::Vector3d angles_rad = roll_pitch_yaw_rad(pose);
   MotionParameters result;
-  result.in_plane[0] = pose.translation().x();
-  result.in_plane[1] = pose.translation().y();
-  result.in_plane[2] = angles_rad.z();
-  result.out_of_plane[0] = pose.translation().z();
-  result.out_of_plane[1] = angles_rad.x();
-  result.out_of_plane[2] = angles_rad.y();
+  result << pose.translation().head<2>(), angles_rad.z(), pose.translation().z(),
+      angles_rad.head<2>();
   return result;
 }
 
@@ -104,11 +91,12 @@ MotionParameters align(const std::vector<PlaneConstraint>& constraints,
                        const MotionParameters& start, FreeParameters free, int max_steps) {
   MotionParameters result = start;
   if (constraints.empty()) return result;
+  double* in_plane = result.data();
+  double* out_of_plane = in_plane + 3;
   ceres::Problem problem;
-  problem.AddResidualBlock(new PlaneConstraintsCost(constraints), nullptr, result.in_plane,
-                           result.out_of_plane);
-  if (free == FreeParameters::kOutOfPlane) problem.SetParameterBlockConstant(result.in_plane);
-  if (free == FreeParameters::kInPlane) problem.SetParameterBlockConstant(result.out_of_plane);
+  problem.AddResidualBlock(new PlaneConstraintsCost(constraints), nullptr, in_plane, out_of_plane);
+  if (free == FreeParameters::kOutOfPlane) problem.SetParameterBlockConstant(in_plane);
+  if (free == FreeParameters::kInPlane) problem.SetParameterBlockConstant(out_of_plane);
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.max_num_iterations = max_steps;
@@ -165,10 +153,10 @@ Observability observability(Matrix6 information, double total, FreeParameters fr
 
 MotionParameters without_unobservable(const MotionParameters& start, const MotionParameters& end,
                                       const Observability& observability) {
-  const Vector6 change =
-      observability.projection * (parameter_vector(end) - parameter_vector(start));
-  const Vector6 result = parameter_vector(start) + change;
-  return {{result[0], result[1], result[5]}, {result[2], result[3], result[4]}};
+  constexpr std::array kAsProjected = {0, 1, 3, 4, 5, 2};  // x, y, z, roll, pitch, yaw
+  MotionParameters result = start;
+  result(kAsProjected) += observability.projection * Vector6((end - start)(kAsProjected));
+  return result;
 }
 
 }  // namespace hqslam::slam

@@ -41,16 +41,14 @@ struct ConstraintList {
 };
 
 /// The motion that is estimated, as LeGO-LOAM splits it in two:
-///   T = translation (x, y, z) after R = Rz(yaw) Ry(pitch) Rx(roll).
-struct MotionParameters {
-  double in_plane[3] = {0.0, 0.0, 0.0};      ///< x, y [m], yaw [rad]
-  double out_of_plane[3] = {0.0, 0.0, 0.0};  ///< z [m], roll, pitch [rad]
-};
+///   T = translation (x, y, z) after R = Rz(yaw) Ry(pitch) Rx(roll),
+/// in plane x, y [m] and yaw [rad], then out of plane z [m], roll and pitch [rad].
+using MotionParameters = Vector6;
 Pose pose_of(const MotionParameters& parameters);
 MotionParameters parameters_of(const Pose& pose);
 
-/// All constraints as one batched residual with analytic Jacobians: parameter block 0 is
-/// MotionParameters::in_plane, block 1 is out_of_plane.
+/// All constraints as one batched residual with analytic Jacobians: parameter block 0 are those in
+/// plane, block 1 those out of plane.
 ///
 ///   d residual / d t = weight n;   d residual / d angle = weight n . (dR/dangle p).
 class PlaneConstraintsCost : public ceres::CostFunction {

@@ -31,24 +31,22 @@ std::vector<PlaneConstraint> constraints_of(const Pose& T, int count, unsigned s
   return result;
 }
 
-MotionParameters some_parameters() { return {{0.3, -0.4, 0.2}, {0.1, -0.05, 0.08}}; }
+MotionParameters some_parameters() {
+  return (MotionParameters() << 0.3, -0.4, 0.2, 0.1, -0.05, 0.08).finished();
+}
 
 }  // namespace
 
 TEST_CASE("parameters and pose are two forms of one motion") {
   const MotionParameters p = some_parameters();
-  const MotionParameters back = slam::parameters_of(slam::pose_of(p));
-  for (int i = 0; i < 3; ++i) {
-    CHECK(back.in_plane[i] == doctest::Approx(p.in_plane[i]));
-    CHECK(back.out_of_plane[i] == doctest::Approx(p.out_of_plane[i]));
-  }
+  CHECK(slam::parameters_of(slam::pose_of(p)).isApprox(p, 1e-6));
 }
 
 TEST_CASE("analytic Jacobians equal central differences") {
   const auto constraints = constraints_of(Pose::Identity(), 40, 1);
   const slam::PlaneConstraintsCost cost(constraints);
   MotionParameters p = some_parameters();
-  double* blocks[2] = {p.in_plane, p.out_of_plane};
+  double* blocks[2] = {p.data(), p.data() + 3};
   std::vector<double> residuals(40);
   std::vector<double> in_plane(40 * 3);
   std::vector<double> out_of_plane(40 * 3);
@@ -76,7 +74,7 @@ TEST_CASE("only the block that is asked for is computed") {
   const auto constraints = constraints_of(Pose::Identity(), 5, 1);
   const slam::PlaneConstraintsCost cost(constraints);
   MotionParameters p = some_parameters();
-  double* blocks[2] = {p.in_plane, p.out_of_plane};
+  double* blocks[2] = {p.data(), p.data() + 3};
   std::vector<double> residuals(5);
   std::vector<double> out_of_plane(15, 0.0);
   double* jacobians[2] = {nullptr, out_of_plane.data()};
@@ -88,7 +86,7 @@ TEST_CASE("a known motion is found by full steps, not by small fractions of one"
   const Pose T = pose_from_xyz_rpy({0.8, -0.3, 0.1}, 0.02, -0.03, 0.15);
   const auto constraints = constraints_of(T, 300, 2);
   const Pose found =
-      slam::pose_of(slam::align(constraints, MotionParameters{}, FreeParameters::kAll, 6));
+      slam::pose_of(slam::align(constraints, MotionParameters::Zero(), FreeParameters::kAll, 6));
   CHECK((found.translation() - T.translation()).norm() < 1e-5);
   CHECK(rotation_angle_rad(found.inverse() * T) < 1e-6);
 }
@@ -97,18 +95,16 @@ TEST_CASE("held parameters keep their values, free ones are found") {
   const MotionParameters truth = some_parameters();
   const auto constraints = constraints_of(slam::pose_of(truth), 300, 3);
   MotionParameters start = truth;
-  start.out_of_plane[0] += 0.2;
-  start.out_of_plane[1] += 0.05;
+  start[3] += 0.2;
+  start[4] += 0.05;
   const auto found = slam::align(constraints, start, FreeParameters::kOutOfPlane, 8);
-  CHECK(found.in_plane[0] == start.in_plane[0]);
-  CHECK(found.in_plane[2] == start.in_plane[2]);
-  CHECK(found.out_of_plane[0] == doctest::Approx(truth.out_of_plane[0]).epsilon(1e-4));
-  CHECK(found.out_of_plane[1] == doctest::Approx(truth.out_of_plane[1]).epsilon(1e-4));
+  CHECK(found.head<3>() == start.head<3>());
+  CHECK(found.tail<3>().isApprox(truth.tail<3>(), 1e-4));
 }
 
 TEST_CASE("no constraints leave the start") {
   const auto found = slam::align({}, some_parameters(), FreeParameters::kAll, 5);
-  CHECK(found.in_plane[0] == some_parameters().in_plane[0]);
+  CHECK(found == some_parameters());
 }
 
 TEST_CASE("a corridor does not tell the motion along it, and that motion is held") {
@@ -125,11 +121,11 @@ TEST_CASE("a corridor does not tell the motion along it, and that motion is held
   }
   const auto observable = slam::observability(corridor, FreeParameters::kAll, 0.005);
   CHECK(observable.degenerate_directions == 1);
-  const MotionParameters end = {{5.0, 0.1, 0.01}, {0.05, 0.0, 0.0}};
-  const auto kept = slam::without_unobservable(MotionParameters{}, end, observable);
-  CHECK(std::abs(kept.in_plane[0]) < 0.05);
-  CHECK(kept.in_plane[1] == doctest::Approx(0.1).epsilon(0.02));
-  CHECK(kept.out_of_plane[0] == doctest::Approx(0.05).epsilon(0.02));
+  const MotionParameters end = (MotionParameters() << 5.0, 0.1, 0.01, 0.05, 0.0, 0.0).finished();
+  const auto kept = slam::without_unobservable(MotionParameters::Zero(), end, observable);
+  CHECK(std::abs(kept[0]) < 0.05);
+  CHECK(kept[1] == doctest::Approx(0.1).epsilon(0.02));
+  CHECK(kept[3] == doctest::Approx(0.05).epsilon(0.02));
 }
 
 TEST_CASE("the degeneracy test does not depend on the number of points") {
