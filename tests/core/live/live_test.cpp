@@ -6,7 +6,6 @@
 #include <atomic>
 #include <chrono>
 #include <filesystem>
-#include <functional>
 #include <sstream>
 #include <thread>
 
@@ -38,6 +37,12 @@ void send_turn(const LoopbackSender& sender, OusterProfile profile, std::uint32_
   for (const Captured& packet : ouster_turn(profile, frame_id)) sender.send(packet.payload);
 }
 
+/// Waits until it is recognised, and begins to decode what it sends.
+void start(LiveSensor& sensor) {
+  REQUIRE(sensor.recognise(kPatience_s));
+  sensor.start();
+}
+
 /// All scans that come until `sent` packets are through, and none comes any more.
 std::vector<LiveScan> all_scans(LiveSensor& sensor, std::int64_t expected) {
   std::vector<LiveScan> scans;
@@ -48,16 +53,6 @@ std::vector<LiveScan> all_scans(LiveSensor& sensor, std::int64_t expected) {
   }
   return scans;
 }
-
-/// Sends from another thread while the sensor is recognised in this one.
-class Background {
- public:
-  explicit Background(std::function<void()> work) : thread_(std::move(work)) {}
-  ~Background() { thread_.join(); }
-
- private:
-  std::thread thread_;
-};
 
 void wait_until_no_more_come(const LiveSensor& sensor) {
   std::int64_t before = -1;
@@ -93,7 +88,7 @@ TEST_CASE("scans that come over UDP are those of the capture with the same packe
   const auto recorded = open_recording(folder.file("a.pcap"));
   const LiveOptions options = vlp16();
   LiveSensor sensor(options);
-  const Background sending([&] { replay(packets, options.port, 1.0); });
+  const std::jthread sending([&] { replay(packets, options.port, 1.0); });
   REQUIRE(sensor.recognise(kPatience_s));
   CHECK(sensor.sensor() == recorded->sensor());
   CHECK(sensor.format() == "Velodyne packets, single return");
@@ -126,9 +121,8 @@ TEST_CASE("packets that never come, come twice or are of another kind are counte
   packets[behind + 80].payload.assign(512, 7);
   const LiveOptions options = vlp16();
   LiveSensor sensor(options);
-  const Background sending([&] { replay(packets, options.port, 2.0); });
-  REQUIRE(sensor.recognise(kPatience_s));
-  sensor.start();
+  const std::jthread sending([&] { replay(packets, options.port, 2.0); });
+  start(sensor);
   REQUIRE(all_scans(sensor, 7).size() == 7);
   const LiveCounts counts = sensor.counts();
   CHECK(counts.packets.lost == 4);  // three, and the one that was another
@@ -143,12 +137,11 @@ TEST_CASE("who does not take scans in time loses whole ones, the oldest, and mem
   options.most_waiting = 3;
   LiveSensor sensor(options);
   std::atomic<bool> sent = false;
-  const Background sending([&] {
+  const std::jthread sending([&] {
     replay(packets, options.port, 0.0);
     sent = true;
   });
-  REQUIRE(sensor.recognise(kPatience_s));
-  sensor.start();
+  start(sensor);
   while (!sent) std::this_thread::sleep_for(std::chrono::milliseconds(100));
   wait_until_no_more_come(sensor);
   const LiveCounts counts = sensor.counts();
@@ -175,7 +168,7 @@ TEST_CASE("memory does not grow with what was received, whether scans are taken 
   const LiveOptions options = vlp16();
   LiveSensor sensor(options);
   {
-    const Background sending(
+    const std::jthread sending(
         [&] { replay(velodyne_capture({.duration_s = 2.0}), options.port, 0.0); });
     REQUIRE(sensor.recognise(kPatience_s));
   }
@@ -230,8 +223,7 @@ TEST_CASE("what was recorded live is opened as any capture, an Ouster's metadata
     LiveSensor sensor(options);
     const LoopbackSender sender(options.port);
     sender.send(ouster_turn(profile, 2)[0].payload);
-    REQUIRE(sensor.recognise(kPatience_s));
-    sensor.start();
+    start(sensor);
     send_turn(sender, profile, 3);
     REQUIRE(sensor.next(kPatience_s));  // the packet that it was recognised by
     const auto scan = sensor.next(kPatience_s);
@@ -307,7 +299,7 @@ TEST_CASE(
   for (int i = 0; i < 300; ++i) stranger.send(Payload(900));
   CHECK_FALSE(sensor.recognise(0.3));
   CHECK(one_line_with(sensor.complaint(), "900 bytes", "127.0.0.2", "vlp-16"));
-  const Background sending(
+  const std::jthread sending(
       [&] { replay(velodyne_capture({.duration_s = 0.7}), options.port, 1.0); });
   CHECK(sensor.recognise(kPatience_s));
   CHECK(text(sensor.sender()) == fmt::format("127.0.0.1:{}", options.port));
@@ -322,7 +314,7 @@ TEST_CASE("a stranger's packet that looks like the sensor's makes nobody the sen
     LiveSensor sensor(options);
     const LoopbackSender stranger(options.port, 2);
     stranger.send(packets[100].payload);
-    const Background sending([&] { replay(packets, options.port, 1.0); });
+    const std::jthread sending([&] { replay(packets, options.port, 1.0); });
     REQUIRE(sensor.recognise(kPatience_s));
     CHECK(text(sensor.sender()) == fmt::format("127.0.0.1:{}", options.port));
     sensor.start();
@@ -347,12 +339,11 @@ TEST_CASE("a sensor whose address changes is followed once it sends from the new
   };
   const LiveOptions options = vlp16();
   LiveSensor sensor(options);
-  const Background sending([&] {
+  const std::jthread sending([&] {
     replay(part(0.0, 1.2), options.port, 1.0);
     replay(part(1.2, 4.5), options.port, 1.0, 3);
   });
-  REQUIRE(sensor.recognise(kPatience_s));
-  sensor.start();
+  start(sensor);
   // From 0.5 s to 1.2 s, then from where it was silent for a second on.
   CHECK(all_scans(sensor, 20).size() == 20);
   CHECK(sensor.counts().senders_changed == 1);
@@ -365,12 +356,11 @@ TEST_CASE("a sensor that starts again in the drive is followed on, however it co
     const auto packets = velodyne_capture({.duration_s = 1.2});  // its clock begins anew, too
     const LiveOptions options = vlp16();
     LiveSensor sensor(options);
-    const Background sending([&] {
+    const std::jthread sending([&] {
       replay(packets, options.port, 1.0);
       replay(packets, options.port, 1.0);
     });
-    REQUIRE(sensor.recognise(kPatience_s));
-    sensor.start();
+    start(sensor);
     const auto scans = all_scans(sensor, 16);
     REQUIRE(scans.size() == 16);
     for (std::size_t i = 1; i < scans.size(); ++i) {
@@ -386,8 +376,7 @@ TEST_CASE("a sensor that starts again in the drive is followed on, however it co
   LiveSensor sensor(options);
   const LoopbackSender sender(options.port);
   send_turn(sender, OusterProfile::kRng19, 5000);
-  REQUIRE(sensor.recognise(kPatience_s));
-  sensor.start();
+  start(sensor);
   for (const std::uint32_t frame_id : {5001, 0, 1, 2}) {
     send_turn(sender, OusterProfile::kRng19, frame_id);
   }
@@ -401,9 +390,8 @@ TEST_CASE("a sensor that was set to another mode in the drive is said to be") {
   const LiveOptions options = vlp16();
   LiveSensor sensor(options);
   {
-    const Background sending([&] { replay(packets, options.port, 1.0); });
-    REQUIRE(sensor.recognise(kPatience_s));
-    sensor.start();
+    const std::jthread sending([&] { replay(packets, options.port, 1.0); });
+    start(sensor);
   }
   CHECK(sensor.counts().trouble.empty());
   const LoopbackSender sender(options.port);

@@ -110,31 +110,29 @@ std::string raw(T value) {
   return {reinterpret_cast<const char*>(&value), sizeof(T)};
 }
 
-}  // namespace
-
-Payload velodyne_scan_message(const std::vector<Captured>& packets, bool ros1) {
+/// space_bytes: in which every packet stands, its length behind it; 0: as it is.
+Payload scan_message(const std::vector<Captured>& packets, bool ros1, std::size_t space_bytes) {
   Writer writer(ros1);
   writer.header(packets.front().time_ns);
   writer.number(static_cast<std::uint32_t>(packets.size()));
-  for (const Captured& packet : packets) {
+  for (Captured packet : packets) {
+    const auto bytes = static_cast<std::uint32_t>(packet.payload.size());
+    if (space_bytes > 0) packet.payload.resize(space_bytes);
     writer.time(packet.time_ns);
     writer.raw(packet.payload);
+    if (space_bytes > 0) writer.number(bytes);
   }
   return writer.bytes;
 }
 
+}  // namespace
+
+Payload velodyne_scan_message(const std::vector<Captured>& packets, bool ros1) {
+  return scan_message(packets, ros1, 0);
+}
+
 Payload pandar_scan_message(const std::vector<Captured>& packets, bool ros1) {
-  Writer writer(ros1);
-  writer.header(packets.front().time_ns);
-  writer.number(static_cast<std::uint32_t>(packets.size()));
-  for (const Captured& packet : packets) {
-    writer.time(packet.time_ns);
-    Payload space = packet.payload;
-    space.resize(1500);
-    writer.raw(space);
-    writer.number(static_cast<std::uint32_t>(packet.payload.size()));
-  }
-  return writer.bytes;
+  return scan_message(packets, ros1, 1500);
 }
 
 std::vector<BagMessage> scan_messages(const std::string& topic, const std::string& type,
@@ -348,15 +346,13 @@ class Database {
 void write_db3(const std::vector<BagMessage>& messages, const std::string& path,
                const std::string& serialization_format) {
   Database database(path);
-  for (const char* sql :
-       {"PRAGMA page_size = 512",  // small files, of several pages all the same
-        "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL, "
-        "serialization_format TEXT NOT NULL, offered_qos_profiles TEXT NOT NULL)",
-        "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp "
-        "INTEGER NOT NULL, data BLOB NOT NULL)",
-        "BEGIN"}) {
-    database.run(sql);
-  }
+  database.run(
+      "PRAGMA page_size = 512;"  // small files, of several pages all the same
+      "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL, "
+      "serialization_format TEXT NOT NULL, offered_qos_profiles TEXT NOT NULL);"
+      "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp "
+      "INTEGER NOT NULL, data BLOB NOT NULL);"
+      "BEGIN");
   write_messages(
       messages,
       [&](std::int64_t id, const BagMessage& message) {
@@ -373,20 +369,17 @@ void write_db3(const std::vector<BagMessage>& messages, const std::string& path,
 void write_endless_db3(const std::string& path) {
   write_db3({{"/points", "sensor_msgs/msg/PointCloud2", 1, Payload(8)}}, path);
   Database database(path);
-  for (const char* sql : {"DROP TABLE messages",
-                          "CREATE VIEW messages AS WITH RECURSIVE endless(n) AS (SELECT 1 UNION "
-                          "ALL SELECT n + 1 FROM endless) SELECT n AS id, 1 AS topic_id, n AS "
-                          "timestamp, x'00' AS data FROM endless"}) {
-    database.run(sql);
-  }
+  database.run(
+      "DROP TABLE messages;"
+      "CREATE VIEW messages AS WITH RECURSIVE endless(n) AS (SELECT 1 UNION ALL SELECT n + 1 FROM "
+      "endless) SELECT n AS id, 1 AS topic_id, n AS timestamp, x'00' AS data FROM endless");
 }
 
 void copy_with_half_taken_back(const std::string& path, const std::string& copy) {
   Database database(path);
-  for (const char* sql : {"PRAGMA journal_mode = WAL",
-                          "DELETE FROM messages WHERE id > (SELECT COUNT(*) / 2 FROM messages)"}) {
-    database.run(sql);
-  }
+  database.run(
+      "PRAGMA journal_mode = WAL;"
+      "DELETE FROM messages WHERE id > (SELECT COUNT(*) / 2 FROM messages)");
   std::filesystem::copy_file(path, copy);
   std::filesystem::copy_file(path + "-wal", copy + "-wal");
 }

@@ -128,11 +128,9 @@ std::vector<Captured> velodyne_capture(const RoundRoom& room) {
     }
     time_us += room.firing_us;
     if (azimuths.size() < 12) continue;
-    Captured captured;
-    captured.time_ns = room.start_ns + std::llround(1e3 * first_us);
-    captured.payload = velodyne_packet(static_cast<std::uint32_t>(std::lround(first_us)), azimuths,
-                                       2500, 10, room.dual ? 0x39 : 0x37, room.product);
-    result.push_back(std::move(captured));
+    result.push_back({room.start_ns + std::llround(1e3 * first_us), 2368,
+                      velodyne_packet(static_cast<std::uint32_t>(std::lround(first_us)), azimuths,
+                                      2500, 10, room.dual ? 0x39 : 0x37, room.product)});
     azimuths.clear();
   }
   return result;
@@ -171,13 +169,11 @@ std::vector<Captured> hesai_capture(int lasers, double duration_s, std::uint8_t 
   const int firings = return_mode >= 0x39 ? 4 : 8;
   std::vector<Captured> result;
   for (int i = 0; 50e-6 * firings * i < duration_s; ++i) {
-    Captured captured;
     const int time_us = 50 * firings * i;
-    captured.time_ns = 1'600'000'000'000'000'000 + 1000LL * time_us;
-    captured.payload = hesai_packet_bytes(lasers, static_cast<std::uint32_t>(time_us),
-                                          (30000 + 18 * firings * i) % 36000,
-                                          static_cast<std::uint32_t>(i), return_mode);
-    result.push_back(std::move(captured));
+    result.push_back({1'600'000'000'000'000'000 + 1000LL * time_us, 2368,
+                      hesai_packet_bytes(lasers, static_cast<std::uint32_t>(time_us),
+                                         (30000 + 18 * firings * i) % 36000,
+                                         static_cast<std::uint32_t>(i), return_mode)});
   }
   return result;
 }

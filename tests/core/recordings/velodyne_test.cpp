@@ -43,6 +43,17 @@ double duration_s(const Scan& scan) {
   return *last - *first;
 }
 
+/// Sets the sensor's clock on from the packet `begin` on, and maybe the capture's.
+void set_on(std::vector<Captured>& packets, std::size_t begin, std::int64_t later_us,
+            std::int64_t captured_later_us = 0) {
+  for (std::size_t i = begin; i < packets.size(); ++i) {
+    const auto time_us = little_endian<std::uint32_t>(packets[i].payload, kTimeAt);
+    put(packets[i].payload, kTimeAt,
+        static_cast<std::uint32_t>((time_us + later_us) % 3'600'000'000));
+    packets[i].time_ns += 1000 * captured_later_us;
+  }
+}
+
 /// Azimuths of twelve blocks, so many hundredths of a degree apart.
 std::vector<int> azimuths(int first, int step) {
   std::vector<int> result;
@@ -200,12 +211,7 @@ TEST_CASE("packets and turns of an outage are counted, however long it lasts") {
     auto packets = velodyne_capture({.duration_s = 1.05, .first_azimuth_deg = 0.0});
     const VelodyneStream stream = probed(packets);
     const auto later_us = static_cast<std::int64_t>(1e6 * c.outage_s);
-    for (std::size_t i = 400; i < packets.size(); ++i) {
-      const auto time_us = little_endian<std::uint32_t>(packets[i].payload, kTimeAt);
-      put(packets[i].payload, kTimeAt,
-          static_cast<std::uint32_t>((time_us + later_us) % 3'600'000'000));
-      packets[i].time_ns += 1000 * later_us;
-    }
+    set_on(packets, 400, later_us, later_us);
     const Decoded d = decoded(packets, stream);
     const double expected = 1e6 * c.outage_s / 1327.104;
     CHECK(std::abs(static_cast<double>(d.counts.lost) - expected) < 1.0 + 1e-3 * expected);
@@ -248,19 +254,13 @@ TEST_CASE("a gap of nearly a turn, which leaves the azimuth as it was, ends a sc
 
 TEST_CASE("time goes on over the hour, and a clock that is set ends a scan") {
   auto packets = velodyne_capture({.duration_s = 0.5});
-  for (auto& captured : packets) {
-    const auto time_us = little_endian<std::uint32_t>(captured.payload, kTimeAt);
-    put(captured.payload, kTimeAt, (time_us + 3'599'800'000U) % 3'600'000'000U);
-  }
+  set_on(packets, 0, 3'599'800'000);
   const Decoded over_hour = decoded(packets, probed(packets));
   REQUIRE(over_hour.scans.size() == 5);
   CHECK(over_hour.counts.lost == 0);
   CHECK(over_hour.scans[3].stamp_s - over_hour.scans[0].stamp_s ==
         doctest::Approx(0.3).scale(0).epsilon(0.01));
-  for (std::size_t i = 150; i < packets.size(); ++i) {
-    const auto time_us = little_endian<std::uint32_t>(packets[i].payload, kTimeAt);
-    put(packets[i].payload, kTimeAt, (time_us + 400'000'000U) % 3'600'000'000U);
-  }
+  set_on(packets, 150, 400'000'000);
   // Set in the third turn: what was before and behind it are two parts, the first one nearly whole.
   const Decoded set = decoded(packets, probed(packets));
   REQUIRE(set.scans.size() == 5);
@@ -273,11 +273,7 @@ TEST_CASE("time goes on over the hour, and a clock that is set ends a scan") {
 
 TEST_CASE("a scan ends where both clocks are set back together") {
   auto packets = velodyne_capture({.duration_s = 0.5});
-  for (std::size_t i = 150; i < packets.size(); ++i) {
-    const auto time_us = little_endian<std::uint32_t>(packets[i].payload, kTimeAt);
-    put(packets[i].payload, kTimeAt, (time_us + 3'595'000'000U) % 3'600'000'000U);
-    packets[i].time_ns -= 5'000'000'000;
-  }
+  set_on(packets, 150, 3'595'000'000, -5'000'000);
   const Decoded set = decoded(packets, probed(packets));
   CHECK(set.partial == 2);
   for (const Scan& scan : set.scans) CHECK(duration_s(scan) < 0.11);
