@@ -146,6 +146,13 @@ std::size_t wrong_rows(const KnownScan& known, const RingRecovery& recovery) {
   return wrong;
 }
 
+/// What is found of a scan, whose rows must all be right.
+RingRecovery recovered(const KnownScan& known, const SensorModel& sensor) {
+  RingRecovery recovery = recover_rings(known.scan, sensor);
+  CHECK(wrong_rows(known, recovery) == 0);
+  return recovery;
+}
+
 KnownScan without_ring(const KnownScan& known, int ring) {
   return only(known, [&](int row, double) { return row != ring; });
 }
@@ -214,8 +221,7 @@ TEST_CASE("rings are recovered whichever way the sensor turns and wherever rings
         CAPTURE(direction);
         const SensorModel sensor = sensor_preset(name);
         const KnownScan known = a_square(sensor, {first_azimuth_rad, direction});
-        const RingRecovery recovery = recover_rings(known.scan, sensor);
-        CHECK(wrong_rows(known, recovery) == 0);
+        const RingRecovery recovery = recovered(known, sensor);
         CHECK(recovery.spurious_wraps == 0);
         CHECK(recovery.missed_wraps == 0);
         CHECK(recovery.off_table_share < 0.05);
@@ -230,12 +236,9 @@ TEST_CASE("rings that see next to nothing and empty rings on top are recovered")
     CAPTURE(name);
     const SensorModel sensor = sensor_preset(name);
     const KnownScan known = an_open_square(sensor);
-    const RingRecovery recovery = recover_rings(known.scan, sensor);
-    CHECK(wrong_rows(known, recovery) == 0);
+    recovered(known, sensor);
     const KnownScan ground = only(known, [&](int row, double) { return row > sensor.rows() / 2; });
-    const RingRecovery ground_recovery = recover_rings(ground.scan, sensor);
-    CHECK(wrong_rows(ground, ground_recovery) == 0);
-    CHECK(ground_recovery.empty_rings == sensor.rows() / 2 + 1);
+    CHECK(recovered(ground, sensor).empty_rings == sensor.rows() / 2 + 1);
   }
 }
 
@@ -245,8 +248,7 @@ TEST_CASE("rings beside a near wall, which lasers one above the other see higher
   for (const int first_ring : {0, 1, 2, 3, 5, 8}) {  // some units' upper rings see nothing
     CAPTURE(first_ring);
     const KnownScan known = only(street, [&](int row, double) { return row >= first_ring; });
-    const RingRecovery recovery = recover_rings(known.scan, sensor);
-    CHECK(wrong_rows(known, recovery) == 0);
+    const RingRecovery recovery = recovered(known, sensor);
     CHECK(recovery.spurious_wraps == 0);
     CHECK(recovery.missed_wraps == 0);
     CHECK(recovery.off_table_share < 0.25);  // 0.5 is another sensor
@@ -256,8 +258,7 @@ TEST_CASE("rings beside a near wall, which lasers one above the other see higher
 TEST_CASE("rings in an alley, of a unit whose beams are off the table, are recovered") {
   const SensorModel sensor = sensor_preset("hdl-64e");
   const KnownScan known = an_alley(sensor);
-  const RingRecovery recovery = recover_rings(known.scan, sensor);
-  CHECK(wrong_rows(known, recovery) == 0);
+  const RingRecovery recovery = recovered(known, sensor);
   CHECK(recovery.spurious_wraps == 0);
   CHECK(recovery.off_table_share < 0.5);  // and so the scan is read
 }
@@ -267,10 +268,7 @@ TEST_CASE("any one empty ring is found to be empty") {
   const KnownScan known = a_square(sensor, {});
   for (int ring = 0; ring < 64; ++ring) {
     CAPTURE(ring);
-    const KnownScan damaged = without_ring(known, ring);
-    const RingRecovery recovery = recover_rings(damaged.scan, sensor);
-    CHECK(wrong_rows(damaged, recovery) == 0);
-    CHECK(recovery.empty_rings == 1);
+    CHECK(recovered(without_ring(known, ring), sensor).empty_rings == 1);
   }
 }
 
@@ -281,9 +279,7 @@ TEST_CASE("a wrap that is missing between any two rings is found") {
   // so there is nothing to tell their heights apart.
   for (int ring = 1; ring + 1 < 64; ++ring) {
     CAPTURE(ring);
-    const KnownScan damaged = without_wrap_after(known, ring);
-    const RingRecovery recovery = recover_rings(damaged.scan, sensor);
-    CHECK(wrong_rows(damaged, recovery) == 0);
+    const RingRecovery recovery = recovered(without_wrap_after(known, ring), sensor);
     CHECK(recovery.missed_wraps == 1);
     CHECK(recovery.empty_rings == 0);
   }
@@ -294,10 +290,7 @@ TEST_CASE("a stray point that wraps the azimuth in any ring begins no ring") {
   const KnownScan known = a_square(sensor, {});
   for (int ring = 0; ring < 64; ++ring) {
     CAPTURE(ring);
-    const KnownScan damaged = with_stray_point_in(known, ring);
-    const RingRecovery recovery = recover_rings(damaged.scan, sensor);
-    CHECK(wrong_rows(damaged, recovery) == 0);
-    CHECK(recovery.spurious_wraps == 1);
+    CHECK(recovered(with_stray_point_in(known, ring), sensor).spurious_wraps == 1);
   }
 }
 
@@ -305,8 +298,7 @@ TEST_CASE("a spurious wrap, a missing wrap and an empty ring in one scan are all
   const SensorModel sensor = sensor_preset("hdl-64e");
   const KnownScan damaged =
       with_stray_point_in(without_wrap_after(without_ring(a_square(sensor, {}), 20), 35), 50);
-  const RingRecovery recovery = recover_rings(damaged.scan, sensor);
-  CHECK(wrong_rows(damaged, recovery) == 0);
+  const RingRecovery recovery = recovered(damaged, sensor);
   CHECK(recovery.spurious_wraps == 1);
   CHECK(recovery.missed_wraps == 1);
   CHECK(recovery.empty_rings == 1);
@@ -383,9 +375,7 @@ TEST_CASE("the rings of real scans are those that their wraps give") {
     CAPTURE(path);
     const KnownScan known = rings_by_wraps(path);
     if (known.row.empty()) continue;
-    const RingRecovery recovery = recover_rings(known.scan, sensor);
-    CHECK(wrong_rows(known, recovery) == 0);
-    CHECK(recovery.off_table_share < 0.25);  // 0.5 is another sensor
+    CHECK(recovered(known, sensor).off_table_share < 0.25);  // 0.5 is another sensor
   }
 }
 
@@ -410,8 +400,7 @@ TEST_CASE("damaged real scans lose no more than the damaged ring, and hardly eve
     for (int ring = 3; ring < 63; ring += 6) {
       CAPTURE(path);
       CAPTURE(ring);
-      const KnownScan empty = without_ring(known, ring);
-      CHECK(wrong_rows(empty, recover_rings(empty.scan, sensor)) == 0);
+      recovered(without_ring(known, ring), sensor);
       const KnownScan missed = without_wrap_after(known, ring);
       const std::size_t wrong = wrong_rows(missed, recover_rings(missed.scan, sensor));
       CHECK(wrong < 1000);  // half a ring: the part behind the missing wrap

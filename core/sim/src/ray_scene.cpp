@@ -60,11 +60,7 @@ void attach_mesh(RTCDevice device, RTCScene scene, const TriangleMesh& mesh) {
 }
 
 void set_transform(RTCGeometry geometry, unsigned time_step, const Eigen::Affine3d& transform) {
-  std::array<float, 12> columns{};
-  float* next = columns.data();
-  for (int column = 0; column < 4; ++column) {
-    for (int row = 0; row < 3; ++row) *next++ = static_cast<float>(transform.matrix()(row, column));
-  }
+  const Eigen::Matrix<float, 3, 4> columns = transform.matrix().topRows<3>().cast<float>();
   rtcSetGeometryTransform(geometry, time_step, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns.data());
 }
 

@@ -67,14 +67,12 @@ std::vector<Captured> capture() {
   constexpr double kStep = 17.28;  // of ten turns a second in 48 us
   std::vector<Captured> packets;
   for (int i = 0; i < 1215; ++i) {
-    Captured captured;
-    captured.time_ns = 1'600'000'000'000'000'000 + i * 288'000LL;
-    captured.payload =
+    Payload packet =
         empty_packet(static_cast<std::uint32_t>(288 * i), std::fmod(6 * kStep * i, 36000.0), kStep);
     for (int block = 0; block < 12; ++block) {
-      for (int c = 0; c < 32; ++c) set_measurement(captured.payload, block, c, 2500);
+      for (int c = 0; c < 32; ++c) set_measurement(packet, block, c, 2500);
     }
-    packets.push_back(std::move(captured));
+    packets.push_back({1'600'000'000'000'000'000 + i * 288'000LL, 2368, std::move(packet)});
   }
   return packets;
 }

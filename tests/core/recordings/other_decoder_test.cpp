@@ -165,12 +165,11 @@ TEST_CASE(
     }
     const OurPoint* our =
         rows[static_cast<std::size_t>(15 - their.channel)].nearest(their_m, kTolerance_m);
-    if (their.return_type != kBothReturns) {
+    if (our == nullptr) {
       // They keep both returns of a pulse, we the stronger one: each pulse is counted once below.
-      second_returns += our == nullptr ? 1 : 0;
-      if (our == nullptr) continue;
+      second_returns += their.return_type != kBothReturns ? 1 : 0;
+      continue;
     }
-    if (our == nullptr) continue;
     ++found;
     as_bright += our->intensity == their.intensity ? 1 : 0;
     // What is left is the time of a packet: a multiple of the packets' spacing from the first one.
@@ -198,32 +197,23 @@ TEST_CASE("points of a real VLP-32C are those of another decoder") {
   const auto theirs =
       their_points(*real_data("packets/velodyne/vlp-32c_1713492677464078412.pcd"), false);
   REQUIRE(theirs.size() == 26216);
-  const std::vector<int> lasers = [] {
-    std::vector<int> result(32);
-    const std::vector<int> row_of_laser = laser_rows(VelodyneModel::kVlp32c);
-    for (int laser = 0; laser < 32; ++laser) {
-      result[static_cast<std::size_t>(row_of_laser[static_cast<std::size_t>(laser)])] = laser;
-    }
-    return result;
-  }();
+  const std::vector<int> row_of_laser = laser_rows(VelodyneModel::kVlp32c);
   std::int64_t found = 0;
   std::int64_t turned_on = 0;
   for (const TheirPoint& their : theirs) {
     const double elevation_rad =
         std::atan2(their.point_m.z(), std::hypot(their.point_m.x(), their.point_m.y()));
-    std::size_t row = 0;
-    for (std::size_t i = 0; i < 32; ++i) {
-      if (std::abs(sensor.beam_elevation_rad[i] - elevation_rad) <
-          std::abs(sensor.beam_elevation_rad[row] - elevation_rad)) {
-        row = i;
-      }
-    }
+    const auto beam = std::ranges::min_element(sensor.beam_elevation_rad, {}, [&](double beam_rad) {
+      return std::abs(beam_rad - elevation_rad);
+    });
+    const auto row = beam - sensor.beam_elevation_rad.begin();
     if (rows[row].nearest(their.point_m, kTolerance_m) != nullptr) {
       ++found;
       continue;
     }
     // The last block of a packet, one in twelve, has its azimuth uninterpolated there.
-    const double angle_rad = 2.0 * std::numbers::pi * 2.304 * lasers[row] / 99'994.0;
+    const auto laser = std::ranges::find(row_of_laser, row) - row_of_laser.begin();
+    const double angle_rad = 2.0 * std::numbers::pi * 2.304 * static_cast<double>(laser) / 99'994.0;
     const Eigen::AngleAxisf on(-static_cast<float>(angle_rad), Eigen::Vector3f::UnitZ());
     turned_on += rows[row].nearest(on * their.point_m, kTolerance_m) != nullptr ? 1 : 0;
   }

@@ -9,6 +9,19 @@
 using namespace hqslam::sim;
 using namespace hqslam::test;
 
+namespace {
+
+/// A wall at 100 m and a cube of two metres that may be placed before it.
+City city_with_cube(Material material) {
+  City city = empty_city();
+  add_wall(city.fixed, 100.0, -1.0, 1.0);
+  add_box(city.prototypes.emplace_back(), Eigen::Isometry3d::Identity(), {-1.0, -1.0, -1.0},
+          {1.0, 1.0, 1.0}, {material, 1});
+  return city;
+}
+
+}  // namespace
+
 TEST_CASE("a ray against a wall: range, incidence and surface by hand") {
   City city = empty_city();
   add_wall(city.fixed, 10.0, -50.0, 50.0, 77);
@@ -25,12 +38,7 @@ TEST_CASE("a ray against a wall: range, incidence and surface by hand") {
 }
 
 TEST_CASE("placed things are met where they were put, in their size") {
-  City city = empty_city();
-  add_wall(city.fixed, 100.0, -1.0, 1.0);
-  TriangleMesh box;
-  add_box(box, Eigen::Isometry3d::Identity(), {-1.0, -1.0, -1.0}, {1.0, 1.0, 1.0},
-          {Material::kCarPaint, 1});
-  city.prototypes.push_back(box);
+  City city = city_with_cube(Material::kCarPaint);
   city.placements.push_back({0, Eigen::Translation3d(20.0, 0.0, 0.0) * Eigen::Scaling(2.0), 222});
   const RayScene scene(city);
   const auto hit = scene.cast({0.0, 0.0, 0.5}, {1.0, 0.0, 0.0}, 0.0, 200.0);
@@ -40,12 +48,7 @@ TEST_CASE("placed things are met where they were put, in their size") {
 }
 
 TEST_CASE("a moving thing is met where it is at the ray's time") {
-  City city = empty_city();
-  add_wall(city.fixed, 100.0, -1.0, 1.0);
-  TriangleMesh box;
-  add_box(box, Eigen::Isometry3d::Identity(), {-1.0, -1.0, -1.0}, {1.0, 1.0, 1.0},
-          {Material::kCloth, 1});
-  city.prototypes.push_back(box);
+  const City city = city_with_cube(Material::kCloth);
   RayScene scene(city);
   ActorMotion actor;
   actor.T_world_at_start = Eigen::Translation3d(10.0, 0.0, 0.0);
