@@ -11,23 +11,23 @@
 namespace hqslam::tools {
 namespace {
 
-/// What the arguments after "hqslam" make of the options. Throws CLI::ParseError.
-CommandLine parsed(std::vector<std::string> arguments) {
+/// What the arguments after "hqslam" make of the options of a command. Throws CLI::ParseError.
+template <typename Options = RunOptions>
+Options parsed(std::vector<std::string> arguments) {
   CLI::App app("", "hqslam");
   CommandLine options;
   declare_program(app, options);
   std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());
   app.parse(reversed);
-  return options;
+  return std::get<Options>(options.commands);
 }
 
 }  // namespace
 
 TEST_CASE("the options of run arrive where they belong") {
-  const RunOptions run =
-      parsed({"run", "/", "--sensor", "os1-64", "--rows", "16", "--out", "x", "--row-order",
-              "lowest-first", "--motion-corrected", "--threads", "2", "--upsample", "linear"})
-          .run;
+  const auto run = parsed<RunOptions>({"run", "/", "--sensor", "os1-64", "--rows", "16", "--out",
+                                       "x", "--row-order", "lowest-first", "--motion-corrected",
+                                       "--threads", "2", "--upsample", "linear"});
   CHECK(run.input == "/");
   CHECK(run.sensor == "os1-64");
   CHECK(run.rows == 16);
@@ -39,10 +39,9 @@ TEST_CASE("the options of run arrive where they belong") {
 }
 
 TEST_CASE("the options of upsample arrive where they belong") {
-  const UpsampleOptions upsample =
-      parsed({"upsample", "/", "--method", "inverse", "--sensor", "os1-64", "--out", "x", "--bin",
-              "--png", "--threads", "2", "--row-order", "lowest-first"})
-          .upsample;
+  const auto upsample = parsed<UpsampleOptions>({"upsample", "/", "--method", "inverse", "--sensor",
+                                                 "os1-64", "--out", "x", "--bin", "--png",
+                                                 "--threads", "2", "--row-order", "lowest-first"});
   CHECK(upsample.input == "/");
   CHECK(upsample.upsample == "inverse");
   CHECK(upsample.sensor == "os1-64");
@@ -55,15 +54,14 @@ TEST_CASE("the options of upsample arrive where they belong") {
 }
 
 TEST_CASE("the options of live arrive where they belong, --view with a port and without") {
-  const LiveOptions live = parsed({"live",     "--sensor",   "os1-16",
-                                   "--port",   "7000",       "--rows",
-                                   "16",       "--out",      "x",
-                                   "--return", "last",       "--threads",
-                                   "2",        "--upsample", "linear",
-                                   "--record", "a.pcap",     "--no-loop-closing",
-                                   "--view",   "8000",       "--view-address",
-                                   "0.0.0.0"})
-                               .live;
+  const auto live = parsed<LiveOptions>({"live",     "--sensor",   "os1-16",
+                                         "--port",   "7000",       "--rows",
+                                         "16",       "--out",      "x",
+                                         "--return", "last",       "--threads",
+                                         "2",        "--upsample", "linear",
+                                         "--record", "a.pcap",     "--no-loop-closing",
+                                         "--view",   "8000",       "--view-address",
+                                         "0.0.0.0"});
   CHECK(live.sensor == "os1-16");
   CHECK(live.port == 7000);
   CHECK(live.rows == 16);
@@ -74,27 +72,28 @@ TEST_CASE("the options of live arrive where they belong, --view with a port and 
   CHECK_FALSE(live.slam.loop_closing);
   CHECK(live.view == 8000);
   CHECK(live.view_address == "0.0.0.0");
-  const LiveOptions plain = parsed({"live", "--sensor", "vlp-16", "--out", "x"}).live;
+  const auto plain = parsed<LiveOptions>({"live", "--sensor", "vlp-16", "--out", "x"});
   CHECK_FALSE(plain.view);
   CHECK(plain.view_address == "127.0.0.1");
-  CHECK(parsed({"live", "--sensor", "vlp-16", "--out", "x", "--view"}).live.view == 8642);
+  CHECK(parsed<LiveOptions>({"live", "--sensor", "vlp-16", "--out", "x", "--view"}).view == 8642);
 }
 
 TEST_CASE("every command that opens recordings reads them as run does") {
   const std::vector<std::string> reading = {"--stream",    "7502",        "--return", "last",
                                             "--capture",   "rolling",     "--stamps", "names",
                                             "--row-order", "lowest-first"};
-  const auto with = [&](std::vector<std::string> arguments) {
+  const auto with = [&]<typename Options>(Options, std::vector<std::string> arguments) {
     arguments.insert(arguments.end(), reading.begin(), reading.end());
-    return parsed(arguments);
+    return parsed<Options>(arguments);
   };
-  const CommandLine inspect = with({"inspect", "/", "--weights", "a", "--out", "x"});
-  const CommandLine upsample = with({"upsample", "/", "--method", "linear", "--out", "x"});
-  const CommandLine map = with({"map", "/", "--poses", "/proc/version", "--out", "x"});
   for (const InputChoice& choice : std::vector<InputChoice>{
-           with({"run", "/", "--out", "x"}).run, map.map, inspect.inspect, upsample.upsample,
-           with({"compare", "/"}).compare, with({"table", "--out", "x"}).table.reading,
-           with({"bench", "--input", "/"}).bench.recording}) {
+           with(RunOptions{}, {"run", "/", "--out", "x"}),
+           with(MapOptions{}, {"map", "/", "--poses", "/proc/version", "--out", "x"}),
+           with(InspectOptions{}, {"inspect", "/", "--weights", "a", "--out", "x"}),
+           with(UpsampleOptions{}, {"upsample", "/", "--method", "linear", "--out", "x"}),
+           with(CompareOptions{}, {"compare", "/"}),
+           with(TableOptions{}, {"table", "--out", "x"}).reading,
+           with(BenchOptions{}, {"bench", "--input", "/"}).recording}) {
     CHECK(choice.stream == "7502");
     CHECK(choice.kept_return == "last");
     CHECK(choice.capture == "rolling");
@@ -104,11 +103,9 @@ TEST_CASE("every command that opens recordings reads them as run does") {
 }
 
 TEST_CASE("the options of table arrive where they belong, lists split at commas") {
-  const TableOptions table =
-      parsed({"table", "--drives", "town,/", "--methods", "rows-16,du-or", "--weights", "a,b",
-              "--sensor", "hdl-64e", "--reference", "/proc/version", "--scans", "7", "--out", "x",
-              "--threads", "2"})
-          .table;
+  const auto table = parsed<TableOptions>(
+      {"table", "--drives", "town,/", "--methods", "rows-16,du-or", "--weights", "a,b", "--sensor",
+       "hdl-64e", "--reference", "/proc/version", "--scans", "7", "--out", "x", "--threads", "2"});
   CHECK(table.drives == std::vector<std::string>{"town", "/"});
   CHECK(table.methods == std::vector<std::string>{"rows-16", "du-or"});
   CHECK(table.weights == std::vector<std::string>{"a", "b"});
@@ -117,31 +114,31 @@ TEST_CASE("the options of table arrive where they belong, lists split at commas"
   CHECK(table.scans == 7);
   CHECK(table.out == "x");
   CHECK(table.threads == 2);
-  CHECK(parsed({"table", "--out", "x"}).table.drives == std::vector<std::string>{"town", "hills"});
+  CHECK(parsed<TableOptions>({"table", "--out", "x"}).drives ==
+        std::vector<std::string>{"town", "hills"});
 }
 
 TEST_CASE("the options of simulate, demo, view and bench arrive where they belong") {
-  const SimulateOptions simulate = parsed({"simulate", "--drive", "town", "--sensor", "vlp-16",
-                                           "--out", "x", "--scans", "7", "--seed", "9", "--bin"})
-                                       .simulate;
+  const auto simulate =
+      parsed<SimulateOptions>({"simulate", "--drive", "town", "--sensor", "vlp-16", "--out", "x",
+                               "--scans", "7", "--seed", "9", "--bin"});
   CHECK(simulate.drive == "town");
   CHECK(simulate.scans == 7);
   CHECK(simulate.seed == 9);
   CHECK(simulate.bin);
   CHECK_FALSE(simulate.pcd);
-  CHECK(parsed({"demo", "--out", "y"}).demo.out == "y");
-  const ViewOptions view =
-      parsed({"view", "/", "/proc", "--sensor", "vlp-16", "--scan", "3", "--out", "x"}).view;
+  CHECK(parsed<DemoOptions>({"demo", "--out", "y"}).out == "y");
+  const auto view = parsed<ViewOptions>(
+      {"view", "/", "/proc", "--sensor", "vlp-16", "--scan", "3", "--out", "x"});
   CHECK(view.files == std::vector<std::string>{"/", "/proc"});
   CHECK(view.sensor == "vlp-16");
   CHECK(view.scan == 3);
   CHECK(view.out == "x");
-  CHECK(parsed({"bench", "--json", "--scans", "20"}).bench.json);
-  CHECK(parsed({"bench", "--drive", "hills"}).bench.drive == "hills");
-  CHECK(parsed({"bench", "--cpu"}).bench.cpu);
-  CHECK(
-      parsed({"bench", "--weights", "/dev/null", "--weights", "/dev/null"}).bench.weights.size() ==
-      2);
+  CHECK(parsed<BenchOptions>({"bench", "--json", "--scans", "20"}).json);
+  CHECK(parsed<BenchOptions>({"bench", "--drive", "hills"}).drive == "hills");
+  CHECK(parsed<BenchOptions>({"bench", "--cpu"}).cpu);
+  CHECK(parsed<BenchOptions>({"bench", "--weights", "/dev/null", "--weights", "/dev/null"})
+            .weights.size() == 2);
 }
 
 TEST_CASE("what makes no sense is refused") {
@@ -174,9 +171,9 @@ TEST_CASE("what makes no sense is refused") {
 
 TEST_CASE("a seed is a whole number from 0 to 2^64 - 1") {
   const auto seed = [](const std::string& text) {
-    return parsed(
+    return parsed<SimulateOptions>(
                {"simulate", "--drive", "town", "--sensor", "vlp-16", "--out", "x", "--seed", text})
-        .simulate.seed;
+        .seed;
   };
   CHECK(seed("0") == 0);
   CHECK(seed("18446744073709551615") == 18446744073709551615ULL);

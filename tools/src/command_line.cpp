@@ -6,6 +6,7 @@
 #include <exception>
 #include <filesystem>
 #include <string>
+#include <tuple>
 
 #include "hqslam/core/error.h"
 #ifdef HQSLAM_NN_COMPARE
@@ -31,15 +32,6 @@ int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
   return kWrongInput;
 }
 
-/// Declares a subcommand; parsing it makes it the one to be run.
-template <typename Options>
-void add(CLI::App& app, CommandLine& line, Options& options, void (*declare)(CLI::App&, Options&),
-         int (*run)(const Options&)) {
-  declare(app, options);
-  app.get_subcommands({}).back()->callback(
-      [&, run] { line.chosen = [&options, run] { return run(options); }; });
-}
-
 }  // namespace
 
 void declare_program(CLI::App& app, CommandLine& options) {
@@ -51,24 +43,12 @@ void declare_program(CLI::App& app, CommandLine& options) {
   app.footer(
       "Exit status: 0 done, 2 wrong input (one line on stderr says what and how to mend it),\n"
       "130 interrupted, 1 anything else.");
-  add(app, options, options.run, declare_run, run_command);
-  add(app, options, options.live, declare_live, live_command);
-  add(app, options, options.info, declare_info, info_command);
-  add(app, options, options.demo, declare_demo, demo_command);
-  add(app, options, options.simulate, declare_simulate, simulate_command);
-  add(app, options, options.map, declare_map, map_command);
-  add(app, options, options.view, declare_view, view_command);
-  add(app, options, options.evaluate, declare_evaluate, evaluate_command);
-  add(app, options, options.evaluate_map, declare_evaluate_map, evaluate_map_command);
-  add(app, options, options.compare, declare_compare, compare_command);
-  add(app, options, options.inspect, declare_inspect, inspect_command);
-  add(app, options, options.bench, declare_bench, bench_command);
-  add(app, options, options.table, declare_table, table_command);
-  add(app, options, options.train, declare_train, train_command);
-  add(app, options, options.calibrate, declare_calibrate, calibrate_command);
-  add(app, options, options.upsample, declare_upsample, upsample_command);
-  add(app, options, options.weights, declare_weights, weights_command);
-  add(app, options, options.slam_options, declare_slam_options, slam_options_command);
+  const auto add = [&](auto& command) {
+    declare(app, command);
+    app.get_subcommands({}).back()->callback(
+        [&] { options.chosen = [&] { return run(command); }; });
+  };
+  std::apply([&](auto&... commands) { (add(commands), ...); }, options.commands);
 }
 
 namespace {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <tuple>
 
 #include "commands.h"
 #include "laboratory/table/table_plan.h"
@@ -11,24 +12,11 @@ namespace hqslam::tools {
 /// The options of every subcommand. Each has one definition, in its command's file: it drives
 /// parsing, validation and --help.
 struct CommandLine {
-  RunOptions run;
-  LiveOptions live;
-  DemoOptions demo;
-  SimulateOptions simulate;
-  MapOptions map;
-  ViewOptions view;
-  EvaluateOptions evaluate;
-  EvaluateMapOptions evaluate_map;
-  BenchOptions bench;
-  CompareOptions compare;
-  InfoOptions info;
-  InspectOptions inspect;
-  TableOptions table;
-  TrainOptions train;
-  CalibrateOptions calibrate;
-  UpsampleOptions upsample;
-  WeightsOptions weights;
-  SlamOptionsCommand slam_options;
+  std::tuple<RunOptions, LiveOptions, InfoOptions, DemoOptions, SimulateOptions, MapOptions,
+             ViewOptions, EvaluateOptions, EvaluateMapOptions, CompareOptions, InspectOptions,
+             BenchOptions, TableOptions, TrainOptions, CalibrateOptions, UpsampleOptions,
+             WeightsOptions, SlamOptionsCommand>
+      commands;                 ///< in the order of the help
   std::function<int()> chosen;  ///< runs the subcommand that was asked for, with its options
 };
 

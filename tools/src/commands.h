@@ -16,8 +16,8 @@
 
 namespace hqslam::tools {
 
-// The subcommands that no other one uses: what a user may say to each. declare_X() adds it to the
-// program; X_command() does it and returns an ExitStatus. Both may throw Error.
+// The subcommands that no other one uses: what a user may say to each. declare() adds it to the
+// program; run() does it and returns an ExitStatus. Both may throw Error.
 
 struct InfoOptions {
   std::string input;
@@ -25,8 +25,8 @@ struct InfoOptions {
   std::string stream;  ///< empty: the only one with scans
   std::string write_sensor;
 };
-void declare_info(CLI::App& app, InfoOptions& options);
-int info_command(const InfoOptions& options);
+void declare(CLI::App& app, InfoOptions& options);
+int run(const InfoOptions& options);
 
 struct ViewOptions {
   std::vector<std::string> files;
@@ -34,16 +34,16 @@ struct ViewOptions {
   std::int64_t scan = 0;  ///< of recordings
   std::string out;
 };
-void declare_view(CLI::App& app, ViewOptions& options);
-int view_command(const ViewOptions& options);
+void declare(CLI::App& app, ViewOptions& options);
+int run(const ViewOptions& options);
 
 struct CalibrateOptions : InputChoice {
   int rows = 0;           ///< of the recording; 0: all
   double path_m = 150.0;  ///< that is looked at
   std::string out;
 };
-void declare_calibrate(CLI::App& app, CalibrateOptions& options);
-int calibrate_command(const CalibrateOptions& options);
+void declare(CLI::App& app, CalibrateOptions& options);
+int run(const CalibrateOptions& options);
 
 /// sensor empty: as lifted_input says
 struct UpsampleOptions : InputChoice, LiftingChoice {
@@ -52,8 +52,8 @@ struct UpsampleOptions : InputChoice, LiftingChoice {
   int threads = 0;  ///< 0: what OpenMP chooses
   UpsampledFormats formats;
 };
-void declare_upsample(CLI::App& app, UpsampleOptions& options);
-int upsample_command(const UpsampleOptions& options);
+void declare(CLI::App& app, UpsampleOptions& options);
+int run(const UpsampleOptions& options);
 
 struct InspectOptions : InputChoice {  ///< sensor empty: as for hqslam upsample
   std::string weights;
@@ -67,8 +67,8 @@ struct InspectOptions : InputChoice {  ///< sensor empty: as for hqslam upsample
   bool reference = false;            ///< compare all of them with the reference
   std::string out;
 };
-void declare_inspect(CLI::App& app, InspectOptions& options);
-int inspect_command(const InspectOptions& options);
+void declare(CLI::App& app, InspectOptions& options);
+int run(const InspectOptions& options);
 
 struct WeightsOptions {
   std::string show;  ///< the weights file of `weights show`; empty: `weights pack`
@@ -76,8 +76,8 @@ struct WeightsOptions {
   std::string description;
   std::string out;
 };
-void declare_weights(CLI::App& app, WeightsOptions& options);
-int weights_command(const WeightsOptions& options);
+void declare(CLI::App& app, WeightsOptions& options);
+int run(const WeightsOptions& options);
 
 struct LiveOptions : LiftingChoice {
   std::string sensor;
@@ -90,9 +90,9 @@ struct LiveOptions : LiftingChoice {
   std::optional<std::uint16_t> view;  ///< port of the page; nothing: no page
   std::string view_address = "127.0.0.1";
 };
-void declare_live(CLI::App& app, LiveOptions& options);
+void declare(CLI::App& app, LiveOptions& options);
 /// kOk where Ctrl-C ended it, which is how it is to end.
-int live_command(const LiveOptions& options);
+int run(const LiveOptions& options);
 
 struct EvaluateOptions {
   std::string estimate;
@@ -100,15 +100,15 @@ struct EvaluateOptions {
   std::string alignment = "se3";
   std::string sensor;  ///< of two .npy stacks: adds the errors in 3-D
 };
-void declare_evaluate(CLI::App& app, EvaluateOptions& options);
-int evaluate_command(const EvaluateOptions& options);
+void declare(CLI::App& app, EvaluateOptions& options);
+int run(const EvaluateOptions& options);
 
 struct EvaluateMapOptions {
   std::vector<std::string> maps;
   std::string drive;
 };
-void declare_evaluate_map(CLI::App& app, EvaluateMapOptions& options);
-int evaluate_map_command(const EvaluateMapOptions& options);
+void declare(CLI::App& app, EvaluateMapOptions& options);
+int run(const EvaluateMapOptions& options);
 
 struct CompareOptions : InputChoice {
   std::vector<std::string> weights;
@@ -123,12 +123,12 @@ struct CompareOptions : InputChoice {
   std::string protocol = "own";  ///< or "tulip"
   int threads = 0;               ///< 0: what OpenMP chooses
 };
-void declare_compare(CLI::App& app, CompareOptions& options);
-int compare_command(const CompareOptions& options);
+void declare(CLI::App& app, CompareOptions& options);
+int run(const CompareOptions& options);
 
 struct TableOptions;
-void declare_table(CLI::App& app, TableOptions& options);
-int table_command(const TableOptions& options);
+void declare(CLI::App& app, TableOptions& options);
+int run(const TableOptions& options);
 
 struct TrainOptions {
   std::string config;
@@ -136,8 +136,8 @@ struct TrainOptions {
   std::string drives;  ///< empty: the folder "drives" in `out`
   int threads = 0;     ///< 0: what OpenMP chooses
 };
-void declare_train(CLI::App& app, TrainOptions& options);
-int train_command(const TrainOptions& options);
+void declare(CLI::App& app, TrainOptions& options);
+int run(const TrainOptions& options);
 
 struct BenchOptions {
   InputChoice recording;  ///< its input empty: a simulated drive
@@ -147,20 +147,20 @@ struct BenchOptions {
   bool json = false;
   bool cpu = false;  ///< say only which instruction set is in use
 };
-void declare_bench(CLI::App& app, BenchOptions& options);
-int bench_command(const BenchOptions& options);
+void declare(CLI::App& app, BenchOptions& options);
+int run(const BenchOptions& options);
 
 struct DemoOptions {
   std::string out = "hqslam-demo";
 };
-void declare_demo(CLI::App& app, DemoOptions& options);
-int demo_command(const DemoOptions& options);
+void declare(CLI::App& app, DemoOptions& options);
+int run(const DemoOptions& options);
 
 struct SlamOptionsCommand {
   bool json = false;
 };
-void declare_slam_options(CLI::App& app, SlamOptionsCommand& options);
-int slam_options_command(const SlamOptionsCommand& options);
+void declare(CLI::App& app, SlamOptionsCommand& options);
+int run(const SlamOptionsCommand& options);
 
 struct RunOptions : InputChoice, LiftingChoice {
   std::string out;
@@ -177,13 +177,13 @@ struct RunOptions : InputChoice, LiftingChoice {
   OccupancyGridChoice grid;
 };
 
-void declare_run(CLI::App& app, RunOptions& options);
+void declare(CLI::App& app, RunOptions& options);
 
 /// Runs and writes the results, printing nothing but progress and warnings. Without a single scan
 /// nothing is written. Throws Error, also if the first scan cannot be read.
 SlamRun run_and_write(const RunOptions& options, const InterruptGuard& interrupt);
 
-int run_command(const RunOptions& options);
+int run(const RunOptions& options);
 
 struct MapOptions : InputChoice, LiftingChoice {
   std::string poses;
@@ -194,8 +194,8 @@ struct MapOptions : InputChoice, LiftingChoice {
   OccupancyGridChoice grid;
 };
 
-void declare_map(CLI::App& app, MapOptions& options);
-int map_command(const MapOptions& options);
+void declare(CLI::App& app, MapOptions& options);
+int run(const MapOptions& options);
 
 /// "dense map: 1234567 points, one per 0.1 m, of 300 scans, 12.3 s"
 std::string dense_map_summary(const DenseMapRun& run);

@@ -115,7 +115,7 @@ bool is_calibrated_sensor(const std::string& path) {
 
 }  // namespace
 
-void declare_calibrate(CLI::App& app, CalibrateOptions& options) {
+void declare(CLI::App& app, CalibrateOptions& options) {
   Command command = add_command(
       app, "calibrate", "What each beam of a sensor is off by, from a recording of it driving",
       "Surfaces that several beams see from several places tell what each beam's elevation and\n"
@@ -134,7 +134,7 @@ void declare_calibrate(CLI::App& app, CalibrateOptions& options) {
                  {.required = true});
 }
 
-int calibrate_command(const CalibrateOptions& options) {
+int run(const CalibrateOptions& options) {
   if (!options.out.ends_with(".json")) {
     throw Error("--out {}: expected a file that ends in .json; name it so", options.out);
   }

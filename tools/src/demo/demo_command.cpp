@@ -183,7 +183,7 @@ std::string demo_html(const TurningView& view, const TextTable& table,
 
 }  // namespace
 
-void declare_demo(CLI::App& app, DemoOptions& options) {
+void declare(CLI::App& app, DemoOptions& options) {
   add_command(app, "demo",
               "Simulate a short city drive and run SLAM on it: with 64 beams, with 16, "
               "and with 16 that are upsampled to 64")
@@ -191,7 +191,7 @@ void declare_demo(CLI::App& app, DemoOptions& options) {
               {.shows_default = true});
 }
 
-int demo_command(const DemoOptions& options) {
+int run(const DemoOptions& options) {
   namespace fs = std::filesystem;
   const InterruptGuard interrupt;
   const auto interrupted = [] {

@@ -179,7 +179,7 @@ Kind kind_of(const EvaluateOptions& options) {
 
 }  // namespace
 
-void declare_evaluate(CLI::App& app, EvaluateOptions& options) {
+void declare(CLI::App& app, EvaluateOptions& options) {
   const OptionRules read = {.required = true, .given = Given::kFile};
   add_command(app, "evaluate", "Errors of a trajectory, a point cloud or a stack of range images",
               kDefinitions)
@@ -194,7 +194,7 @@ void declare_evaluate(CLI::App& app, EvaluateOptions& options) {
               "Sensor of two .npy stacks (name or .json file): adds the errors in 3-D");
 }
 
-int evaluate_command(const EvaluateOptions& options) {
+int run(const EvaluateOptions& options) {
   const Kind kind = kind_of(options);
   if (kind == Kind::kStack) return evaluate_stacks(options);
   if (!options.sensor.empty()) {

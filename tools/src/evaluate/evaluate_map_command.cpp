@@ -204,7 +204,7 @@ Of an occupancy grid, in cells within 20 m of the sensor and things 0.25 to 2 m 
 
 }  // namespace
 
-void declare_evaluate_map(CLI::App& app, EvaluateMapOptions& options) {
+void declare(CLI::App& app, EvaluateMapOptions& options) {
   add_command(app, "evaluate-map", "Maps of a simulated drive against its true city",
               kMapDefinitions)
       .option("MAP", &options.maps,
@@ -215,7 +215,7 @@ void declare_evaluate_map(CLI::App& app, EvaluateMapOptions& options) {
               {.required = true, .given = Given::kFolder});
 }
 
-int evaluate_map_command(const EvaluateMapOptions& options) {
+int run(const EvaluateMapOptions& options) {
   sim::DriveSpec spec = sim::read_drive_json(file_of(options.drive, "drive.json"));
   const SensorModel sensor = load_sensor(file_of(options.drive, "sensor.json"));
   const TrajectoryFile truth = read_trajectory_file(file_of(options.drive, "truth.tum"));

@@ -105,7 +105,7 @@ std::string command_for(const InfoOptions& options, const std::string& capture) 
 
 }  // namespace
 
-void declare_info(CLI::App& app, InfoOptions& options) {
+void declare(CLI::App& app, InfoOptions& options) {
   add_command(app, "info", "Say what a recording is and which command to run on it",
               "The whole recording is read once.")
       .option("INPUT", &options.input, "Recording (as for hqslam run)",
@@ -120,7 +120,7 @@ void declare_info(CLI::App& app, InfoOptions& options) {
               "Sensor file to write, to be looked at, changed and named with --sensor");
 }
 
-int info_command(const InfoOptions& options) {
+int run(const InfoOptions& options) {
   if (!options.write_sensor.empty()) {
     guard_output_file(options.write_sensor, {options.input, options.sensor},
                       [](const std::string&) { return false; });  // users change them

@@ -100,7 +100,7 @@ int inspect_slam(const InspectOptions& options) {
 
 }  // namespace
 
-void declare_inspect(CLI::App& app, InspectOptions& options) {
+void declare(CLI::App& app, InspectOptions& options) {
   Command command = add_command(
       app, "inspect", "Show what a network, or SLAM, makes of one scan",
       R"(Writes one page with H, Z, the filter's mask and Y of every layer, the terms of the objective
@@ -132,7 +132,7 @@ about each direction of motion.)");
       .option("--out", &options.out, "Page to write (.html)", {.excludes = {"--list"}});
 }
 
-int inspect_command(const InspectOptions& options) {
+int run(const InspectOptions& options) {
   if (options.slam) {
     if (options.out.empty()) throw Error("inspect: no --out, expected a page to write");
     return inspect_slam(options);

@@ -113,7 +113,7 @@ void print_summary(const UpsampleRun& run, const nn::Upsampler& upsampler,
 
 }  // namespace
 
-void declare_upsample(CLI::App& app, UpsampleOptions& options) {
+void declare(CLI::App& app, UpsampleOptions& options) {
   Command command = add_command(
       app, "upsample", "Fill the rows between those of a LiDAR with few beams",
       R"(Writes into --out: scans.npy (N x rows x columns, float32 metres), confidence.npy (of a
@@ -141,7 +141,7 @@ is valid.)");
       .option("--png", &options.formats.png, "Also write pictures of the range images");
 }
 
-int upsample_command(const UpsampleOptions& options) {
+int run(const UpsampleOptions& options) {
   const InterruptGuard interrupt;
   use_threads(options.threads);
   refuse_to_write_into_recording(options.input, options.out);

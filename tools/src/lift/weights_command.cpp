@@ -115,7 +115,7 @@ int show(const std::string& path) {
 
 }  // namespace
 
-void declare_weights(CLI::App& app, WeightsOptions& options) {
+void declare(CLI::App& app, WeightsOptions& options) {
   Command command =
       add_command(app, "weights", "Look into a weights file, or make one of other programs'");
   const OptionRules read = {.required = true, .given = Given::kFile};
@@ -135,7 +135,7 @@ void declare_weights(CLI::App& app, WeightsOptions& options) {
       .option("--out", &options.out, "Weights file to write", {.required = true});
 }
 
-int weights_command(const WeightsOptions& options) {
+int run(const WeightsOptions& options) {
   return options.show.empty() ? pack(options) : show(options.show);
 }
 

@@ -73,7 +73,7 @@ int exit_status_of(const SlamRun& run, const live::LiveCounts& counts) {
 
 }  // namespace
 
-void declare_live(CLI::App& app, LiveOptions& options) {
+void declare(CLI::App& app, LiveOptions& options) {
   Command command = add_command(
       app, "live", "From a sensor that sends now to a trajectory and a map",
       R"(The sensor must send to this computer already. A line each second says where it is, how
@@ -114,7 +114,7 @@ status 0, and in --out the results as hqslam run writes them.)");
   declare_slam_settings(command, options.slam);
 }
 
-int live_command(const LiveOptions& options) {
+int run(const LiveOptions& options) {
   const InterruptGuard interrupt;
   use_threads(options.threads);
   const slam::SlamOptions slam = slam_options(options.slam);

@@ -118,7 +118,7 @@ std::string dense_map_summary(const DenseMapRun& run) {
   return summary;
 }
 
-void declare_map(CLI::App& app, MapOptions& options) {
+void declare(CLI::App& app, MapOptions& options) {
   Command command =
       add_command(app, "map", "The dense map of a recorded drive whose poses are known",
                   R"(Writes into --out, in the frame of the poses:
@@ -139,7 +139,7 @@ hqslam run --dense-map --occupancy-grid does the same with the poses that it fin
   declare_threads(command, options.threads);
 }
 
-int map_command(const MapOptions& options) {
+int run(const MapOptions& options) {
   const InterruptGuard interrupt;
   use_threads(options.threads);
   options_of(options.grid);  // refused before the work, not after it

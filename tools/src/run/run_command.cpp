@@ -200,7 +200,7 @@ Paths inputs_of(const RunOptions& options) {
 
 }  // namespace
 
-void declare_run(CLI::App& app, RunOptions& options) {
+void declare(CLI::App& app, RunOptions& options) {
   Command command = add_command(
       app, "run", "From a recorded drive to a trajectory and a map",
       "Writes into --out:\n"
@@ -304,7 +304,7 @@ SlamRun run_and_write(const RunOptions& options, const InterruptGuard& interrupt
   return run;
 }
 
-int run_command(const RunOptions& options) {
+int run(const RunOptions& options) {
   const InterruptGuard interrupt;
   const SlamRun run = run_and_write(options, interrupt);
   if (!run.scans.empty()) print_summary(run, options);

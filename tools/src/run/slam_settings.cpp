@@ -108,7 +108,7 @@ std::vector<std::pair<std::string, double>> changed_options(const slam::SlamOpti
   return changed;
 }
 
-void declare_slam_options(CLI::App& app, SlamOptionsCommand& options) {
+void declare(CLI::App& app, SlamOptionsCommand& options) {
   add_command(app, "slam-options",
               "The options of SLAM: names, defaults, bounds and what they mean",
               "Lengths in metres, angles in radians. Given to run and live by --slam-options "
@@ -118,7 +118,7 @@ void declare_slam_options(CLI::App& app, SlamOptionsCommand& options) {
               "Print JSON; >options.json makes a file of it for run --slam-options");
 }
 
-int slam_options_command(const SlamOptionsCommand& options) {
+int run(const SlamOptionsCommand& options) {
   if (options.json) {
     to_stdout("{}", json_of_defaults());
     return kOk;

@@ -95,7 +95,7 @@ std::vector<std::uint64_t> seeds_from(const std::string& list) {
   return seeds;
 }
 
-void declare_simulate(CLI::App& app, SimulateOptions& options) {
+void declare(CLI::App& app, SimulateOptions& options) {
   Command command = add_command(
       app, "simulate", "Drive a LiDAR through a simulated city, with the truth",
       "Writes into --out: scans.npy (N x rows x columns, float32 metres), intensity.npy (bytes),\n"
@@ -163,7 +163,7 @@ int simulate_drive(const SimulateOptions& options, const InterruptGuard& interru
   return status;
 }
 
-int simulate_command(const SimulateOptions& options) {
+int run(const SimulateOptions& options) {
   const InterruptGuard interrupt;
   const int status = simulate_drive(options, interrupt);
   if (status == kInterrupted) {

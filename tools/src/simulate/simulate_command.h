@@ -36,13 +36,13 @@ struct SimulateOptions {
   bool replaces_damaged = false;  ///< a drive in `out`, whatever is left of it; no option of a user
 };
 
-void declare_simulate(CLI::App& app, SimulateOptions& options);
+void declare(CLI::App& app, SimulateOptions& options);
 /// Simulates and writes, printing nothing but progress. Returns kOk or kInterrupted. Throws Error.
 int simulate_drive(const SimulateOptions& options, const InterruptGuard& interrupt);
 /// The same without progress, calling `on_scan` after each scan.
 int simulate_drive(const SimulateOptions& options, const InterruptGuard& interrupt,
                    const std::function<void()>& on_scan);
 /// Returns an ExitStatus. Throws Error.
-int simulate_command(const SimulateOptions& options);
+int run(const SimulateOptions& options);
 
 }  // namespace hqslam::tools

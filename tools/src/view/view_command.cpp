@@ -83,7 +83,7 @@ ViewCloud cloud_in(const std::string& path, const ViewOptions& options) {
 
 }  // namespace
 
-void declare_view(CLI::App& app, ViewOptions& options) {
+void declare(CLI::App& app, ViewOptions& options) {
   add_command(
       app, "view", "A page on which maps and scans can be turned, in any browser",
       "The page needs no other file and no network. Large maps are thinned evenly to what a\n"
@@ -98,7 +98,7 @@ void declare_view(CLI::App& app, ViewOptions& options) {
       .option("--out", &options.out, "Page to write", {.required = true});
 }
 
-int view_command(const ViewOptions& options) {
+int run(const ViewOptions& options) {
   guard_output_file(options.out, options.files, kMarker);
   TurningView view;
   std::size_t points = 0;

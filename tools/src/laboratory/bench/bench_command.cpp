@@ -231,7 +231,7 @@ void print_text(const Measurements& measurements) {
 
 }  // namespace
 
-void declare_bench(CLI::App& app, BenchOptions& options) {
+void declare(CLI::App& app, BenchOptions& options) {
   Command command = add_command(
       app, "bench", "Time per stage of SLAM and of the network, with one thread and two");
   command
@@ -257,7 +257,7 @@ void declare_bench(CLI::App& app, BenchOptions& options) {
               "HQSLAM_INSTRUCTION_SET=NAME chooses another");
 }
 
-int bench_command(const BenchOptions& options) {
+int run(const BenchOptions& options) {
   if (options.cpu) {
     print_instruction_sets(options.json);
     return kOk;

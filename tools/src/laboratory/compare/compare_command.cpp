@@ -226,7 +226,7 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
 
 }  // namespace
 
-void declare_compare(CLI::App& app, CompareOptions& options) {
+void declare(CLI::App& app, CompareOptions& options) {
   Command command = add_command(
       app, "compare", "Compare ways to lift 16 rows to all against a recording that has all",
       R"(Rows: nearest, linear and inverse (linear in 1/range, by the beams' elevations)
@@ -270,7 +270,7 @@ filter) of every layer as if the network ended there.)");
   declare_threads(command, options.threads);
 }
 
-int compare_command(const CompareOptions& options) {
+int run(const CompareOptions& options) {
   use_threads(options.threads);
   guard_outputs(options);
   if (options.protocol == "tulip") return compare_with_tulip(options);

@@ -93,7 +93,7 @@ void write_report(const TableReport& report, const fs::path& out) {
 
 }  // namespace
 
-void declare_table(CLI::App& app, TableOptions& options) {
+void declare(CLI::App& app, TableOptions& options) {
   Command command =
       add_command(app, "table",
                   "SLAM with 16 rows, with 16 lifted to 64 in every way, and with 64, in one table",
@@ -148,7 +148,7 @@ mpirun -n N shares drives and methods among N processes, which must all see the 
   declare_threads(command, options.threads);
 }
 
-int table_command(const TableOptions& options) {
+int run(const TableOptions& options) {
   use_threads(options.threads);
   const InterruptGuard interrupt;
   const std::unique_ptr<Ranks> ranks = launched_ranks();

@@ -184,7 +184,7 @@ int train(Training& training, nn::Trainer& trainer, const InterruptGuard& interr
 
 }  // namespace
 
-void declare_train(CLI::App& app, TrainOptions& options) {
+void declare(CLI::App& app, TrainOptions& options) {
   Command command = add_command(
       app, "train", "Train a super-resolution network on simulated or own scans",
       R"(Writes into --out: weights.npz (for --weights and --upsample), checkpoint.npz, curve.svg.
@@ -204,7 +204,7 @@ divide the batch, and all must see the same folders.)");
   declare_threads(command, options.threads);
 }
 
-int train_command(const TrainOptions& options) {
+int run(const TrainOptions& options) {
   const InterruptGuard interrupt;
   const std::unique_ptr<Ranks> ranks = launched_ranks();
   Training training;
