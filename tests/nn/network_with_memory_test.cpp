@@ -82,8 +82,7 @@ TEST_CASE("a memory that begins with another network's weights begins as that ne
   }
   CHECK(parameters_to_start_from(weights, plain, "file") == weights.parameters);
   const auto refuses = [&](const Weights& from, const NetworkDescription& to) {
-    CHECK(test::one_line_with(
-        test::error_message([&] { parameters_to_start_from(from, to, "file"); }), "file"));
+    CHECK(test::refused_with([&] { parameters_to_start_from(from, to, "file"); }, "file"));
   };
   refuses(small_weights(description), plain);
   refuses(small_weights(small_du_or()), description);

@@ -190,8 +190,9 @@ inline std::vector<float> large_parameters(const NetworkDescription& description
 /// A network with these parameters.
 inline std::unique_ptr<Network> made(const NetworkDescription& description,
                                      const std::vector<float>& parameters, int threads = 1,
+                                     InstructionSet instruction_set = chosen_instruction_set(),
                                      int columns = 64) {
-  auto network = make_network(description, columns, chosen_instruction_set(), threads);
+  auto network = make_network(description, columns, instruction_set, threads);
   network->set_parameters(parameters);
   return network;
 }

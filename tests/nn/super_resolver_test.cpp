@@ -151,8 +151,7 @@ TEST_CASE("a weights file is loaded, checked and counted") {
   const std::int64_t per_layer =
       64 * (19 * 6 * 9) + 16 * (6 * 8 * 9) + 16 * (8 * 8 * 9) + 16 * (8 * 6 * 4) + 64 * (6 * 83);
   CHECK(resolver.multiply_adds() == 3 * per_layer);
-  CHECK(test::one_line_with(
-      test::error_message([&] { SuperResolver::load(directory.file("none.npz")); }), "none.npz"));
+  CHECK(test::refused_with([&] { SuperResolver::load(directory.file("none.npz")); }, "none.npz"));
 }
 
 }  // namespace hqslam::nn

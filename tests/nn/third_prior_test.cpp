@@ -63,14 +63,13 @@ NetworkDescription network_with(const std::string& denoiser) {
 }
 
 TrainingState trained_for(const NetworkDescription& description, int steps) {
-  std::vector<float> start = initial_parameters(description, 1);
   TrainingPlan plan;
   plan.steps = steps;
   plan.batch = 2;
   plan.learning_rate = 0.03F;
   plan.warm_up_steps = 1;
-  Trainer trainer(description, plan, in_memory({{small_scene()}}),
-                  {start, AdamW({}, start.size()), start}, 2, alone());
+  Trainer trainer(description, plan, in_memory({{small_scene()}}), fresh_state(description), 2,
+                  alone());
   const double before = trainer.step().loss;
   double after = before;
   for (int i = 1; i < steps; ++i) after = trainer.step().loss;
@@ -89,10 +88,8 @@ TEST_CASE("a third prior is one file and one line: described, trained, written a
   CHECK(network_json(network_from_json(network_json(description), "again")) ==
         network_json(description));
 
-  Weights weights;
-  weights.description = description;
+  Weights weights = small_weights(description);
   weights.parameters = trained_for(description, 40).parameters;
-  weights.training = "{}";
   weights.self_test = make_self_test(description, weights.parameters, measured_scene(description));
   const test::TemporaryDirectory directory;
   const std::string path = directory.file("weights.npz");
@@ -103,9 +100,8 @@ TEST_CASE("a third prior is one file and one line: described, trained, written a
 }
 
 TEST_CASE("the sizes of a third prior are checked as those of the others are") {
-  const std::string message =
-      test::error_message([] { network_with(R"({"kernel": 3, "features": 3})"); });
-  CHECK(test::one_line_with(message, "test: denoiser", "unknown field 'features'"));
+  CHECK(test::refused_with([] { network_with(R"({"kernel": 3, "features": 3})"); },
+                           "test: denoiser", "unknown field 'features'"));
 }
 
 }  // namespace hqslam::nn

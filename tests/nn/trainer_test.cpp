@@ -156,10 +156,8 @@ TEST_CASE("scans and states that do not fit the network are refused, by any numb
   bad.optimiser.second_moment.pop_back();
   CHECK(test::one_line_with(message(scans(), bad), std::to_string(good.parameters.size())));
   Trainer trainer(description, small_plan(), in_memory(scans()), good, 2, alone());
-  CHECK(test::one_line_with(test::error_message([&] {
-                              trainer.validate({{small_scene()}, {RangeImage(16, 32)}});
-                            }),
-                            "16 x 32"));
+  const std::vector<TrainingScan> mixed = {{small_scene()}, {RangeImage(16, 32)}};
+  CHECK(test::refused_with([&] { trainer.validate(mixed); }, "16 x 32"));
 }
 
 TEST_CASE("a training whose loss is not finite stops with an Error, by any number of threads") {
@@ -168,7 +166,7 @@ TEST_CASE("a training whose loss is not finite stops with an Error, by any numbe
     TrainingState state = fresh_state(description);
     state.parameters[0] = std::nanf("");
     Trainer trainer(description, small_plan(), in_memory(scans()), state, threads, alone());
-    CHECK(test::one_line_with(test::error_message([&] { trainer.step(); }), "not finite"));
+    CHECK(test::refused_with([&] { trainer.step(); }, "not finite"));
   }
 }
 

@@ -10,15 +10,6 @@ namespace {
 
 constexpr double kPriorTolerance = 1e-4;
 
-std::unique_ptr<Network> network_with(const NetworkDescription& description,
-                                      const std::vector<float>& parameters,
-                                      InstructionSet instruction_set = chosen_instruction_set(),
-                                      int threads = 1) {
-  auto network = make_network(description, 64, instruction_set, threads);
-  network->set_parameters(parameters);
-  return network;
-}
-
 /// The computed pixels of an image as PyTorch's side stores them: row of the tile, tile row,
 /// column.
 std::vector<float> computed_pixels(const std::vector<float>& image) {
@@ -38,7 +29,7 @@ void check_against_pytorch(NetworkDescription description, const std::string& fi
   description.sensor.max_range_m = 1e6;
   for (const InstructionSet instruction_set : available_instruction_sets()) {
     CAPTURE(name(instruction_set));
-    const auto network = network_with(description, golden.fractions("parameters"), instruction_set);
+    const auto network = made(description, golden.fractions("parameters"), 1, instruction_set);
     const RangeImage measured = golden.image("measured_m");
     const LiftedImage& lifted = network->lift(measured, 0.5F);
     CHECK(relative_error(computed_pixels(lifted.image.range_m), golden.values("range_m")) <
@@ -70,8 +61,7 @@ TEST_CASE("the loss is the mean over the columns, where they are no whole vector
   const RangeImage measured = select_rows(walls, description.measured_rows);
   for (const InstructionSet instruction_set : available_instruction_sets()) {
     CAPTURE(name(instruction_set));
-    const auto network = make_network(description, 40, instruction_set, 1);
-    network->set_parameters(nothing);
+    const auto network = made(description, nothing, 1, instruction_set, 40);
     std::vector<float> d_parameters(nothing.size());
     const auto loss = [&](const RangeImage& truth) {
       return add_gradient(*network, {measured, truth}, {}, d_parameters);
@@ -85,10 +75,10 @@ TEST_CASE("any number of threads gives the same bytes") {
   const NetworkDescription description = small_du_mix();
   const std::vector<float> parameters = initial_parameters(description, 3);
   const RangeImage measured = measured_scene(description);
-  const auto one = network_with(description, parameters);
+  const auto one = made(description, parameters);
   const LiftedImage expected = one->lift(measured, 0.5F);
   for (const int threads : {2, 3, 5}) {
-    const auto several = network_with(description, parameters, chosen_instruction_set(), threads);
+    const auto several = made(description, parameters, threads);
     const LiftedImage& lifted = several->lift(measured, 0.5F);
     CHECK(lifted.image.range_m == expected.image.range_m);
     CHECK(lifted.confidence == expected.confidence);
@@ -103,7 +93,7 @@ TEST_CASE(
   measured.at(2, 9) = std::numeric_limits<float>::quiet_NaN();
   measured.at(2, 10) = std::numeric_limits<float>::infinity();
   measured.at(3, 11) = -4.0F;
-  const auto network = network_with(description, initial_parameters(description, 3));
+  const auto network = made(description, initial_parameters(description, 3));
   const LiftedImage& lifted = network->lift(measured, 0.5F);
   for (int row = 0; row < measured.rows; ++row) {
     for (int column = 0; column < 64; ++column) {
@@ -124,7 +114,7 @@ TEST_CASE(
 TEST_CASE("the confidence grows with the tolerance") {
   const NetworkDescription description = small_du_mix();
   const RangeImage measured = measured_scene(description);
-  const auto network = network_with(description, initial_parameters(description, 3));
+  const auto network = made(description, initial_parameters(description, 3));
   const std::vector<float> narrow = network->lift(measured, 0.05F).confidence;
   const std::vector<float> wide = network->lift(measured, 0.5F).confidence;
   double gain = 0.0;
@@ -145,7 +135,7 @@ TEST_CASE("a scan that is turned comes out turned, by a whole number of tiles") 
       turned.at(row, column) = measured.at(row, (column + kTurn) % 64);
     }
   }
-  const auto network = network_with(description, initial_parameters(description, 3));
+  const auto network = made(description, initial_parameters(description, 3));
   const LiftedImage first = network->lift(measured, 0.5F);
   const LiftedImage& second = network->lift(turned, 0.5F);
   for (int row = 0; row < first.image.rows; ++row) {
@@ -168,14 +158,11 @@ TEST_CASE("a DU-Mix that cannot be is refused with the field") {
   CHECK(test::one_line_with(message(small_du_mix(bad), 64), "tiles of 2 rows", "one measured row"));
   TwoModesShape senseless = small_two_modes();
   senseless.channels = 0;
-  CHECK(
-      test::one_line_with(test::error_message([&] { small_du_mix(senseless); }), "channels is 0"));
+  CHECK(test::refused_with([&] { small_du_mix(senseless); }, "channels is 0"));
   const auto network = make_network(small_du_mix(), 64, InstructionSet::kPortable, 1);
-  CHECK(test::one_line_with(
-      test::error_message([&] { network->set_parameters(std::vector<float>(7)); }),
-      "7 parameters"));
-  CHECK(test::one_line_with(test::error_message([&] { network->lift(RangeImage(4, 32), 0.5F); }),
-                            "4 x 32"));
+  CHECK(
+      test::refused_with([&] { network->set_parameters(std::vector<float>(7)); }, "7 parameters"));
+  CHECK(test::refused_with([&] { network->lift(RangeImage(4, 32), 0.5F); }, "4 x 32"));
 }
 
 }  // namespace hqslam::nn

@@ -44,9 +44,8 @@ std::vector<float> exported(const std::string& name, const std::vector<Parameter
 
 std::unique_ptr<Network> network_of(const NetworkCase& c, int threads = 1,
                                     InstructionSet instruction_set = chosen_instruction_set()) {
-  auto network = make_network(c.description, 64, instruction_set, threads);
-  network->set_parameters(exported("exported_" + c.name, parameter_shapes(c.description)));
-  return network;
+  return made(c.description, exported("exported_" + c.name, parameter_shapes(c.description)),
+              threads, instruction_set);
 }
 
 /// Two scans of the golden file.
