@@ -189,17 +189,13 @@ TEST_CASE(
   CLI::App app("", "hqslam");
   CommandLine options;
   declare_program(app, options);
-  for (const char* name : {"run", "live", "demo", "simulate", "evaluate", "bench", "upsample"}) {
-    CHECK(holds(app.help(), name));
-  }
+  CHECK(missing(app.help(), {"run", "live", "demo", "simulate", "evaluate", "bench", "upsample"}) ==
+        "");
   const std::string help = app.get_subcommand("evaluate")->help();
-  for (const char* part :
-       {"APE", "RPE", "MAE", "Chamfer", "IoU", "F1", "outlier", "TULIP", "evo"}) {
-    CHECK(holds(help, part));
-  }
-  for (const char* kind : {".pcap", ".mcap", ".bin", ".pcd", ".ply", ".las", ".csv", ".txt"}) {
-    CHECK(holds(app.get_subcommand("calibrate")->help(), kind));
-  }
+  CHECK(missing(help, {"APE", "RPE", "MAE", "Chamfer", "IoU", "F1", "outlier", "TULIP", "evo"}) ==
+        "");
+  CHECK(missing(app.get_subcommand("calibrate")->help(),
+                {".pcap", ".mcap", ".bin", ".pcd", ".ply", ".las", ".csv", ".txt"}) == "");
 }
 
 }  // namespace hqslam::tools

@@ -2,11 +2,20 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 namespace hqslam {
 
 inline bool holds(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
+}
+
+/// The first of these parts that a text does not hold; "" where it holds all of them.
+inline std::string missing(const std::string& text, const std::vector<std::string>& parts) {
+  for (const std::string& part : parts) {
+    if (!holds(text, part)) return part;
+  }
+  return "";
 }
 
 /// How often `part` stands in a text.

@@ -38,11 +38,8 @@ TEST_CASE("the headline says scans, path, error with its alignment, and speed") 
   const SlamRun run = compared_run(30, 0.5);
   REQUIRE(run.comparison);
   const std::string html = html_report(run);
-  CHECK(holds(html, "<dd>30</dd>"));
-  CHECK(holds(html, "29.0 <small>m</small>"));
-  CHECK(holds(html, "SE(3)-aligned"));
-  CHECK(holds(html, "<dd>50.0</dd>"));
-  CHECK(holds(html, "10.0 <small>ms</small>"));
+  CHECK(missing(html, {"<dd>30</dd>", "29.0 <small>m</small>", "SE(3)-aligned", "<dd>50.0</dd>",
+                       "10.0 <small>ms</small>"}) == "");
 }
 
 TEST_CASE(
@@ -82,8 +79,7 @@ TEST_CASE("a run that ended early says why, and a hostile file name stays text")
   run.end = ReadingEnd::kUnreadableScan;
   run.end_message = "<000003.bin>: truncated";
   const std::string html = html_report(run);
-  CHECK(holds(html, "&lt;000003.bin&gt;: truncated"));
-  CHECK(holds(html, "&lt;img&gt;alert"));
+  CHECK(missing(html, {"&lt;000003.bin&gt;: truncated", "&lt;img&gt;alert"}) == "");
   CHECK_FALSE(holds(html, "<img>"));
 }
 

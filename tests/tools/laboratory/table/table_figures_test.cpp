@@ -141,13 +141,10 @@ TEST_CASE("the upsampling table leaves out what does not upsample") {
 
 TEST_CASE("the page of Markdown holds every table, the machine and the weights") {
   const std::string text = markdown_of(drives_report({three_methods_drive(true)}));
-  for (const char* part :
-       {"## Loop closing off", "## Loop closing on", "## town", "### Trajectory, loop closing on",
-        "### Upsampling", "SE(3)", "a processor, 1 thread, portable", "du-or.npz (hash 17)",
-        "| DU-OR | 0.300 |"}) {
-    CAPTURE(part);
-    CHECK(holds(text, part));
-  }
+  CHECK(missing(text, {"## Loop closing off", "## Loop closing on", "## town",
+                       "### Trajectory, loop closing on", "### Upsampling", "SE(3)",
+                       "a processor, 1 thread, portable", "du-or.npz (hash 17)",
+                       "| DU-OR | 0.300 |"}) == "");
 }
 
 TEST_CASE("times are only in the JSON's timings: other times leave the rest as it is") {
