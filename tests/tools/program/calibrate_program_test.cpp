@@ -22,10 +22,8 @@ struct LyingDrive {
     SensorModel model = sensor_preset("os1-16");
     model.columns = 512;
     write_file(folder.file("sensor.json"), sensor_json(model));
-    succeeds(
-        fmt::format("simulate --drive block --sensor '{}' --scans 75 --sensor-errors bad "
-                    "--out '{}'",
-                    folder.file("sensor.json"), drive));
+    succeeds("simulate --drive block --sensor '{}' --scans 75 --sensor-errors bad --out '{}'",
+             folder.file("sensor.json"), drive);
   }
   std::string arguments(const std::string& out) const {
     return fmt::format("calibrate '{}' --out '{}'", drive, out);
@@ -43,7 +41,7 @@ TEST_CASE("calibrate writes a sensor that run takes, and a page of what it found
   CHECK(sensor.beam_elevation_rad ==
         read_sensor_json(lying.folder.file("sensor.json")).beam_elevation_rad);
   const std::string run = lying.folder.file("run");
-  succeeds(fmt::format("run '{}' --sensor '{}' --out '{}'", lying.drive, lying.sensor, run));
+  succeeds("run '{}' --sensor '{}' --out '{}'", lying.drive, lying.sensor, run);
   CHECK(file_contents(run + "/trajectory.tum").size() > 0);
   succeeds(lying.arguments(lying.sensor));  // its own it replaces
 }
@@ -70,25 +68,23 @@ TEST_CASE("calibrate replaces no foreign file, and asks for a drive") {
   const LyingDrive lying;
   const std::string foreign = lying.folder.file("foreign.json");
   write_file(foreign, "{}");
-  const ProgramResult refused = run_hqslam(lying.arguments(foreign));
-  CHECK(refused.status == 2);
-  CHECK(is_one_line(refused.error));
+  refused(lying.arguments(foreign));
   CHECK(file_contents(foreign) == "{}");
   CHECK(holds(run_hqslam(lying.arguments(lying.folder.file("sensor.txt"))).error, "ends in .json"));
   const std::string standing = lying.folder.file("standing");
-  succeeds(fmt::format("simulate --drive block --sensor '{}' --scans 3 --out '{}'",
-                       lying.folder.file("sensor.json"), standing));
-  const ProgramResult still = run_hqslam(
-      fmt::format("calibrate '{}' --out '{}'", standing, lying.folder.file("standing.json")));
-  CHECK(still.status == 2);
-  CHECK(holds(still.error, "expected at least 20 m"));
+  succeeds("simulate --drive block --sensor '{}' --scans 3 --out '{}'",
+           lying.folder.file("sensor.json"), standing);
+  const auto error_of = [&](const std::string& drive) {
+    const ProgramResult result =
+        run_hqslam("calibrate '{}' --out '{}'", drive, lying.folder.file("none.json"));
+    CHECK(result.status == 2);
+    return result.error;
+  };
+  CHECK(holds(error_of(standing), "expected at least 20 m"));
   const std::string lifted = lying.folder.file("lifted");
-  succeeds(fmt::format("upsample '{}' --sensor os1-64 --method linear --out '{}'",
-                       simulated_drive("--sensor os1-16 --scans 3"), lifted));
-  const ProgramResult computed = run_hqslam(
-      fmt::format("calibrate '{}' --out '{}'", lifted, lying.folder.file("lifted.json")));
-  CHECK(computed.status == 2);
-  CHECK(holds(computed.error, "computed rows tell nothing of beams"));
+  succeeds("upsample '{}' --sensor os1-64 --method linear --out '{}'",
+           simulated_drive("--sensor os1-16 --scans 3"), lifted);
+  CHECK(holds(error_of(lifted), "computed rows tell nothing of beams"));
 }
 
 }  // namespace hqslam::test

@@ -23,8 +23,6 @@
 namespace hqslam::test {
 namespace {
 
-namespace fs = std::filesystem;
-
 /// Of what gets its name once all of it is there: whether it is. Other files grow scan by scan.
 bool is_whole(const std::string& path) {
   const std::string extension = fs::path(path).extension();

@@ -11,8 +11,6 @@
 namespace hqslam::test {
 namespace {
 
-namespace fs = std::filesystem;
-
 /// Of the position in the last scan.
 double error_m(const std::string& results, const std::string& drive) {
   const Trajectory found = read_tum(results + "/trajectory.tum");

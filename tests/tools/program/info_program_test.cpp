@@ -20,13 +20,10 @@ TEST_CASE("a capture is explained by info, and the command that it names runs") 
   packets.push_back({packets.back().time_ns, 8308, Payload(512)});
   write_file(path, pcap_bytes(packets));
   const ProgramResult info = succeeds("info '{}'", path);
-  for (const char* part : {"pcap capture", "192.168.1.201:2368", "Velodyne packets, single return",
+  CHECK(missing(info.out, {"pcap capture", "192.168.1.201:2368", "Velodyne packets, single return",
                            "vlp-16: 16 rows x 900 columns, 20", "6 in 0.3", "1 lost",
                            "each with its own time", "1 packet was lost", " --out results",
-                           "192.168.1.201:8308, 1 packets of positions, no scans"}) {
-    CAPTURE(part);
-    CHECK(holds(info.out, part));
-  }
+                           "192.168.1.201:8308, 1 packets of positions, no scans"}) == "");
   CHECK(holds(info.out, fmt::format("hqslam run {}", path)));
   succeeds("run '{}' --out '{}'", path, folder.file("results"));
   const auto poses = read_tum(folder.file("results/trajectory.tum"));
@@ -49,11 +46,8 @@ TEST_CASE("without a sensor info finds it in the points, writes it, and run goes
   const std::string bin = simulated_drive() + "/bin";
   const std::string file = folder.file("found.json");
   const ProgramResult info = succeeds("info '{}' --write-sensor '{}'", bin, file);
-  for (const char* part : {"os1-16: 16 rows x 1024 columns", "sensor found in the points",
-                           "beams       14.8 12.63 ", "those of os1-16", "hqslam run"}) {
-    CAPTURE(part);
-    CHECK(holds(info.out, part));
-  }
+  CHECK(missing(info.out, {"os1-16: 16 rows x 1024 columns", "sensor found in the points",
+                           "beams       14.8 12.63 ", "those of os1-16", "hqslam run"}) == "");
   CHECK(read_sensor_json(file) == sensor_preset("os1-16"));
   CHECK(holds(refused("info '{}' --write-sensor '{}'", bin, file).error, file));
 
@@ -67,8 +61,8 @@ TEST_CASE("without a sensor info finds it in the points, writes it, and run goes
 TEST_CASE("of points without times info says how they were captured, and names that to run") {
   const std::string bin = simulated_drive("--sensor os1-16 --scans 40 --seed 3") + "/bin";
   const ProgramResult moving = succeeds("info '{}'", bin);
-  CHECK(holds(moving.out, "as captured while the sensor turned"));
-  CHECK(holds(moving.out, fmt::format("hqslam run {} --capture rolling", bin)));
+  CHECK(missing(moving.out, {"as captured while the sensor turned",
+                             fmt::format("hqslam run {} --capture rolling", bin)}) == "");
   CHECK_FALSE(holds(succeeds("info '{}'", simulated_drive() + "/bin").out, "--capture"));
 }
 
@@ -86,7 +80,7 @@ TEST_CASE("a folder of captures is told from one of scans, by info and by run") 
 
 TEST_CASE("a folder that says that it was corrected for motion is not asked how it was captured") {
   const TemporaryDirectory folder;
-  std::filesystem::copy(simulated_drive(), folder.file("drive"));
+  fs::copy(simulated_drive(), folder.file("drive"));
   const std::string sensor_file = folder.file("drive/sensor.json");
   CHECK(
       holds(succeeds("info '{}'", folder.file("drive")).out, "points      each with its own time"));

@@ -11,8 +11,6 @@
 namespace hqslam::test {
 namespace {
 
-namespace fs = std::filesystem;
-
 /// A row of what evaluate-map prints of a grid, shares in percent.
 struct GridRow {
   double empty_free, empty_occupied, standing_occupied, standing_near, standing_free, moved,

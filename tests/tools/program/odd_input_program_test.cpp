@@ -14,20 +14,14 @@
 // terminal, paths that cannot be, recipes that are none, names, numbers and locales of all kinds.
 
 namespace hqslam::test {
-namespace {
-
-namespace fs = std::filesystem;
-
-}  // namespace
-
 TEST_CASE("results are not written among the scans that they are made from") {
   const TemporaryDirectory folder;
   fs::copy(simulated_drive() + "/pcd", folder.file("pcd"));
   fs::create_directory_symlink(folder.file("pcd"), folder.file("link"));
   for (const char* out : {"pcd", "link", "pcd/../pcd"}) {
-    const ProgramResult result =
-        refused("run '{0}/pcd' --sensor os1-16 --out '{0}/{1}'", folder.path().string(), out);
-    CHECK(holds(result.error, "holds the recording"));
+    CHECK(holds(
+        refused("run '{0}/pcd' --sensor os1-16 --out '{0}/{1}'", folder.path().string(), out).error,
+        "holds the recording"));
   }
   CHECK_FALSE(fs::exists(folder.file("pcd/map.pcd")));
 }
@@ -53,17 +47,13 @@ TEST_CASE("options that would do nothing are refused with what they need") {
   const TemporaryDirectory out;
   const std::string input = fmt::format("'{0}/pcd' --sensor os1-16 --out '{1}/x' ",
                                         simulated_drive(), out.path().string());
-  struct Useless {
-    const char* options;
-    const char* needs;
-  };
-  for (const Useless& useless : {Useless{"--confidence 0.5", "--upsample"},
-                                 {"--tolerance 0.1", "--upsample"},
-                                 {"--map-voxel 0.2", "--dense-map"},
-                                 {"--stamps ''", "expected a file or 'names', found nothing"},
-                                 {"--stream /points", "leave --stream out"}}) {
-    CAPTURE(useless.options);
-    CHECK(holds(refused("run " + input + useless.options).error, useless.needs));
+  for (const auto& [options, needs] :
+       {std::pair("--confidence 0.5", "--upsample"), std::pair("--tolerance 0.1", "--upsample"),
+        std::pair("--map-voxel 0.2", "--dense-map"),
+        std::pair("--stamps ''", "expected a file or 'names', found nothing"),
+        std::pair("--stream /points", "leave --stream out")}) {
+    CAPTURE(options);
+    CHECK(holds(refused("run " + input + options).error, needs));
   }
   CHECK_FALSE(fs::exists(out.file("x")));
   const std::string drive = simulated_drive();
@@ -84,25 +74,19 @@ TEST_CASE("options that would do nothing are refused with what they need") {
 
 TEST_CASE("compare refuses what cannot be compared or written before it begins") {
   const TemporaryDirectory folder;
-  const std::string stack = folder.file("scans.npy");
-  NpyStackWriter(stack, 64, 1024).append(RangeImage(64, 1024));
-  const std::string notes = folder.file("notes.json");
-  write_file(notes, R"({"todo": "hqslam compare", "sensor": "os1-64"})");
-  struct Wrong {
-    std::string arguments;
-    const char* with;
-  };
-  for (const Wrong& wrong :
-       {Wrong{fmt::format("'{}'", simulated_drive()), "16 rows"},
-        {fmt::format("'{}' --sensor os1-64 --json '{}'", stack, notes), "was not written by"},
-        {fmt::format("'{}' --sensor os1-64 --json '{}'", stack, folder.file("none/table.json")),
-         "make "},
-        {fmt::format("'{}' --sensor os1-64 --weights '{}/../../weights/du-mix_vlp16_16to64.npz'",
-                     stack, golden_folder()),
-         "64 x 1800"}}) {
-    CAPTURE(wrong.arguments);
-    const ProgramResult result = refused("compare " + wrong.arguments);
-    CHECK(holds(result.error, wrong.with));
+  NpyStackWriter(folder.file("scans.npy"), 64, 1024).append(RangeImage(64, 1024));
+  write_file(folder.file("notes.json"), R"({"todo": "hqslam compare", "sensor": "os1-64"})");
+  for (const auto& [arguments, with] :
+       {std::pair("'{1}'", "16 rows"),
+        std::pair("'{0}/scans.npy' --sensor os1-64 --json '{0}/notes.json'", "was not written by"),
+        std::pair("'{0}/scans.npy' --sensor os1-64 --json '{0}/none/table.json'", "make "),
+        std::pair("'{0}/scans.npy' --sensor os1-64 --weights '{2}/du-mix_vlp16_16to64.npz'",
+                  "64 x 1800")}) {
+    CAPTURE(arguments);
+    const ProgramResult result = refused(
+        fmt::format(fmt::runtime(std::string("compare ") + arguments), folder.path().string(),
+                    simulated_drive(), golden_folder() + "/../../weights"));
+    CHECK(holds(result.error, with));
     CHECK(result.out.empty());
   }
 }
@@ -139,8 +123,7 @@ TEST_CASE("names and contents of files do not steer the terminal, and stay in on
   CHECK(is_one_line(result.error));
   CHECK(result.error.size() < 6000);
   CHECK_FALSE(holds(result.error, "\x1b"));
-  CHECK(holds(result.error, "\\x1b[31mred"));
-  CHECK(holds(result.error, "a\\n\\x1b[2Jb.pcd"));
+  CHECK(missing(result.error, {"\\x1b[31mred", "a\\n\\x1b[2Jb.pcd"}) == "");
 }
 
 TEST_CASE("a path that cannot be is wrong input") {

@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -15,6 +16,8 @@
 #include "tools/parts_of_text.h"
 
 namespace hqslam::test {
+
+namespace fs = std::filesystem;
 
 struct ProgramResult {
   int status = -1;  ///< exit status; -1 if it was killed

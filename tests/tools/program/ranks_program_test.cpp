@@ -10,8 +10,6 @@
 namespace hqslam::test {
 namespace {
 
-namespace fs = std::filesystem;
-
 /// Where mpirun is; "" and a message where the program was built without MPI.
 std::string mpirun() {
   const std::string path = HQSLAM_MPIRUN;
@@ -33,15 +31,15 @@ ProgramResult run_on_ranks(int count, const std::string& arguments) {
   return run_shell(on_ranks(count) + " " + arguments);
 }
 
-std::string recipe(int batch, const std::string& more = "") {
+std::string recipe(int batch) {
   return fmt::format(R"({{
     "network": {{"kind": "du-or", "layers": 2, "sensor": "os1-64", "measured_rows": 16,
                 "denoiser": {{"channels": [8, 8], "memory": 2}}}},
     "training": [{{"drive": "block", "seeds": [5, 7], "scans": 4, "every": 2}}],
     "validation": [{{"drive": "block", "seeds": [6], "scans": 1}}],
-    "steps": 6, "batch": {}, "augmentation": {{"crop_columns": 64}}, "validate_every": 3{}
+    "steps": 6, "batch": {}, "augmentation": {{"crop_columns": 64}}, "validate_every": 3
   }})",
-                     batch, more);
+                     batch);
 }
 
 }  // namespace

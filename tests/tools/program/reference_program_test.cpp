@@ -10,12 +10,6 @@
 #include "tools/program/program.h"
 
 namespace hqslam::test {
-namespace {
-
-namespace fs = std::filesystem;
-
-}  // namespace
-
 TEST_CASE("behind a bad file scans are compared and mapped with their own poses of a reference") {
   const TemporaryDirectory folder;
   fs::copy(simulated_drive() + "/bin", folder.file("bin"));

@@ -14,12 +14,6 @@
 // Streams that are closed or full, readers that go away, signals, and what was stopped half-way.
 
 namespace hqslam::test {
-namespace {
-
-namespace fs = std::filesystem;
-
-}  // namespace
-
 TEST_CASE("a closed or full stderr costs nothing, and nothing is written into the results") {
   const TemporaryDirectory folder;
   succeeds(simulate_arguments(folder.file("usual")));

@@ -20,8 +20,6 @@
 namespace hqslam::test {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr int kScans = 4;
 
 /// A drive of an OS1-64, a stack of its measured rows alone, and weights for them.
@@ -57,8 +55,7 @@ TEST_CASE("a stack of 16 rows and one of 64 whose 16 rows are looked at give the
       const TemporaryDirectory out;
       const ProgramResult result =
           succeeds("upsample '{}' {} --out '{}'", input, method, out.path().string());
-      CHECK(holds(result.out, "4 scans, 16 rows -> 64 rows of 1024 columns"));
-      CHECK(holds(result.out, "scans/s"));
+      CHECK(missing(result.out, {"4 scans, 16 rows -> 64 rows of 1024 columns", "scans/s"}) == "");
       stacks.push_back(file_contents(out.file("scans.npy")));
     }
     CHECK(stacks[0].size() == 128U + std::size_t{4} * kScans * 64 * 1024);

@@ -43,7 +43,7 @@ struct Foreign {
     }
     write_npz(arrays, all);
     std::ofstream(description) << nn::network_json(weights.description);
-    std::filesystem::remove(packed);
+    fs::remove(packed);
   }
 
   ProgramResult pack() const {
@@ -57,15 +57,13 @@ TEST_CASE("weights pack makes weights that load, with a self-test of its own") {
   const Foreign foreign(false);
   const ProgramResult result = foreign.pack();
   REQUIRE(result.status == 0);
-  CHECK(holds(result.out, "du-mix"));
-  CHECK(holds(result.out, "no self-test beside them"));
+  CHECK(missing(result.out, {"du-mix", "no self-test beside them"}) == "");
   const nn::Weights packed = nn::read_weights(foreign.packed);
   CHECK(packed.parameters == foreign.weights.parameters);
   CHECK_NOTHROW(nn::check_self_test(packed, "packed"));
   const ProgramResult shown = succeeds("weights show '{}'", foreign.packed);
-  CHECK(holds(shown.out, fmt::format("{} parameters", packed.parameters.size())));
-  CHECK(holds(shown.out, "layers.0.encoder.0.weight"));
-  CHECK(holds(shown.out, "arrays.npz"));
+  CHECK(missing(shown.out, {fmt::format("{} parameters", packed.parameters.size()),
+                            "layers.0.encoder.0.weight", "arrays.npz"}) == "");
 }
 
 TEST_CASE("weights pack takes a self-test that is there, and refuses arrays that fail it") {
@@ -78,7 +76,7 @@ TEST_CASE("weights pack takes a self-test that is there, and refuses arrays that
   const ProgramResult refused = bad.pack();
   CHECK(refused.status == 2);
   CHECK(holds(refused.error, "self-test"));
-  CHECK_FALSE(std::filesystem::exists(bad.packed));
+  CHECK_FALSE(fs::exists(bad.packed));
 }
 
 TEST_CASE("weights pack says which description or file does not fit") {
