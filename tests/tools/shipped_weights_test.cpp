@@ -102,11 +102,14 @@ TEST_CASE("the networks to compare with are trained: not far from interpolation,
 }
 
 TEST_CASE("what DU-Mix remembers of the last scans makes its ranges better on an unseen drive") {
-  std::string sensor_name;
-  SUBCASE("OS1") { sensor_name = "os1"; }
+  std::string sensor_name = "os1";
+  std::string with_memory = "du-mix-memory";
+  SUBCASE("OS1") {}
+  SUBCASE("OS1, the large one") { with_memory = "du-mix-memory-large"; }
   SUBCASE("VLP-16") { sensor_name = "vlp16"; }
   CAPTURE(sensor_name);
-  const auto load = [&](const char* kind) {
+  CAPTURE(with_memory);
+  const auto load = [&](const std::string& kind) {
     return nn::SuperResolver::load(
         fmt::format("{}/../../weights/{}_{}_16to64.npz", golden_folder(), kind, sensor_name));
   };
@@ -118,7 +121,7 @@ TEST_CASE("what DU-Mix remembers of the last scans makes its ranges better on an
   spec.scans = 140;
   sim::DriveSimulator simulator(spec, sensor);
   std::vector<ComparedMethod> methods;
-  for (const char* kind : {"du-mix", "du-mix-memory"}) {
+  for (const std::string& kind : {std::string("du-mix"), with_memory}) {
     methods.push_back({"", {load(kind), sensor}});
   }
   UpsamplingComparison comparison(std::move(methods));
