@@ -107,6 +107,10 @@ TEST_CASE("what DU-Mix remembers of the last scans makes its ranges better on an
   SUBCASE("OS1") {}
   SUBCASE("OS1, the large one") { with_memory = "du-mix-memory-large"; }
   SUBCASE("VLP-16") { sensor_name = "vlp16"; }
+  SUBCASE("VLP-16, the large one") {
+    sensor_name = "vlp16";
+    with_memory = "du-mix-memory-large";
+  }
   CAPTURE(sensor_name);
   CAPTURE(with_memory);
   const auto load = [&](const std::string& kind) {
