@@ -33,7 +33,8 @@ class Selection {
       ranges_.column.push_back(point.column);
     }
     for (int i = RowRanges::kHalfWindow; i + RowRanges::kHalfWindow < ranges_.size(); ++i) {
-      smoothness_m2_[i] = ranges_.smoothness_at_m(i) * ranges_.smoothness_at_m(i);
+      const float smoothness_m = ranges_.smoothness_at_m(i);
+      smoothness_m2_[i] = smoothness_m * smoothness_m;
     }
     ranges_.mark_unreliable(kMaxColumnGap, passed_over_);
   }

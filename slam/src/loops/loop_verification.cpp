@@ -87,7 +87,7 @@ std::optional<VerifiedLoop> verify_loop(const MapFeatures& features, const Mappi
   if (found.status == Status::kNotConverged) {
     found = registered_at(features, older_map, found.state.T_map_sensor);
   }
-  // Where the pose can slide, edges that are none keep it moving to and fro.
+  // Where the pose can slide it is degenerate, or edges that are none keep it moving to and fro.
   if (found.status != Status::kOk) return std::nullopt;
   const Fit fit = fit_of(features, older_map.map(), found.state);
   const bool fits = fit.overlap >= kMinOverlap && fit.residual_m <= kMaxResidual_m;
