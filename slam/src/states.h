@@ -61,6 +61,7 @@ struct Tracking {
 struct Lost {
   Tracking last;  ///< when it was tracked; its reference goes on with the odometry
   std::size_t missed_scans = 0;
+  std::size_t unplaced_scans = 0;  ///< of those, since the map last went on
   bool is_motion_measured = true;  ///< by the odometry, from scan to scan, all the way
   bool is_carried = false;         ///< a scan contradicted what was well known
 };

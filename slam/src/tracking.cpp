@@ -1,5 +1,6 @@
 // The states of a sensor that is followed, and one that SLAM has not begun with yet.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -85,13 +86,14 @@ State Slam::Implementation::next(Lost now, const Scan& scan, Notes& notes) {
   if (found.is_registered) return tracked(std::move(now.last), found, scan, notes);
   gravity_window.interrupt();
   ++now.missed_scans;
+  ++now.unplaced_scans;
   now.is_motion_measured = now.is_motion_measured && found.is_motion_plausible;
   now.is_carried = now.is_carried || found.is_contradiction;
   const bool is_lost = now.missed_scans > kMaxMissedScans;
   const Reference& reference = now.last.reference;
   if (is_lost && place_recognition) {
     place_recognition->forget();
-    return Searching{reference.state.T_map_sensor, reference.T_odom_sensor, std::nullopt};
+    return Searching{reference.state.T_map_sensor, notes.report.T_odom_sensor, std::nullopt};
   }
   const bool map_goes_on = is_lost && scan.has_enough_features;
   if (map_goes_on && !now.is_motion_measured) return new_segment(now, found, scan, notes);
@@ -102,6 +104,7 @@ State Slam::Implementation::next(Lost now, const Scan& scan, Notes& notes) {
   if (map_goes_on && mapping.is_keyframe(found.state.T_map_sensor)) {
     now.last.first_keyframe.reset();
     add_keyframe(scan, found.state.velocity, false, notes);
+    now.unplaced_scans = 0;
   }
   return now;
 }
@@ -138,14 +141,14 @@ State Slam::Implementation::tracked(Tracking last, const Registered& found, cons
 /// to be, in a submap of its own.
 State Slam::Implementation::new_segment(const Lost& lost, Registered found, const Scan& scan,
                                         Notes& notes) {
+  drift.move(lost.last.reference.state.T_map_sensor.inverse() * found.state.T_map_sensor);
   drift.lose(found.against_map, lost.is_carried);
   // A velocity that nothing measured would be predicted again, and kept for good.
   if (!found.by_odometry) {
     found.state = unknown_motion(found.state.T_map_sensor);
     if (found.inertial) found.inertial = kept(*found.inertial, found.state);
   }
-  drift.move(lost.last.reference.state.T_map_sensor.inverse() * found.state.T_map_sensor);
-  path.begin_segment(lost.missed_scans - 1, mapping.keyframes(), lost.is_carried);
+  path.begin_segment(lost.unplaced_scans - 1, mapping.keyframes(), lost.is_carried);
   const Matrix6 against_own_map = drift.against_map(unknown_motion(found.state.T_map_sensor));
   notes.own_covariance = drift.own_covariance(Pose::Identity(), against_own_map);
   notes.report.covariance = drift.covariance(Pose::Identity(), against_own_map);
@@ -218,9 +221,11 @@ Slam::Implementation::Registered Slam::Implementation::registered(const Tracking
   } else if (reference.inertial) {
     found.inertial = kept(*reference.inertial, found.state);
   }
-  report.mapping_status = !found.is_registered    ? Status::kTooFewFeatures
-                          : duration_s > steady_s ? Status::kAfterGap
-                                                  : matched.status;
+  // Of a very long gap the clock (ScanClock) makes one period.
+  const bool is_after_gap = std::max(duration_s, scan.stamp_s - reference.stamp_s) > steady_s;
+  report.mapping_status = !found.is_registered ? Status::kTooFewFeatures
+                          : is_after_gap       ? Status::kAfterGap
+                                               : matched.status;
   report.edge_correspondences = matched.edge_correspondences;
   report.planar_correspondences = matched.planar_correspondences;
   report.T_map_sensor = found.state.T_map_sensor;

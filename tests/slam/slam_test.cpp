@@ -231,6 +231,19 @@ TEST_CASE("ten scans that are missing in a row are bridged, and the status says 
   CHECK(worst_m < 0.1);
 }
 
+TEST_CASE("a gap of any length is said, those too that may be a clock that was set") {
+  const SensorModel sensor = test::small_sensor(16, 512);
+  for (const double gap_s : {2.0, 9.0, 12.0, 3600.0}) {
+    CAPTURE(gap_s);
+    slam::Slam slam(sensor);
+    for (int i = 0; i < 20; ++i) {
+      const double stamp_s = i * test::kDrivePeriod_s + (i < 10 ? 0.0 : gap_s);
+      const auto report = slam.process(drive_scan(sensor, i), stamp_s);
+      CHECK((report.mapping_status == Status::kAfterGap) == (i == 10));
+    }
+  }
+}
+
 TEST_CASE("a steady drive with roll and pitch is tracked from its first scan on") {
   // As in closed form, not as the library believes that sensors move; no start from standstill.
   const test::SteadyDrive drive{test::yard_pose(-10, -4, 0.2), {8.0, 0.3, 0.1}, {0.10, -0.06, 0.5}};

@@ -201,6 +201,41 @@ TEST_CASE("a map that went on before a scan was located in it loses nothing when
   CHECK(slam.submap_of_scan().back() == 0);
 }
 
+TEST_CASE("scans on a map that went on stay with it when the way is lost after them") {
+  const SensorModel sensor = test::small_sensor(16, 1024);
+  slam::SlamOptions options;
+  options.mapping.min_correspondences = 1000;
+  slam::Slam slam(sensor, options);
+  for (int i = 0; i < 14; ++i) {
+    OrganizedCloud scan = test::drive_scan(sensor, i);
+    for (float& range_m : scan.range_m) {
+      if (range_m > 15.0F || (i >= 8 && i < 13)) range_m = 0.0F;
+    }
+    const slam::ScanReport report = slam.process(scan, i * test::kDrivePeriod_s);
+    if (i == 7 || i == 13) CHECK(report.keyframe);
+  }
+  CHECK(slam.segment_of_scan() ==
+        std::vector<std::size_t>{0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1});
+}
+
+TEST_CASE("what was not measured is not counted twice where a new part begins") {
+  const SensorModel sensor = test::street_sensor();
+  const test::Village street = test::street(31);
+  slam::Slam slam(sensor);
+  double before_m2 = 0.0;
+  int scan = 0;
+  for (const Pose& pose : steps(0.0, 0.0, 80, true)) {
+    const bool blind = scan >= 40 && scan < 70;
+    const slam::ScanReport report = slam.process(
+        blind ? OrganizedCloud(sensor.rows(), sensor.columns) : street.scan(pose), 0.1 * scan++);
+    const double now_m2 = report.covariance.topLeftCorner<3, 3>().trace();
+    if (scan == 71) CHECK(report.keyframe);
+    if (scan == 71) CHECK(now_m2 < 1.3 * before_m2);
+    before_m2 = now_m2;
+  }
+  CHECK(slam.submap_of_scan().back() == 1);
+}
+
 TEST_CASE("a covariance keeps what was not measured, until a loop takes it away") {
   const SensorModel sensor = test::street_sensor();
   const test::Village village = test::street(31);
@@ -214,8 +249,8 @@ TEST_CASE("a covariance keeps what was not measured, until a loop takes it away"
       reports.push_back(slam.process(cloud, 0.1 * static_cast<double>(reports.size())));
     };
     for (const Pose& pose : steps(0.0, 0.0, 80, true)) process(village.scan(pose), pose);
-    // Back to a place passed before, blind for three seconds or from one scan to the next.
-    for (int i = 0; blind && i < 30; ++i) {
+    // Back to a place passed before, blind for six seconds or from one scan to the next.
+    for (int i = 0; blind && i < 60; ++i) {
       process(OrganizedCloud(sensor.rows(), sensor.columns), T_street_sensor.back());
     }
     const std::size_t seen_again = reports.size();

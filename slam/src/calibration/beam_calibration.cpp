@@ -6,8 +6,8 @@
 #include <span>
 
 #include "calibration/calibration_stretch.h"
+#include "front_end/scan_check.h"
 #include "hqslam/core/angles.h"
-#include "hqslam/core/error.h"
 
 namespace hqslam::slam {
 
@@ -15,17 +15,6 @@ namespace {
 
 constexpr double kStretch_m = 50.0;
 constexpr int kIterations = 8;
-
-void check(const SensorModel& sensor, const std::vector<LocatedScan>& scans) {
-  for (const LocatedScan& scan : scans) {
-    if (scan.cloud.rows != sensor.rows() || scan.cloud.columns != sensor.columns) {
-      throw Error(
-          "a scan of {} x {} to calibrate a sensor of {} x {}: expected the same shape; give the "
-          "scans as the sensor measured them",
-          scan.cloud.rows, scan.cloud.columns, sensor.rows(), sensor.columns);
-    }
-  }
-}
 
 /// Cut where 50 m of path are full; what is left over at the end belongs to the last.
 std::vector<CalibrationStretch> stretches_of(std::span<const LocatedScan> scans) {
@@ -47,13 +36,19 @@ std::vector<CalibrationStretch> stretches_of(std::span<const LocatedScan> scans)
   return result;
 }
 
+/// Stretches beside each other, each by one thread: elsewhere Eigen would share its products among
+/// threads, and their last digits would depend on how many there are.
+template <typename Work>
+void for_each_alone(std::size_t stretches, const Work& work) {
+#pragma omp parallel for schedule(dynamic)
+  for (std::size_t i = 0; i < stretches; ++i) work(i);
+}
+
 std::vector<CalibrationSystem> linearized(const std::vector<CalibrationStretch>& stretches,
                                           const BeamParameters& beams) {
   std::vector<CalibrationSystem> systems(stretches.size());
-#pragma omp parallel for schedule(dynamic)
-  for (std::size_t i = 0; i < stretches.size(); ++i) {
-    systems[i] = linearized(stretches[i], beams);
-  }
+  for_each_alone(stretches.size(),
+                 [&](std::size_t i) { systems[i] = linearized(stretches[i], beams); });
   return systems;
 }
 
@@ -83,8 +78,11 @@ struct BeamSpread {
 BeamInformation mean_information(const std::vector<CalibrationSystem>& systems,
                                  const BeamParameters& beams, const Eigen::VectorXd& prior) {
   BeamInformation sum{prior.asDiagonal(), prior.cwiseProduct(beams)};
-  for (const CalibrationSystem& system : systems) {
-    const BeamInformation one = beam_information(system, beams.size());
+  std::vector<BeamInformation> of_stretch(systems.size());
+  for_each_alone(systems.size(), [&](std::size_t i) {
+    of_stretch[i] = beam_information(systems[i], beams.size());
+  });
+  for (const BeamInformation& one : of_stretch) {
     sum.H += one.H / static_cast<double>(systems.size());
     sum.g += one.g / static_cast<double>(systems.size());
   }
@@ -115,7 +113,7 @@ std::vector<BeamDistance> distances(const std::vector<CalibrationSystem>& system
 }  // namespace
 
 BeamCalibration calibrate_beams(const SensorModel& sensor, const std::vector<LocatedScan>& scans) {
-  check(sensor, scans);
+  for (const LocatedScan& scan : scans) check(scan.cloud, 0.0, sensor);
   std::vector<CalibrationStretch> stretches = stretches_of(scans);
   BeamSpread spread;
   BeamParameters beams = BeamParameters::Zero(2 * sensor.rows());
@@ -129,7 +127,8 @@ BeamCalibration calibrate_beams(const SensorModel& sensor, const std::vector<Loc
         mean_information(systems, beams, spread.information(sensor.rows()));
     covariance = known.H.ldlt().solve(Eigen::MatrixXd::Identity(beams.size(), beams.size()));
     const Eigen::VectorXd change = -covariance * known.g;
-    for (std::size_t i = 0; i < stretches.size(); ++i) move_poses(stretches[i], systems[i], change);
+    for_each_alone(stretches.size(),
+                   [&](std::size_t i) { move_poses(stretches[i], systems[i], change); });
     beams += change;
     spread.learn(beams, covariance);
     systems = linearized(stretches, beams);

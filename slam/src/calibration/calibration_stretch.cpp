@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "alignment/motion_state.h"
+#include "map/cell_index.h"
 
 namespace hqslam::slam {
 
@@ -35,14 +36,9 @@ Eigen::Vector3d turned_direction(const Pose& T, const Eigen::Vector3d& direction
 
 /// Voxels by a key that sorts them.
 std::uint64_t voxel_key(const Eigen::Vector3d& point_m) {
-  constexpr std::int64_t kMiddle = 1 << 20;
-  std::uint64_t key = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto cell = static_cast<std::int64_t>(std::floor(point_m[axis] / kVoxel_m)) + kMiddle;
-    key = (key << 21U) |
-          static_cast<std::uint64_t>(std::clamp<std::int64_t>(cell, 0, 2 * kMiddle - 1));
-  }
-  return key;
+  const Eigen::Array3d cell = (point_m / kVoxel_m).array().floor();
+  const double range = CellIndex::kRange;
+  return CellIndex::key_of(cell.max(-range).min(range - 1.0).cast<int>());
 }
 
 /// A ray where its scan and its beam are believed to be.

@@ -97,6 +97,7 @@ std::vector<Eigen::Vector3f> near_in_map(const std::vector<FeaturePoint>& featur
 SavedMap map_of_cloud(const std::vector<Eigen::Vector3f>& points_m, const SensorModel& sensor,
                       const SlamOptions& options) {
   validate(options);
+  hqslam::validate(sensor);
   if (sensor.rows() < 2) {
     throw Error(
         "expected a sensor with two rows or more to be located in a cloud, found '{}' with {}; "

@@ -2,12 +2,14 @@
 
 #include <cmath>
 
+#include "hqslam/core/angles.h"
+
 namespace hqslam::slam {
 
 namespace {
 
 /// Beams higher than this do not meet the ground within a useful distance.
-constexpr double kHighestGroundBeam_rad = -0.5 * 3.14159265358979323846 / 180.0;
+constexpr double kHighestGroundBeam_rad = -0.5 * kDegree_rad;
 
 /// How many beams without a return may lie between two compared ones.
 constexpr int kMaxMissingBeams = 2;

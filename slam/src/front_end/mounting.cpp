@@ -109,6 +109,13 @@ std::optional<Eigen::Vector3d> ground_normal(const Eigen::Matrix3Xf& points_m) {
   return normal.z() < 0.0 ? Eigen::Vector3d(-normal) : normal;
 }
 
+/// With the vertical u = (-sin p, cos p sin r, cos p cos r) in the sensor's frame, r and p are roll
+/// and pitch, as in pose_from_xyz_rpy.
+MountingOptions leaning(const Eigen::Vector3d& up_of_sensor) {
+  return {std::atan2(up_of_sensor.y(), up_of_sensor.z()),
+          -std::asin(std::clamp(up_of_sensor.x(), -1.0, 1.0))};
+}
+
 }  // namespace
 
 Eigen::Matrix3d R_level_sensor(const MountingOptions& mounted) {
@@ -127,15 +134,13 @@ Eigen::Vector3d Mounting::up_of_upright_sensor() const {
   return is_upside_down_ ? half_turned(up_of_sensor) : up_of_sensor;
 }
 
-/// With the vertical u = (-sin p, cos p sin r, cos p cos r) in the sensor's frame, r and p are roll
-/// and pitch, as in pose_from_xyz_rpy.
 bool Mounting::estimate(const OrganizedCloud& cloud) {
   const std::optional<OrganizedCloud> turned = level(cloud);
   const std::optional<Eigen::Vector3d> normal = ground_normal(
       ground_points_m(turned ? *turned : cloud, upright_sensor_, up_of_upright_sensor()));
   if (!normal) return false;
-  const Eigen::Vector3d up = R_level_sensor_.transpose() * *normal;
-  mounted_ = {std::atan2(up.y(), up.z()), -std::asin(up.x()), true};
+  mounted_ = leaning(R_level_sensor_.transpose() * *normal);
+  mounted_.estimated = true;
   R_level_sensor_ = R_level_sensor(mounted_);
   return true;
 }
@@ -168,6 +173,16 @@ Matrix6 Mounting::of_sensor(const Matrix6& covariance) const {
 Twist Mounting::of_sensor(const Twist& motion) const {
   const Eigen::Matrix3d R_sensor_level = R_level_sensor_.transpose();
   return {R_sensor_level * motion.linear, R_sensor_level * motion.angular};
+}
+
+std::vector<std::uint8_t> mark_ground_of(const OrganizedCloud& cloud, const SensorModel& sensor,
+                                         const Eigen::Vector3d& up_of_sensor) {
+  const Mounting mounting(leaning(up_of_sensor), sensor);
+  const std::optional<OrganizedCloud> level = mounting.level(cloud);
+  std::vector<std::uint8_t> ground = mark_ground(level ? *level : cloud, mounting.upright_sensor(),
+                                                 {}, mounting.up_of_upright_sensor());
+  if (up_of_sensor.z() < 0.0) std::reverse(ground.begin(), ground.end());
+  return ground;
 }
 
 }  // namespace hqslam::slam

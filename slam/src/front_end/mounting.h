@@ -1,7 +1,9 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "alignment/motion_state.h"
 #include "hqslam/core/organized_cloud.h"
@@ -53,5 +55,9 @@ class Mounting {
   bool is_upside_down_;
   SensorModel upright_sensor_;
 };
+
+/// mark_ground() of a scan in its sensor's own frame, whichever way up that is.
+std::vector<std::uint8_t> mark_ground_of(const OrganizedCloud& cloud, const SensorModel& sensor,
+                                         const Eigen::Vector3d& up_of_sensor);
 
 }  // namespace hqslam::slam

@@ -201,7 +201,7 @@ std::optional<int> RowOrderedCloud::nearest_near_row_of(int i, const RowQuery& q
   std::optional<int> best;
   for (int row = first; row <= last; ++row) {
     if (row == row_[i]) continue;
-    const auto found = nearest_in_row(row, i, query, nearest_m2);
+    const auto found = nearest_in_row(row, std::nullopt, query, nearest_m2);
     if (found) best = found;
   }
   return best;

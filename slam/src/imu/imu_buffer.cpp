@@ -8,6 +8,17 @@ namespace hqslam::slam {
 namespace {
 
 constexpr double kMostMissing_s = 0.05;
+constexpr double kMostLate_s = 10.0;
+/// Three times what the widest ranges of such sensors are (2000 degrees a second, 30 g).
+constexpr double kMostRate_rad_per_s = 100.0;
+constexpr double kMostForce_mps2 = 1000.0;
+
+/// No value that is not finite is.
+bool is_possible(const ImuSample& sample) {
+  return std::isfinite(sample.stamp_s) &&
+         sample.angular_rate_rad_per_s.norm() <= kMostRate_rad_per_s &&
+         sample.specific_force_mps2.norm() <= kMostForce_mps2;
+}
 
 }  // namespace
 
@@ -23,11 +34,12 @@ Eigen::Vector3d mean_specific_force_mps2(const std::vector<ImuStep>& steps) {
 
 void ImuBuffer::add(const std::vector<ImuSample>& samples) {
   for (const ImuSample& sample : samples) {
-    const bool is_later = samples_.empty() || sample.stamp_s > samples_.back().stamp_s;
-    if (is_later && std::isfinite(sample.stamp_s) && sample.angular_rate_rad_per_s.allFinite() &&
-        sample.specific_force_mps2.allFinite()) {
-      samples_.push_back(sample);
+    if (!is_possible(sample)) continue;
+    while (!samples_.empty() && samples_.back().stamp_s > sample.stamp_s + kMostLate_s) {
+      samples_.pop_back();
     }
+    const bool is_later = samples_.empty() || sample.stamp_s > samples_.back().stamp_s;
+    if (is_later) samples_.push_back(sample);
   }
 }
 

@@ -22,7 +22,9 @@ Eigen::Vector3d mean_specific_force_mps2(const std::vector<ImuStep>& steps);
 /// the next.
 class ImuBuffer {
  public:
-  /// Samples that are not later than those before them, or not finite, are left out.
+  /// Samples that are not later than those before them, or that no sensor can have measured, are
+  /// left out. Where time goes back by ten seconds, a clock was set or stamps before were wrong:
+  /// what is later is left out then.
   void add(const std::vector<ImuSample>& samples);
 
   /// What was measured from one time to another, turned by R_level_sensor. Empty where samples are

@@ -121,20 +121,20 @@ InertialState corrected(const InertialPrediction& prediction, const MotionState&
                         const Matrix6& of_scan) {
   const Matrix18& before = prediction.inertial.covariance;
   const Eigen::Matrix<double, 18, 6> with_pose = before.leftCols<6>();
-  Matrix6 noise = before.topLeftCorner<6, 6>();
-  noise.diagonal().head<3>().array() += kRegistration_m * kRegistration_m;
-  noise.diagonal().tail<3>().array() += kRegistration_rad * kRegistration_rad;
-  const Eigen::PartialPivLU<Matrix6> share(Matrix6::Identity() + of_scan * noise);
+  Matrix6 off = before.topLeftCorner<6, 6>();  // P + N
+  off.diagonal().head<3>().array() += kRegistration_m * kRegistration_m;
+  off.diagonal().tail<3>().array() += kRegistration_rad * kRegistration_rad;
+  const Eigen::PartialPivLU<Matrix6> inverse_share(Matrix6::Identity() + of_scan * off);
   const Vector6 moved =
       vector_of(logarithm(prediction.state.T_map_sensor.inverse() * found.T_map_sensor));
   const Vector6 said = found.covariance.topLeftCorner<6, 6>().ldlt().solve(moved);
-  const Eigen::Matrix<double, 18, 1> change = with_pose * share.solve(said);
+  const Eigen::Matrix<double, 18, 1> change = with_pose * inverse_share.solve(said);
   InertialState result = prediction.inertial;
   result.gyroscope_bias_rad_per_s += change.segment<3>(kGyroscope);
   result.accelerometer_bias_mps2 += change.segment<3>(kAccelerometer);
   result.gravity_map_mps2 += change.segment<3>(kGravity);
   result.gravity_map_mps2 *= kGravity_mps2 / result.gravity_map_mps2.norm();
-  result.covariance = before - with_pose * share.solve(of_scan) * with_pose.transpose();
+  result.covariance = before - with_pose * inverse_share.solve(of_scan) * with_pose.transpose();
   result.covariance = (0.5 * (result.covariance + result.covariance.transpose())).eval();
   return result;
 }

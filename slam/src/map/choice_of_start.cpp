@@ -69,7 +69,8 @@ MappingResult register_from_starts(const Mapping& mapping, const MapFeatures& fe
   if (expected.is_turn_measured) T_map_moved.linear() = state.T_map_sensor.linear();
   const Twist innovation = logarithm(state.T_map_sensor.inverse() * T_map_moved);
   if (!is_precise(state) || is_elsewhere(innovation)) begin_at(T_map_moved);
-  if (expected.is_turn_measured) return best;
+  // Unless nothing fits: a sample of the inertial sensor may be wrong.
+  if (expected.is_turn_measured && best.status != Status::kTooFewFeatures) return best;
   if (fits_badly(best, expected.last_close_ratio)) {
     for (const double turn_rad : kTurns_rad) begin_at(turned(state.T_map_sensor, turn_rad));
   }

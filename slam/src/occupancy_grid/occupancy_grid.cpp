@@ -9,7 +9,7 @@
 #include "check_option.h"
 #include "dense_map/grid_walk.h"
 #include "dense_map/mapped_scan.h"
-#include "front_end/ground.h"
+#include "front_end/mounting.h"
 #include "hqslam/core/error.h"
 #include "hqslam/slam/dense_map.h"
 #include "occupancy_grid/cell_chunks.h"
@@ -186,14 +186,12 @@ void OccupancyGrid::add_ground(const OrganizedCloud& measured, const SensorModel
   Implementation& self = *implementation_;
   const std::vector<Eigen::Vector3d> points_m =
       points_in_map_m(measured, scan, self.options.max_range_m);
-  OrganizedCloud level = measured;
-  const Eigen::Vector3d origin_m = path.at(0.0).translation();
+  OrganizedCloud near = measured;
   for (std::size_t pixel = 0; pixel < points_m.size(); ++pixel) {
-    if (!points_m[pixel].allFinite()) level.range_m[pixel] = 0.0F;
-    level.points_m[pixel] = (points_m[pixel] - origin_m).cast<float>();
+    if (!points_m[pixel].allFinite()) near.range_m[pixel] = 0.0F;
   }
-  const Eigen::Vector3d up_of_sensor = path.at(0.0).linear().row(2);
-  const std::vector<std::uint8_t> is_ground = mark_ground(level, sensor, {}, up_of_sensor);
+  const std::vector<std::uint8_t> is_ground =
+      mark_ground_of(near, sensor, path.at(0.0).linear().row(2));
   for (std::size_t pixel = 0; pixel < points_m.size(); ++pixel) {
     if (is_ground[pixel] != 0) self.ground.add(points_m[pixel]);
   }

@@ -102,7 +102,7 @@ int pgm_number(const std::string& bytes, std::size_t& at, const std::string& pat
   if (read.ec != std::errc() || number <= 0) {
     throw Error("{}: expected an image of type P5 (PGM, binary) with a size, found neither", path);
   }
-  at += static_cast<std::size_t>(read.ptr - begin) + 1;
+  at = std::min(at + static_cast<std::size_t>(read.ptr - begin) + 1, bytes.size());
   return number;
 }
 
@@ -113,7 +113,7 @@ GreyImage read_pgm(const std::string& path) {
   image.columns = pgm_number(bytes, at, path);
   image.rows = pgm_number(bytes, at, path);
   const int shades = pgm_number(bytes, at, path);
-  const std::size_t left = bytes.size() - std::min(at, bytes.size());
+  const std::size_t left = bytes.size() - at;
   const auto pixels =
       static_cast<std::uint64_t>(image.columns) * static_cast<std::uint64_t>(image.rows);
   if (shades != 255 || left != pixels) {

@@ -1,6 +1,7 @@
 #include "hqslam/slam/beam_calibration.h"
 
 #include <doctest/doctest.h>
+#include <omp.h>
 
 #include <cmath>
 #include <vector>
@@ -48,12 +49,12 @@ LyingSensor lying_sensor(double elevation_deg, double range_m) {
 }
 
 /// Around the yard, with poses that are off by centimetres, as SLAM's are.
-std::vector<slam::LocatedScan> drive(const LyingSensor& sensor) {
+std::vector<slam::LocatedScan> drive(const LyingSensor& sensor, double step_m = 1.0) {
   test::Yard yard;
   yard.half_width_m = 10.0;
   std::vector<slam::LocatedScan> scans;
-  for (int i = 0; i < 40; ++i) {
-    const Pose truth = test::yard_pose(-20.0 + i, 5.0 * std::sin(0.15 * i), 0.1 * i);
+  for (int i = 0; i < 40.0 / step_m; ++i) {
+    const Pose truth = test::yard_pose(-20.0 + step_m * i, 5.0 * std::sin(0.15 * i), 0.1 * i);
     Pose believed = truth;
     believed.translation() +=
         Eigen::Vector3d(0.01 * std::sin(i), 0.01 * std::cos(2 * i), 0.01 * std::sin(3 * i));
@@ -98,6 +99,24 @@ TEST_CASE("beams that are right stay as they are") {
   }
 }
 
+TEST_CASE("the same scans give the same calibration, bit for bit, with any number of threads") {
+  const LyingSensor sensor = lying_sensor(0.06, 0.02);
+  // So many poses that Eigen would share its products among threads.
+  const std::vector<slam::LocatedScan> scans = drive(sensor, 0.5);
+  const int threads = omp_get_max_threads();
+  std::vector<slam::BeamCalibration> found;
+  for (const int count : {1, 2}) {
+    omp_set_num_threads(count);
+    found.push_back(slam::calibrate_beams(sensor.sensor, scans));
+  }
+  omp_set_num_threads(threads);
+  for (std::size_t row = 0; row < kRows; ++row) {
+    CHECK(found[0].beams[row].elevation_rad == found[1].beams[row].elevation_rad);
+    CHECK(found[0].beams[row].range_m == found[1].beams[row].range_m);
+    CHECK(found[0].beams[row].range_sigma_m == found[1].beams[row].range_sigma_m);
+  }
+}
+
 TEST_CASE("what no scan tells stays where the prior has it, and is not said to be known") {
   const LyingSensor sensor = lying_sensor(0.06, 0.02);
   const OrganizedCloud empty(kRows, sensor.sensor.columns);
@@ -118,9 +137,13 @@ TEST_CASE("scans of another sensor are refused") {
   const LyingSensor sensor = lying_sensor(0.0, 0.0);
   const std::vector<slam::LocatedScan> scans = {{OrganizedCloud(8, 512), Pose::Identity(), {}}};
   CHECK_THROWS_WITH_AS(slam::calibrate_beams(sensor.sensor, scans),
-                       "a scan of 8 x 512 to calibrate a sensor of 16 x 512: expected the same "
-                       "shape; give the scans as the sensor measured them",
+                       "scan of 8x512 pixels does not fit sensor 'small' of 16x512: name the "
+                       "sensor that recorded it",
                        Error);
+  OrganizedCloud without_points(kRows, 512);
+  without_points.points_m.clear();
+  CHECK_THROWS_AS(slam::calibrate_beams(sensor.sensor, {{without_points, Pose::Identity(), {}}}),
+                  Error);
 }
 
 }  // namespace hqslam

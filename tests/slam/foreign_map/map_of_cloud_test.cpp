@@ -76,11 +76,16 @@ TEST_CASE(
   refused(centimetres, "places of 0.1 m");
 }
 
-TEST_CASE("a sensor with one row, which tells no ground, is refused") {
+TEST_CASE("a sensor with one row, which tells no ground, is refused, and one that is none") {
   SensorModel sensor = test::street_sensor();
   sensor.beam_elevation_rad.resize(1);
   sensor.beam_azimuth_offset_rad.resize(1);
   CHECK_THROWS_WITH_AS(slam::map_of_cloud(surveyed(test::street(31, -20.0, 80.0), Pose::Identity()),
                                           sensor, slam::SlamOptions()),
                        doctest::Contains("two rows or more"), Error);
+  sensor = test::street_sensor();
+  std::swap(sensor.beam_elevation_rad.front(), sensor.beam_elevation_rad.back());
+  CHECK_THROWS_WITH_AS(slam::map_of_cloud(surveyed(test::street(31, -20.0, 80.0), Pose::Identity()),
+                                          sensor, slam::SlamOptions()),
+                       doctest::Contains("elevations must fall"), Error);
 }

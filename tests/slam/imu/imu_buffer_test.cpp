@@ -93,3 +93,23 @@ TEST_CASE("what is forgotten is not needed for what comes after") {
   }
   CHECK(buffer.steps(0.02, 0.05, kLevel).empty());
 }
+
+TEST_CASE("what no sensor can have measured is left out") {
+  const std::vector<ImuSample> sound = samples(0, 10);
+  for (const double value : {1e200, 2e3, -std::numeric_limits<double>::infinity()}) {
+    std::vector<ImuSample> spiked = sound;
+    spiked.insert(spiked.begin() + 5, {0.045, {0, 0, value}, {0, 0, 9.8}});
+    spiked.insert(spiked.begin() + 5, {0.044, {0, 0, 0}, {value, 0, 9.8}});
+    CHECK(buffer_of(spiked).steps(0.0, 0.1, kLevel).size() ==
+          buffer_of(sound).steps(0.0, 0.1, kLevel).size());
+  }
+}
+
+TEST_CASE("a stamp of the future does not keep out what comes after it") {
+  std::vector<ImuSample> later = samples(11, 20);
+  later.front().stamp_s = 5e9;
+  later[1].stamp_s = 5e9 + 0.01;
+  ImuBuffer buffer = buffer_of(samples(0, 10));
+  buffer.add(later);
+  CHECK(buffer.steps(0.05, 0.2, kLevel).size() > 10);
+}

@@ -85,7 +85,7 @@ TEST_CASE("a broken map is one line that says what was expected") {
   for (const std::string& broken :
        {std::string("P2\n3 2\n255\n"), std::string("P5\n3 3\n255\n\0\0", 13), std::string("P5"),
         std::string("P5\n2000000000 2000000000\n255\n"), std::string("P5\n-3 2\n255\n"),
-        std::string("P5\n#"), std::string()}) {
+        std::string("P5\n#"), std::string("P5\n# a comment that is long\n12"), std::string()}) {
     CAPTURE(broken);
     CHECK(one_line_with(error_of(kYaml, broken), "expected"));
   }

@@ -7,8 +7,8 @@ namespace hqslam::slam {
 /// How a stage of SLAM ended for one scan.
 enum class Status {
   kOk,
-  /// Too little matched. Mapping: the prediction stands. Odometry: the prediction stands for what
-  /// no search found; ground may have given height, roll and pitch, or edges x, y and yaw.
+  /// Too little matched. Mapping: the odometry's motion stands. Odometry: the prediction stands for
+  /// what no search found; ground may have given height, roll and pitch, or edges x, y and yaw.
   kTooFewFeatures,
   kDegenerate,    ///< some direction of motion was not observable: there the prediction stands
   kNotConverged,  ///< the iteration limit was reached while the estimate still moved
