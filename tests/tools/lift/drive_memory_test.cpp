@@ -2,9 +2,12 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "hqslam/core/projection.h"
+#include "temporary_directory.h"
+#include "tools/program/untrained_weights.h"
 
 namespace hqslam::tools {
 namespace {
@@ -56,6 +59,36 @@ TEST_CASE("a scan that was corrected for motion has one pose") {
   sensor.measured_rows = RowSelection{3, 4};
   const OrganizedCloud cloud(16, sensor.columns);
   CHECK(column_poses(slam::SensorPath(Pose::Identity()), cloud, sensor).size() == 1);
+}
+
+TEST_CASE("without looking ahead a scan recalls those before it, also of a sensor that stands") {
+  const test::TemporaryDirectory folder;
+  const SensorModel sensor = sensor_preset("os1-64");
+  write_weights(folder.file("memory.npz"), test::untrained_weights(sensor, "du-mix", true));
+  const nn::Upsampler upsampler(nn::SuperResolver::load(folder.file("memory.npz")), sensor);
+  RangeImage image(16, sensor.columns);
+  for (float& range_m : image.range_m) range_m = 10.0F;
+  const OrganizedCloud measured =
+      unproject(image, select_rows(sensor, {3, 4}), CaptureTime::kRolling);
+  ScanPoses poses;
+  for (int scan = 0; scan < 30; ++scan) {
+    poses.trajectory.push_back({0.1 * scan, Pose::Identity()});
+  }
+  LookAheadMemory memory(
+      &upsampler, poses, [&](const RecordedScan&) { return measured; }, false);
+  CHECK(memory.look_ahead().scans == 0);
+  for (int scan = 0; scan < 30; ++scan) {
+    ReadScan read;
+    read.index = scan;
+    read.scan.stamp_s = 0.1 * scan;
+    const nn::RecalledImage recalled = memory.recall(read, measured);
+    const auto remembered =
+        std::count_if(recalled.image.range_m.begin(), recalled.image.range_m.end(),
+                      [](float range_m) { return range_m > 0.0F; });
+    CAPTURE(scan);
+    CHECK((remembered > 10000) == (scan > 0));
+  }
+  CHECK_NOTHROW(memory.tell_of_scans_without_pose("poses.tum", "drive"));
 }
 
 }  // namespace hqslam::tools

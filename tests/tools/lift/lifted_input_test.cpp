@@ -141,6 +141,11 @@ TEST_CASE("a sender whose beams are still to come is refused for its rows alone"
   }
   sender.sensor = sensor_preset("hdl-32e");
   CHECK(refused_with([&] { lifted_sender(sender, lifting); }, "os1-64", "hdl-32e"));
+  // Twice as fast as the weights want: every second column would be empty.
+  sender.sensor = sensor_preset("os1-16");
+  sender.sensor.columns = 512;
+  CHECK(refused_with([&] { lifted_sender(sender, lifting); }, "expects 1024 columns a turn",
+                     "has 512"));
 }
 
 TEST_CASE("rows that nothing fills are looked at alone, all of them where none are chosen") {

@@ -174,6 +174,19 @@ TEST_CASE("where the poses are known a network with a memory recalls the scans a
   for (const int scan : {0, 2}) CHECK(holds(page_of(scan), "what other scans measured"));
   CHECK(holds(page_of(2), "Where memory changed a range"));
 
+  // Poses of other stamps are not left aside without a word.
+  const std::string shifted = folder.file("shifted.tum");
+  for (const double late_s : {0.05, 0.1}) {
+    Trajectory truth = read_tum(files.drive + "/truth.tum");
+    for (StampedPose& pose : truth) pose.stamp_s += late_s;
+    write_tum(truth, shifted);
+    const ProgramResult result = run_hqslam("upsample '{}' --weights '{}' --poses '{}' --out '{}'",
+                                            files.drive, weights, shifted, folder.file("late"));
+    CHECK(result.status == (late_s < 0.1 ? 2 : 0));
+    CHECK(holds(result.error, late_s < 0.1 ? "none of its poses is within 0.02 s of one of 4 scans"
+                                           : "1 of 4 scans have no pose"));
+  }
+
   // SLAM's own poses, those that it expects and then those that it finds.
   const ProgramResult run = succeeds("run '{}' --upsample '{}' --dense-map --out '{}'", files.drive,
                                      weights, folder.file("run"));

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <csignal>
 #include <functional>
 #include <vector>
 
@@ -108,6 +109,20 @@ TEST_CASE("a scan is used when those that it waits for were seen, or none come")
   CHECK(reading.end == ReadingEnd::kUnreadableScan);
   CHECK(reading.left_out.each ==
         std::vector<std::string>{"has no points", "scan 3: has bad times"});
+}
+
+TEST_CASE("scans that wait for others are not used when Ctrl-C ends the reading") {
+  Scans source({good, good, good, [] { std::raise(SIGINT); }, good});
+  const InterruptGuard interrupt;
+  Reading reading;
+  std::vector<std::int64_t> used;
+  const auto use = [&](const ReadScan& read) {
+    used.push_back(read.index);
+    return true;
+  };
+  read_scans(source, interrupt, reading, use, {2});
+  CHECK(used == std::vector<std::int64_t>{0, 1});
+  CHECK(reading.end == ReadingEnd::kInterrupted);
 }
 
 TEST_CASE("a reading says that it is running until it has ended") {

@@ -91,21 +91,38 @@ LookAheadMemory::LookAheadMemory(const nn::Upsampler* upsampler, const ScanPoses
 }
 
 LookAhead LookAheadMemory::look_ahead() {
-  if (!memory_) return {};
-  return {looks_ahead_ ? nn::kLookAheadScans : 0, [this](const ReadScan& read) {
-            const auto path = poses_.path_of(read.index, read.scan.stamp_s);
-            if (!path) return;
+  if (!memory_ || !looks_ahead_) return {};
+  return {nn::kLookAheadScans, [this](const ReadScan& read) {
             const OrganizedCloud measured = measured_(read.scan);
-            memory_->insert(measured, column_poses(*path, measured, sensor_), read.scan.stamp_s);
+            if (const auto poses = poses_of(read, measured)) {
+              memory_->insert(measured, *poses, read.scan.stamp_s);
+            }
           }};
 }
 
 nn::RecalledImage LookAheadMemory::recall(const ReadScan& read, const OrganizedCloud& measured) {
   if (!memory_) return {};
-  const auto path = poses_.path_of(read.index, read.scan.stamp_s);
-  if (!path) return {};
-  return memory_->recall(range_image(measured), column_poses(*path, measured, sensor_),
-                         read.scan.stamp_s);
+  const auto poses = poses_of(read, measured);
+  ++(poses ? scans_ : scans_without_pose_);
+  if (!poses) return {};
+  nn::RecalledImage recalled = memory_->recall(range_image(measured), *poses, read.scan.stamp_s);
+  if (!looks_ahead_) memory_->insert(measured, *poses, read.scan.stamp_s);
+  return recalled;
+}
+
+std::optional<nn::ColumnPoses> LookAheadMemory::poses_of(const ReadScan& read,
+                                                         const OrganizedCloud& measured) const {
+  const auto path = poses_.path_of(read.index, read.scan.stamp_s, sensor_.scan_period_s);
+  if (!path) return std::nullopt;
+  return column_poses(*path, measured, sensor_);
+}
+
+void LookAheadMemory::tell_of_scans_without_pose(const std::string& poses,
+                                                 const std::string& recording) const {
+  if (poses.empty() || scans_without_pose_ == 0) return;
+  if (scans_ == 0) throw Error(no_pose_message(poses, scans_without_pose_, recording));
+  to_stderr("hqslam: {}: {} of {} scans have no pose; nothing was recalled in them\n", poses,
+            scans_without_pose_, scans_ + scans_without_pose_);
 }
 
 void require_memory(const std::string& poses, const nn::Upsampler* upsampler) {

@@ -53,10 +53,18 @@ class LookAheadMemory {
 
   /// For read_scans: remembers what is read.
   LookAhead look_ahead();
+  /// Of every scan that was read.
   nn::RecalledImage recall(const ReadScan& read, const OrganizedCloud& measured);
+  /// On stderr, at the end. Throws Error if no scan had a pose. Names of files, for the message.
+  void tell_of_scans_without_pose(const std::string& poses, const std::string& recording) const;
 
  private:
+  std::optional<nn::ColumnPoses> poses_of(const ReadScan& read,
+                                          const OrganizedCloud& measured) const;
+
   std::optional<nn::ScanMemory> memory_;
+  std::int64_t scans_ = 0;  ///< with a pose, and without one
+  std::int64_t scans_without_pose_ = 0;
   SensorModel sensor_;
   const ScanPoses& poses_;
   std::function<OrganizedCloud(const RecordedScan&)> measured_;

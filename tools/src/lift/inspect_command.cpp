@@ -51,7 +51,7 @@ struct SeenScan {
 SeenScan scan_of(const InspectOptions& options, LiftedInput& input) {
   require_memory(options.poses, input.lifter());
   const ScanPoses poses =
-      read_scan_poses(options.poses, [&] { return scans_in(options, *input.open()); });
+      read_scan_poses(options.poses, InterruptGuard(), [&] { return input.open(); });
   LookAheadMemory memory(input.lifter(), poses,
                          [&](const RecordedScan& scan) { return input.measured(scan.cloud); });
   SeenScan seen;
@@ -60,6 +60,7 @@ SeenScan scan_of(const InspectOptions& options, LiftedInput& input) {
     if (i == options.scan) seen.image = range_image(calibrated(read.scan.cloud, input.recorded));
   };
   for_scans_up_to(options, *input.open(), look, memory.look_ahead());
+  memory.tell_of_scans_without_pose(options.poses, options.input);
   return seen;
 }
 

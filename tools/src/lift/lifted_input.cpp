@@ -64,6 +64,17 @@ std::optional<int> recorded_rows(const Request& request) {
       kBeamTolerance_deg, request.input(), found.name, found.rows(), found.columns);
 }
 
+/// In images of more columns than a turn has, gaps would be taken for the sky. Sensors do not keep
+/// their speed to the percent.
+void check_columns(const Request& request, int found, int expected) {
+  constexpr double kFewestShare = 0.9;
+  if (found >= kFewestShare * expected) return;
+  throw Error(
+      "{}: expects {} columns a turn, {} has {}; let the sensor turn more slowly, interpolate, or "
+      "train for it (docs/training.md)",
+      request.lifting.upsample, expected, request.input(), found);
+}
+
 bool asks_for_confidence(const LiftingChoice& choice) {
   return choice.least_confidence || choice.tolerance_m;
 }
@@ -94,7 +105,10 @@ LiftedInput with_network(const Request& request) {
   const std::optional<int> rows = recorded_rows(request);
   const bool measured_alone = rows == measured.rows();
   SensorModel recorded = sensor_of(request).value_or(measured_alone ? measured : full);
-  if (has_any_columns(request)) recorded.columns = full.columns;
+  if (has_any_columns(request)) {
+    check_columns(request, recorded.columns, full.columns);
+    recorded.columns = full.columns;
+  }
   if (request.sender != nullptr && !request.sender->knows_beams) {
     if (recorded.rows() == full.rows()) recorded = full;
     if (recorded.rows() == measured.rows()) recorded = measured;

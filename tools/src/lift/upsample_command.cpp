@@ -85,6 +85,7 @@ UpsampleRun upsample(ScanSource& source, LiftedInput& input, const ScanPoses& po
   read_scans(source, interrupt, run, lift, memory.look_ahead());
   progress.finish();
   if (output && run.end == ReadingEnd::kComplete) output->finish();
+  memory.tell_of_scans_without_pose(options.poses, options.input);
   return run;
 }
 
@@ -147,8 +148,7 @@ int run(const UpsampleOptions& options) {
   refuse_to_write_into_recording(options.input, options.out);
   LiftedInput input = lifted_input(options, options);
   require_memory(options.poses, input.lifter());
-  const ScanPoses poses =
-      read_scan_poses(options.poses, [&] { return scans_in(options, *input.open()); });
+  const ScanPoses poses = read_scan_poses(options.poses, interrupt, [&] { return input.open(); });
   const std::unique_ptr<ScanSource> source = input.open();
   print_warnings(*source, options.input);
   const std::size_t told = source->warnings().size();

@@ -77,6 +77,8 @@ void read_scans(ScanSource& source, const InterruptGuard& interrupt, Reading& re
     if (reading.end == ReadingEnd::kRunning && std::ssize(waiting) <= look_ahead.scans) {
       const SteadyClock::time_point start = SteadyClock::now();
       std::optional<RecordedScan> scan = next_scan(source, interrupt, seen == refused, reading);
+      // What would have been seen ahead is missing: those that wait would not be as in a whole run.
+      if (reading.end == ReadingEnd::kInterrupted) waiting.clear();
       if (!scan) continue;
       const std::int64_t index = seen++ + reading.left_out.scans - refused;
       waiting.push_back({std::move(*scan), index, seconds_since(start)});

@@ -1,10 +1,12 @@
 #include "recording/scan_poses.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "hqslam/core/error.h"
+#include "recording/reading.h"
 #include "recording/reference.h"
 
 namespace hqslam::tools {
@@ -40,27 +42,64 @@ std::optional<std::size_t> pose_of_scan(const std::vector<std::int64_t>& scan_of
 
 }  // namespace
 
-std::optional<slam::SensorPath> ScanPoses::path_of(std::int64_t scan, double stamp_s) const {
+std::optional<slam::SensorPath> ScanPoses::path_of(std::int64_t scan, double stamp_s,
+                                                   double scan_period_s) const {
   const auto pose = scan_of_pose ? pose_of_scan(*scan_of_pose, scan) : pose_at(trajectory, stamp_s);
   if (!pose || (!is_located.empty() && !is_located[*pose])) return std::nullopt;
-  return slam::SensorPath(trajectory, *pose, {knows_way(*pose - 1), knows_way(*pose)});
+  const auto is_apart = [&](std::size_t other) {
+    return std::abs(trajectory[other].stamp_s - trajectory[*pose].stamp_s) >= 0.5 * scan_period_s;
+  };
+  std::size_t before = *pose;
+  while (before > 0 && knows_way(before - 1) && !is_apart(before)) --before;
+  std::size_t after = *pose;
+  while (after + 1 < trajectory.size() && knows_way(after) && !is_apart(after)) ++after;
+  Trajectory about;
+  if (before < *pose) about.push_back(trajectory[before]);
+  const std::size_t here = about.size();
+  about.push_back(trajectory[*pose]);
+  if (after > *pose) about.push_back(trajectory[after]);
+  if (!scan_of_pose && stamp_s != about[here].stamp_s) {
+    const slam::SensorPath nearby(about, here);
+    about[here] = {stamp_s, nearby.at(stamp_s - about[here].stamp_s)};
+  }
+  return slam::SensorPath(about, here);
 }
 
-ScanPoses read_scan_poses(const std::string& path,
-                          const std::function<std::int64_t()>& scans_in_recording) {
+ScanPoses read_scan_poses(const std::string& path, const InterruptGuard& interrupt,
+                          const std::function<std::unique_ptr<ScanSource>()>& open_recording) {
   if (path.empty()) return {};
   const TrajectoryFile file = read_trajectory_file(path);
   if (file.has_stamps) return {file.poses, {}, {}, std::nullopt};
-  const std::int64_t scans = scans_in_recording();
-  if (std::ssize(file.poses) != scans) {
+  ScanPoses poses;
+  poses.scan_of_pose.emplace();
+  std::int64_t scans = 0;
+  Reading reading;
+  const auto source = open_recording();
+  read_scans(*source, interrupt, reading, [&](const ReadScan& read) {
+    const auto scan = static_cast<std::size_t>(read.index);
+    if (scan < file.poses.size()) {
+      poses.trajectory.push_back({read.scan.stamp_s, file.poses[scan].T_map_sensor});
+      poses.scan_of_pose->push_back(read.index);
+    }
+    ++scans;
+    return true;
+  });
+  scans += reading.left_out.scans;
+  if (std::ssize(file.poses) != scans && reading.end != ReadingEnd::kInterrupted) {
     throw Error(
         "{}: has {} poses without stamps, but the recording has {} scans; give one pose per scan "
         "or a TUM file",
         path, file.poses.size(), scans);
   }
-  std::vector<std::int64_t> every_scan(file.poses.size());
-  std::iota(every_scan.begin(), every_scan.end(), 0);
-  return {file.poses, {}, {}, std::move(every_scan)};
+  return poses;
+}
+
+std::string no_pose_message(const std::string& poses, std::int64_t scans,
+                            const std::string& recording) {
+  return fmt::format(
+      "{}: none of its poses is within {} s of one of {} scans of {}; give poses with the stamps "
+      "of the scans",
+      poses, kMaxStampDifference_s, scans, recording);
 }
 
 }  // namespace hqslam::tools

@@ -2,12 +2,15 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "hqslam/core/scan_source.h"
 #include "hqslam/core/trajectory.h"
 #include "hqslam/slam/sensor_path.h"
+#include "terminal/terminal.h"
 
 namespace hqslam::tools {
 
@@ -26,8 +29,10 @@ struct ScanPoses {
     return pose >= is_way_known.size() || is_way_known[pose];
   }
   /// The sensor's path during a scan of the recording, by its number or its stamp; nothing where
-  /// that is not known.
-  std::optional<slam::SensorPath> path_of(std::int64_t scan, double stamp_s) const;
+  /// that is not known. From its pose at the stamp it moves evenly to the poses that are at least
+  /// half a period away: steps between closer ones would be mostly noise.
+  std::optional<slam::SensorPath> path_of(std::int64_t scan, double stamp_s,
+                                          double scan_period_s) const;
 };
 
 /// The same for networks with a memory.
@@ -39,9 +44,13 @@ inline constexpr const char* kMemoryPosesHelp =
 inline constexpr const char* kScanPosesHelp =
     "Where the scans were taken: TUM, matched by stamp (0.02 s), scans without a pose are left "
     "out; or KITTI with one pose per scan";
-/// The poses of a file, none without a path; KITTI's must be as many as the recording has scans,
-/// which is asked only then. Throws Error.
-ScanPoses read_scan_poses(const std::string& path,
-                          const std::function<std::int64_t()>& scans_in_recording);
+/// The poses of a file, none without a path. KITTI's must be as many as the recording has scans,
+/// and get their stamps: only then it is opened, and read. Throws Error.
+ScanPoses read_scan_poses(const std::string& path, const InterruptGuard& interrupt,
+                          const std::function<std::unique_ptr<ScanSource>()>& open_recording);
+
+/// What to say where no pose belongs to any of so many scans.
+std::string no_pose_message(const std::string& poses, std::int64_t scans,
+                            const std::string& recording);
 
 }  // namespace hqslam::tools

@@ -67,10 +67,7 @@ constexpr int kPerspectiveRows = 900;
 
 std::string no_scan_message(const DenseMapRun& run, const MapOptions& options) {
   if (run.without_pose == 0 && run.left_out.scans > 0) return run.left_out.text();
-  return fmt::format(
-      "{}: none of its poses is within 0.02 s of one of {} scans of {}; give poses with the stamps "
-      "of the scans",
-      options.poses, run.without_pose, options.input);
+  return no_pose_message(options.poses, run.without_pose, options.input);
 }
 
 }  // namespace
@@ -144,8 +141,8 @@ int run(const MapOptions& options) {
   use_threads(options.threads);
   options_of(options.grid);  // refused before the work, not after it
   refuse_to_write_into_recording(options.input, options.out);
-  const ScanPoses poses = read_scan_poses(
-      options.poses, [&] { return scans_in(options, *lifted_input(options, options).open()); });
+  const ScanPoses poses = read_scan_poses(options.poses, interrupt,
+                                          [&] { return lifted_input(options, options).open(); });
   const Paths inputs = {options.input, options.poses, options.upsample};
   guard_dense_map(options.out, inputs);
   if (options.occupancy_grid) guard_occupancy_grid(options.out, inputs);

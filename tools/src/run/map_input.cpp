@@ -38,7 +38,8 @@ MapReading MapInput::read(const ScanPoses& poses, const std::string& label,
   Progress progress(label, most);
   MapReading reading;
   const auto use_if_known = [&](const ReadScan& read) {
-    if (const auto path = poses.path_of(read.index, read.scan.stamp_s)) {
+    if (const auto path =
+            poses.path_of(read.index, read.scan.stamp_s, input_.recorded.scan_period_s)) {
       use(read, *path);
       ++reading.scans;
     } else {

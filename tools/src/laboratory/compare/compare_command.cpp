@@ -186,8 +186,8 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
                            const InterruptGuard& interrupt, const Use& use,
                            const nn::Upsampler* upsampler = nullptr) {
   require_memory(options.poses, upsampler);
-  const ScanPoses poses = read_scan_poses(
-      options.poses, [&] { return scans_in(options, *open_input(options, sensor)); });
+  const ScanPoses poses =
+      read_scan_poses(options.poses, interrupt, [&] { return open_input(options, sensor); });
   const auto measured_of = [&](const OrganizedCloud& truth) {
     return select_rows(truth, selection_for(truth.rows, kMeasuredRows));
   };
@@ -221,6 +221,7 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
     throw Error(reading.left_out.text());
   }
   if (reading.left_out.scans > 0) to_stderr("hqslam: {}\n", reading.left_out.text());
+  memory.tell_of_scans_without_pose(options.poses, options.input);
   return used;
 }
 

@@ -1,0 +1,114 @@
+#include "recording/scan_poses.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "error_message.h"
+#include "hqslam/core/error.h"
+#include "temporary_directory.h"
+
+namespace hqslam::tools {
+namespace {
+
+constexpr double kPeriod_s = 0.1;
+constexpr double kAhead_m_per_s = 20.0;
+
+Pose at(double time_s, double noise_m = 0.0) {
+  Pose pose = Pose::Identity();
+  pose.translation().x() = kAhead_m_per_s * time_s + noise_m;
+  return pose;
+}
+
+/// Of a sensor that drives straight on, one pose every so often.
+ScanPoses poses_every(double step_s, double noise_m = 0.0) {
+  ScanPoses poses;
+  for (int i = 0; i * step_s < 3.0; ++i) {
+    poses.trajectory.push_back({i * step_s, at(i * step_s, i % 2 == 0 ? noise_m : -noise_m)});
+  }
+  return poses;
+}
+
+/// How far a path is from where the sensor was during a scan.
+double error_m(const ScanPoses& poses, double stamp_s) {
+  const auto path = poses.path_of(0, stamp_s, kPeriod_s);
+  REQUIRE(path);
+  double worst_m = 0.0;
+  for (const double offset_s : {-0.05, -0.02, 0.0, 0.02, 0.05}) {
+    const Eigen::Vector3d off_m =
+        path->at(offset_s).translation() - at(stamp_s + offset_s).translation();
+    worst_m = std::max(worst_m, off_m.norm());
+  }
+  return worst_m;
+}
+
+/// Empty scans with these stamps; one that is negative cannot be understood.
+class Stamped : public ScanSource {
+ public:
+  explicit Stamped(std::vector<double> stamps_s) : stamps_s_(std::move(stamps_s)) {}
+  const SensorModel& sensor() const override { return sensor_; }
+  std::optional<std::int64_t> size() const override { return std::nullopt; }
+  double read_share() const override { return 0.0; }
+  bool has_stamps() const override { return true; }
+  std::optional<RecordedScan> next() override {
+    if (next_ == stamps_s_.size()) return std::nullopt;
+    const double stamp_s = stamps_s_[next_++];
+    if (stamp_s < 0.0) throw ScanError("is broken");
+    RecordedScan scan;
+    scan.stamp_s = stamp_s;
+    return scan;
+  }
+
+ private:
+  SensorModel sensor_ = sensor_preset("vlp-16");
+  std::vector<double> stamps_s_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace
+
+TEST_CASE("a scan is where the sensor was at its stamp, whatever the rate of the poses") {
+  for (const double step_s : {0.1, 1.0 / 30.3, 0.02, 0.001}) {
+    CAPTURE(step_s);
+    for (const double stamp_s : {0.0, 1.0, 1.017, 2.0}) {
+      const double nearest_s = step_s * std::round(stamp_s / step_s);
+      if (std::abs(stamp_s - nearest_s) < 0.02) CHECK(error_m(poses_every(step_s), stamp_s) < 1e-9);
+    }
+  }
+  CHECK_FALSE(poses_every(0.1).path_of(0, 1.03, kPeriod_s));
+  CHECK_FALSE(poses_every(0.1).path_of(0, 9.0, kPeriod_s));
+}
+
+TEST_CASE("what poses err by from one to the next is not extrapolated over a scan") {
+  for (const double step_s : {0.02, 0.005, 0.001}) {
+    CAPTURE(step_s);
+    CHECK(error_m(poses_every(step_s, 0.003), 1.0) < 0.012);
+  }
+}
+
+TEST_CASE("poses without stamps get those of the scans, whatever lies between them") {
+  const test::TemporaryDirectory folder;
+  // As a sensor that is carried: three scans half a second apart, one that is broken, and another.
+  const std::vector<double> stamps_s = {0.05, 0.55, 1.05, -1.0, 2.05};
+  Trajectory trajectory;
+  for (const double stamp_s : stamps_s) trajectory.push_back({0.0, at(stamp_s)});
+  write_kitti_poses(trajectory, folder.file("poses.kitti"));
+  const InterruptGuard interrupt;
+  const auto open = [&] { return std::make_unique<Stamped>(stamps_s); };
+  const ScanPoses poses = read_scan_poses(folder.file("poses.kitti"), interrupt, open);
+  for (const std::int64_t scan : {0, 1, 2, 4}) {
+    const double stamp_s = stamps_s[static_cast<std::size_t>(scan)];
+    const auto path = poses.path_of(scan, stamp_s, kPeriod_s);
+    REQUIRE(path);
+    CHECK(path->at(0.04).isApprox(at(stamp_s + 0.04), 1e-6));
+  }
+  CHECK_FALSE(poses.path_of(3, 1.55, kPeriod_s));
+  const auto open_fewer = [&] { return std::make_unique<Stamped>(std::vector<double>{0.0, 0.1}); };
+  CHECK(test::refused_with(
+      [&] { read_scan_poses(folder.file("poses.kitti"), interrupt, open_fewer); },
+      "has 5 poses without stamps, but the recording has 2 scans"));
+}
+
+}  // namespace hqslam::tools
