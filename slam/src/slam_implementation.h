@@ -79,6 +79,8 @@ struct Slam::Implementation {
   };
   std::optional<InertialPrediction> predicted_by_imu(const Reference& reference,
                                                      const Scan& scan) const;
+  Registered judged(const Tracking& last, const Scan& scan, const MotionState& expected,
+                    const OdometryResult& moved, const MappingResult& matched) const;
   Registered registered(const Tracking& last, const Scan& scan, Notes& notes) const;
   Registered first_registered(Tracking& last, const Scan& scan, Notes& notes);
   State tracked(Tracking last, const Registered& found, const Scan& scan, Notes& notes);

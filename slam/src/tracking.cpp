@@ -170,6 +170,37 @@ std::optional<InertialPrediction> Slam::Implementation::predicted_by_imu(const R
                    scan.turning->mean_rate_rad_per_s());
 }
 
+/// Whether the odometry and the map are to be believed, and where the scan is then.
+Slam::Implementation::Registered Slam::Implementation::judged(const Tracking& last,
+                                                              const Scan& scan,
+                                                              const MotionState& expected,
+                                                              const OdometryResult& moved,
+                                                              const MappingResult& matched) const {
+  const double duration_s = scan.time_s - last.reference.time_s;
+  const Pose T_map_moved =
+      orthonormalized(last.reference.state.T_map_sensor * moved.T_reference_sensor);
+  // Of a scan that was found far from where it was looked for first, inlier_ratio is of the way.
+  const bool is_elsewhere = matched.inlier_ratio < kLeastShareOfInlierRatio * last.inlier_ratio &&
+                            matched.close_ratio < kLeastShareOfInlierRatio * last.close_ratio;
+  Registered found;
+  found.is_registered = matched.status != Status::kTooFewFeatures && !is_elsewhere &&
+                        (!place_recognition || is_in_given_map(scan.map_features, matched.state));
+  found.by_odometry = moved.status != Status::kTooFewFeatures;
+  found.is_motion_plausible =
+      found.by_odometry && !is_elsewhere &&
+      is_plausible(logarithm(expected.T_map_sensor.inverse() * T_map_moved), duration_s);
+  found.is_contradiction = scan.has_enough_features && is_precise(expected) &&
+                           (is_elsewhere || (found.by_odometry && !found.is_motion_plausible));
+  found.inlier_ratio = matched.inlier_ratio;
+  found.close_ratio = matched.close_ratio;
+  found.state = found.is_registered ? matched.state : expected;
+  if (!found.is_registered) {
+    found.state.T_map_sensor = T_map_moved;
+    found.state.velocity = (1.0 / duration_s) * logarithm(moved.T_reference_sensor);
+  }
+  return found;
+}
+
 /// Where the scan is: predicted, moved by the odometry, registered in the map.
 Slam::Implementation::Registered Slam::Implementation::registered(const Tracking& last,
                                                                   const Scan& scan,
@@ -196,25 +227,7 @@ Slam::Implementation::Registered Slam::Implementation::registered(const Tracking
       register_from_starts(mapping, scan.map_features,
                            {expected, T_map_moved, reference.state.T_map_sensor, duration_s,
                             last.close_ratio, measured.has_value()});
-  // Of a scan that was found far from where it was looked for first, inlier_ratio is of the way.
-  const bool is_elsewhere = matched.inlier_ratio < kLeastShareOfInlierRatio * last.inlier_ratio &&
-                            matched.close_ratio < kLeastShareOfInlierRatio * last.close_ratio;
-  Registered found;
-  found.is_registered = matched.status != Status::kTooFewFeatures && !is_elsewhere &&
-                        (!place_recognition || is_in_given_map(scan.map_features, matched.state));
-  found.by_odometry = moved.status != Status::kTooFewFeatures;
-  found.is_motion_plausible =
-      found.by_odometry && !is_elsewhere &&
-      is_plausible(logarithm(expected.T_map_sensor.inverse() * T_map_moved), duration_s);
-  found.is_contradiction = scan.has_enough_features && is_precise(expected) &&
-                           (is_elsewhere || (found.by_odometry && !found.is_motion_plausible));
-  found.inlier_ratio = matched.inlier_ratio;
-  found.close_ratio = matched.close_ratio;
-  found.state = found.is_registered ? matched.state : expected;
-  if (!found.is_registered) {
-    found.state.T_map_sensor = T_map_moved;
-    found.state.velocity = (1.0 / duration_s) * logarithm(moved.T_reference_sensor);
-  }
+  Registered found = judged(last, scan, expected, moved, matched);
   if (measured) {
     found.inertial = found.is_registered ? corrected(*measured, found.state, matched.information)
                                          : kept(measured->inertial, found.state);
