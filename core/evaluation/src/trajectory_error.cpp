@@ -72,11 +72,11 @@ void validate(const SlipOptions& options) {
       options.scans, options.translation_m, options.rotation_rad);
 }
 
-/// Per reference pose the index of the estimate's pose at its time.
+/// Per pose of the estimate the index of the reference's at its time.
 std::vector<std::optional<std::size_t>> partners(const PosePairs& pairs, std::size_t poses) {
   std::vector<std::optional<std::size_t>> result(poses);
-  for (std::size_t i = 0; i < pairs.reference.size(); ++i) {
-    result[pairs.reference[i]] = pairs.estimate[i];
+  for (std::size_t i = 0; i < pairs.estimate.size(); ++i) {
+    result[pairs.estimate[i]] = pairs.reference[i];
   }
   return result;
 }
@@ -226,21 +226,22 @@ std::vector<Slip> slips(const Trajectory& estimate, const Trajectory& reference,
   validate(options);
   const PosePairs pairs = associate(estimate, reference, max_difference_s);
   require_pairs(pairs, 2, max_difference_s);
-  const auto partner = partners(pairs, reference.size());
+  const auto partner = partners(pairs, estimate.size());
   std::vector<Slip> result;
-  for (std::size_t i = 0; i + options.scans < reference.size(); ++i) {
-    const std::size_t j = i + options.scans;
-    if (!partner[i] || !partner[j]) continue;
+  for (std::size_t i = 0; i + options.scans < estimate.size(); ++i) {
+    if (!partner[i] || !partner[i + options.scans]) continue;
+    const std::size_t first = *partner[i];
+    const std::size_t last = *partner[i + options.scans];
     const Pose difference =
-        motion_error({estimate[*partner[i]].T_map_sensor, estimate[*partner[j]].T_map_sensor},
-                     {reference[i].T_map_sensor, reference[j].T_map_sensor});
+        motion_error({estimate[i].T_map_sensor, estimate[i + options.scans].T_map_sensor},
+                     {reference[first].T_map_sensor, reference[last].T_map_sensor});
     const double translation_m = difference.translation().norm();
     const double rotation_rad = rotation_angle_rad(difference);
     // Written so that a pose that is not a number is a slip.
     if (translation_m <= options.translation_m && rotation_rad <= options.rotation_rad) continue;
-    if (result.empty() || i > result.back().last + 1) result.push_back({i, j, 0.0, 0.0});
+    if (result.empty() || first > result.back().last + 1) result.push_back({first, last});
     Slip& slip = result.back();
-    slip.last = j;
+    slip.last = last;
     slip.translation_m = std::max(slip.translation_m, translation_m);
     slip.rotation_rad = std::max(slip.rotation_rad, rotation_rad);
   }

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <numeric>
+#include <string_view>
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/json_fields.h"
@@ -72,10 +74,17 @@ ScanSet scan_set(JsonFields& fields, const std::string& field) {
   return set;
 }
 
+std::filesystem::path path_of(const std::string& stack) {
+  return std::filesystem::path(stack).lexically_normal();
+}
+
+/// Drives of one family and seed have one city: town and town-busy.
+std::string_view family_of(std::string_view drive) { return drive.substr(0, drive.find('-')); }
+
 /// A drive or a stack that is trained on says nothing about drives that are not.
 void check_apart(const ScanSet& training, const ScanSet& validation, const std::string& source) {
   for (const std::string& stack : validation.stacks) {
-    if (std::find(training.stacks.begin(), training.stacks.end(), stack) != training.stacks.end()) {
+    if (std::ranges::count(training.stacks, path_of(stack), path_of) > 0) {
       throw Error("{}: '{}' is in both training and validation", source, stack);
     }
   }
@@ -83,9 +92,9 @@ void check_apart(const ScanSet& training, const ScanSet& validation, const std::
     for (const SimulatedScans& t : training.simulated) {
       for (const int seed : v.seeds) {
         const bool shared = std::find(t.seeds.begin(), t.seeds.end(), seed) != t.seeds.end();
-        if (t.drive == v.drive && shared) {
-          throw Error("{}: drive {} with seed {} is in both training and validation", source,
-                      t.drive, seed);
+        if (family_of(t.drive) == family_of(v.drive) && shared) {
+          throw Error("{}: the city of drive {} with seed {} is in both training and validation",
+                      source, v.drive, seed);
         }
       }
     }

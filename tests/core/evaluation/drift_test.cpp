@@ -103,6 +103,18 @@ TEST_CASE("who is lost for a whole drive slips once, who drifts by little never 
   CHECK(slips(scaled(straight_drive(), 1.02), straight_drive()).empty());
 }
 
+TEST_CASE("windows are of scans, whatever the rate of the true poses") {
+  Trajectory often;  // 75 a second
+  for (int i = 0; i < 2240; ++i) {
+    often.push_back({i / 75.0, pose_from_xyz_rpy({i / 7.5, 0.0, 0.0}, 0.0, 0.0, 0.0)});
+  }
+  CHECK(slips(with_jump(straight_drive(), 100, aside_m(5.0)), often).size() == 1);
+  CHECK(slips(scaled(straight_drive(), 1.05), often).size() == 1);
+  Trajectory seldom;  // once a second
+  for (std::size_t i = 0; i < 300; i += 10) seldom.push_back(straight_drive()[i]);
+  CHECK(slips(scaled(straight_drive(), 1.02), seldom).empty());
+}
+
 TEST_CASE("a scan without a pose spoils no window, a pose that is not a number does") {
   Trajectory estimate = straight_drive();
   estimate.erase(estimate.begin() + 100);

@@ -8,6 +8,7 @@
 
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/npy.h"
+#include "hqslam/core/trajectory.h"
 #include "points_file.h"
 #include "tools/program/program.h"
 
@@ -105,6 +106,27 @@ TEST_CASE("scans whose poses a TUM file does not have are left out of the map, a
   const ProgramResult result = succeeds("map '{}' --poses '{}' --out '{}'", simulated_drive(),
                                         out.file("some.tum"), out.file("map"));
   CHECK(missing(result.out, {"of 4 scans", "8 scans without a pose left out"}) == "");
+}
+
+TEST_CASE(
+    "poses of a survey, a thousand kilometres from its origin, make no map, and that is said") {
+  const TemporaryDirectory out;
+  Trajectory truth = read_tum(simulated_drive() + "/truth.tum");
+  for (StampedPose& pose : truth) pose.T_map_sensor.translation() += Eigen::Vector3d(5e5, 5.4e6, 0);
+  write_tum(truth, out.file("utm.tum"));
+  const ProgramResult result = refused("map '{}' --poses '{}' --out '{}'", simulated_drive(),
+                                       out.file("utm.tum"), out.file("map"));
+  CHECK(missing(result.error, {"within 100 km", "found one 5400 km away"}) == "");
+}
+
+TEST_CASE("a .las of an earlier map does not stay beside a new one") {
+  const TemporaryDirectory out;
+  const std::string map = fmt::format("map '{0}' --rows 16 --poses '{0}/truth.tum' --out '{1}'",
+                                      simulated_drive(), out.path().string());
+  succeeds("{} --las", map);
+  CHECK(fs::exists(out.file("dense_map.las")));
+  succeeds("{} --map-voxel 0.5", map);
+  CHECK_FALSE(fs::exists(out.file("dense_map.las")));
 }
 
 TEST_CASE("poses of another time make no map, and that is said") {

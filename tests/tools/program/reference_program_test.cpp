@@ -25,6 +25,16 @@ TEST_CASE("behind a bad file scans are compared and mapped with their own poses 
                                      folder.path().string(), truth);
   CHECK(holds(map.out, fmt::format("of {} scans", kDriveScans - 1)));
   CHECK(holds(map.error, "1 scan was left out"));
+  // A scan's number is that in the recording.
+  const std::string bin = fmt::format("'{}' --sensor os1-16", folder.file("bin"));
+  for (const char* command : {"inspect --slam", "view"}) {
+    CAPTURE(command);
+    const std::string page = folder.file(std::string(command, 4) + ".html");
+    succeeds("{} {} --scan {} --out '{}'", command, bin, kDriveScans - 1, page);
+    const ProgramResult result = run_hqslam("{} {} --scan 5 --out '{}'", command, bin, page);
+    CHECK(result.status == 2);
+    CHECK(holds(result.error, command[0] == 'i' ? "000005.bin" : "expected a scan 5"));
+  }
 }
 
 TEST_CASE("a reference by the clock of the scans' own stamps is compared with them") {

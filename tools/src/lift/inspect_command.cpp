@@ -22,24 +22,26 @@
 namespace hqslam::tools {
 namespace {
 
-/// Hands the scans up to the one that was asked for to `use`, with their indices.
+/// Hands the scans up to the one that was asked for to `use`.
 void for_scans_up_to(const InspectOptions& options, ScanSource& source,
-                     const std::function<void(const ReadScan& read, std::int64_t i)>& use,
+                     const std::function<void(const ReadScan& read)>& use,
                      const LookAhead& look_ahead = {}) {
   print_warnings(source, options.input);
   const InterruptGuard interrupt;
   Reading reading;
-  std::int64_t used = 0;
+  std::int64_t last = -1;
   const auto use_next = [&](const ReadScan& read) {
-    use(read, used++);
-    return used <= options.scan;
+    last = read.index;
+    if (last <= options.scan) use(read);
+    return last < options.scan;
   };
   read_scans(source, interrupt, reading, use_next, look_ahead);
-  if (used > options.scan) return;
-  if (interrupt.stop_requested()) throw Error("inspect: interrupted at scan {}", used);
+  if (last == options.scan) return;
+  if (interrupt.stop_requested()) throw Error("inspect: interrupted after scan {}", last);
   if (reading.end == ReadingEnd::kUnreadableScan) throw Error(reading.end_message);
-  throw Error("{}: has {} scans{}, expected one with index {}", options.input, used,
-              reading.left_out.scans > 0 ? " that can be used" : "", options.scan);
+  if (reading.left_out.scans > 0) throw Error(reading.left_out.text());
+  throw Error("{}: has {} scans, expected one with index {}", options.input, last + 1,
+              options.scan);
 }
 
 /// The scan that was asked for, and what a network with a memory recalls in it.
@@ -55,9 +57,10 @@ SeenScan scan_of(const InspectOptions& options, LiftedInput& input) {
   LookAheadMemory memory(input.lifter(), poses,
                          [&](const RecordedScan& scan) { return input.measured(scan.cloud); });
   SeenScan seen;
-  const auto look = [&](const ReadScan& read, std::int64_t i) {
+  const auto look = [&](const ReadScan& read) {
     seen.recalled = memory.recall(read, input.measured(read.scan.cloud));
-    if (i == options.scan) seen.image = range_image(calibrated(read.scan.cloud, input.recorded));
+    if (read.index != options.scan) return;
+    seen.image = range_image(calibrated(read.scan.cloud, input.recorded));
   };
   for_scans_up_to(options, *input.open(), look, memory.look_ahead());
   memory.tell_of_scans_without_pose(options.poses, options.input);
@@ -88,10 +91,10 @@ int inspect_slam(const InspectOptions& options) {
   page.recording = options.input;
   page.scan = options.scan;
   Progress progress("slam", options.scan + 1);
-  for_scans_up_to(options, *input.open(), [&](const ReadScan& read, std::int64_t i) {
-    slam::ScanTrace* trace = i == options.scan ? &page.trace : nullptr;
+  for_scans_up_to(options, *input.open(), [&](const ReadScan& read) {
+    slam::ScanTrace* trace = read.index == options.scan ? &page.trace : nullptr;
     page.report = session.process(read.scan, read.index, read.reading_s, trace).report;
-    progress.update(i + 1);
+    progress.update(read.index + 1);
   });
   progress.finish();
   write_text_file(slam_scan_html(page), options.out);

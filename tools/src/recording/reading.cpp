@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <deque>
 #include <utility>
 
@@ -54,17 +55,9 @@ std::optional<RecordedScan> next_usable(ScanSource& source, LeftOut& left_out) {
 }
 
 std::string_view name(ReadingEnd end) {
-  switch (end) {
-    case ReadingEnd::kRunning:
-      return "running";
-    case ReadingEnd::kInterrupted:
-      return "interrupted";
-    case ReadingEnd::kUnreadableScan:
-      return "unreadable scan";
-    case ReadingEnd::kComplete:
-      break;
-  }
-  return "complete";
+  constexpr std::array<std::string_view, 4> kNames = {"running", "complete", "interrupted",
+                                                      "unreadable scan"};
+  return kNames[static_cast<std::size_t>(end)];
 }
 
 void read_scans(ScanSource& source, const InterruptGuard& interrupt, Reading& reading,

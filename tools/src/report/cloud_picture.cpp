@@ -96,8 +96,9 @@ class DepthImage {
 
 Eigen::AlignedBox2d surroundings_of(const Trajectory& path) {
   constexpr double kMargin_m = 40.0;
-  Eigen::AlignedBox2d box(Eigen::Vector2d::Zero());
+  Eigen::AlignedBox2d box;
   for (const StampedPose& pose : path) box.extend(pose.T_map_sensor.translation().head<2>());
+  if (box.isEmpty()) box.extend(Eigen::Vector2d::Zero());
   box.min().array() -= kMargin_m;
   box.max().array() += kMargin_m;
   return box;

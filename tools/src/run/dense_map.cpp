@@ -70,6 +70,19 @@ std::string no_scan_message(const DenseMapRun& run, const MapOptions& options) {
   return no_pose_message(options.poses, run.without_pose, options.input);
 }
 
+/// Poses of a survey count kilometres; 32-bit points cannot.
+void check_near_origin(const ScanPoses& poses, const std::string& path) {
+  constexpr double kFarthest_m = 1e5;
+  for (const StampedPose& pose : poses.trajectory) {
+    const double far_m = pose.T_map_sensor.translation().cwiseAbs().maxCoeff();
+    if (far_m <= kFarthest_m) continue;
+    throw Error(
+        "{}: expected poses within {:.0f} km of their frame's origin, found one {:.0f} km away; "
+        "subtract the first pose's position from all",
+        path, 1e-3 * kFarthest_m, 1e-3 * far_m);
+  }
+}
+
 }  // namespace
 
 DenseMapPictures pictures_of(const DenseMapRun& run, const Trajectory& path) {
@@ -103,6 +116,7 @@ void write_dense_map(const DenseMapRun& run, const fs::path& folder) {
   write_png(run.pictures.above, parts.add(folder / "dense_map_above.png"));
   write_png(run.pictures.perspective, parts.add(folder / "dense_map_perspective.png"));
   parts.rename();
+  if (!run.las) fs::remove(folder / "dense_map.las");  // of an earlier map
 }
 
 std::string dense_map_summary(const DenseMapRun& run) {
@@ -143,6 +157,7 @@ int run(const MapOptions& options) {
   refuse_to_write_into_recording(options.input, options.out);
   const ScanPoses poses = read_scan_poses(options.poses, interrupt,
                                           [&] { return lifted_input(options, options).open(); });
+  check_near_origin(poses, options.poses);
   const Paths inputs = {options.input, options.poses, options.upsample};
   guard_dense_map(options.out, inputs);
   if (options.occupancy_grid) guard_occupancy_grid(options.out, inputs);

@@ -66,9 +66,10 @@ void limit_aspect(PlotBox& box) {
 }
 
 PlotBox box_around(const Drawing& drawing) {
-  Eigen::AlignedBox2d bounds(Eigen::Vector2d::Zero());
+  Eigen::AlignedBox2d bounds;
   for (const Eigen::Vector2d& point_m : drawing.estimate_m) bounds.extend(point_m);
   for (const Eigen::Vector2d& point_m : drawing.reference_m) bounds.extend(point_m);
+  if (bounds.isEmpty()) bounds.extend(Eigen::Vector2d::Zero());
   const double margin_m = std::max(kLeastMargin_m, kMarginShare * bounds.sizes().maxCoeff());
   PlotBox box{bounds.min().x() - margin_m, bounds.max().x() + margin_m, bounds.min().y() - margin_m,
               bounds.max().y() + margin_m};

@@ -54,16 +54,15 @@ ViewCloud saved_map_in(const std::string& path) {
 ViewCloud scan_of(const std::string& path, const ViewOptions& options) {
   LiftedInput input = lifted_input({path, options.sensor}, {});
   const std::unique_ptr<ScanSource> source = input.open();
-  std::optional<RecordedScan> scan;
   LeftOut left_out;
-  for (std::int64_t i = 0; i <= options.scan; ++i) {
-    scan = next_usable(*source, left_out);
-    if (!scan) {
-      throw Error("{}: expected a scan {}, found {} scans{}; --scan counts them from 0", path,
-                  options.scan, i, left_out.scans > 0 ? " that can be used" : "");
-    }
+  for (std::int64_t used = 0;; ++used) {
+    const std::optional<RecordedScan> scan = next_usable(*source, left_out);
+    const std::int64_t i = used + left_out.scans;  // those left out count
+    if (scan && i == options.scan) return cloud_of(returns_of(input.measured(scan->cloud)));
+    if (scan && i < options.scan) continue;
+    throw Error("{}: expected a scan {}, found {} scans{}; --scan counts them from 0", path,
+                options.scan, used, left_out.scans > 0 ? " that can be used" : "");
   }
-  return cloud_of(returns_of(input.measured(scan->cloud)));
 }
 
 ViewCloud cloud_in(const std::string& path, const ViewOptions& options) {

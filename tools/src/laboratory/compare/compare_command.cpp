@@ -303,6 +303,7 @@ int run(const CompareOptions& options) {
           if (curve) curve->add(scan, recalled);
         },
         comparison.with_memory());
+    if (used == 0 && interrupt.stop_requested()) return kInterrupted;
     print_scores(comparison.scores());
     to_stdout(
         "chance in the data: the median of the eight true ranges around each pixel has an MAE "

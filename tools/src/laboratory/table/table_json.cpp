@@ -97,11 +97,13 @@ Json drive_json(const TableSample& sample, const DriveSample& drive) {
   for (std::size_t i = 0; i < sample.methods.size(); ++i) {
     const MethodSample& method = drive.methods[i];
     const Drift whole = drift(method.pieces);
-    json["methods"][sample.methods[i].name] = {{"drift_percent", whole.translation_percent},
-                                               {"drift_deg_per_100m", whole.rotation_deg_per_100m},
-                                               {"pieces", whole.pieces},
-                                               {"ape_m", method.ape_m},
-                                               {"slips", slips_json(method.slips)}};
+    const auto where_any = [&](double value) { return whole.pieces > 0 ? Json(value) : Json(); };
+    json["methods"][sample.methods[i].name] = {
+        {"drift_percent", where_any(whole.translation_percent)},
+        {"drift_deg_per_100m", where_any(whole.rotation_deg_per_100m)},
+        {"pieces", whole.pieces},
+        {"ape_m", method.ape_m},
+        {"slips", slips_json(method.slips)}};
   }
   return json;
 }

@@ -241,8 +241,10 @@ std::string weights_of(const TableMethod& method, const std::string& sensor_name
       method.name, sensor_name);
 }
 
+/// A memory is filled by the poses of the SLAM that it is for.
 bool shares_pass(const TableMethod& method, const TableMethod& other) {
-  return method.rows == other.rows && method.source == other.source;
+  return method.rows == other.rows && method.source == other.source &&
+         (method.variant == other.variant || !uses_network(method));
 }
 
 std::vector<std::vector<TableMethod>> passes_of(const std::vector<TableMethod>& methods) {

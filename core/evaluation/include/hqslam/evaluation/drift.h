@@ -26,14 +26,14 @@ struct SlipOptions {
 
 /// Where an odometry loses its way, as opposed to drifting by a little everywhere.
 ///
-/// In: an estimate and the true trajectory, one pose per scan, paired by their stamps; frames need
-/// not agree. Out: the slips, in the order of time. For each reference pose i with i + n, n =
-/// options.scans, both with a partner in the estimate, the window's error is
+/// In: an estimate with one pose per scan, and the true trajectory, paired by their stamps; frames
+/// and rates need not agree. Out: the slips, in the order of time. For each scan i with i + n, n =
+/// options.scans, both with a true pose, the window's error is
 ///   E = (T_ref_i^-1 T_ref_i+n)^-1 (T_est_i^-1 T_est_i+n)
 /// It counts if |t(E)| > translation_m or angle(E) > rotation_rad. Windows that share a scan, or
 /// whose scans follow one another, make one slip: a jump within one scan spoils n windows and is
-/// one slip, and so is a kilometre on which the way is lost. A scan without a pose spoils no
-/// window. Throws Error if fewer than 2 poses can be paired or an option is not positive.
+/// one slip, and so is a kilometre on which the way is lost. A scan without a true pose spoils
+/// no window. Throws Error if fewer than 2 poses can be paired or an option is not positive.
 std::vector<Slip> slips(const Trajectory& estimate, const Trajectory& reference,
                         const SlipOptions& options = {}, double max_difference_s = 0.02);
 
