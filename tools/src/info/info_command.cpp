@@ -107,7 +107,7 @@ std::string command_for(const InfoOptions& options, const std::string& capture) 
 
 void declare(CLI::App& app, InfoOptions& options) {
   add_command(app, "info", "Say what a recording is and which command to run on it",
-              "The whole recording is read once.")
+              "Captures and bags are read to their end, of other recordings the first 100 scans.")
       .option("INPUT", &options.input, "Recording (as for hqslam run)",
               {.required = true, .given = Given::kFileOrFolder})
       .option("--sensor", &options.sensor,

@@ -111,7 +111,8 @@ std::unique_ptr<ScanSource> with_imu_of_drive(std::unique_ptr<ScanSource> source
                                               const std::string& path);
 
 /// What was found out about a recording of any kind, which is read to its end, but for files of
-/// scans, of which the first one tells. Throws Error as open_recording does.
+/// scans, of which the first hundred tell; scans that cannot be understood are counted in a
+/// warning, which says what is wrong with the first of them. Throws Error as open_recording does.
 RecordingInfo inspect(const std::string& path, const OpenOptions& options = {});
 
 }  // namespace hqslam::recordings
