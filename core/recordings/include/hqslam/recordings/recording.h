@@ -86,7 +86,8 @@ class StreamSource : public ScanSource {
   virtual RecordingInfo info() const = 0;
 };
 
-/// Whether this is a capture or a bag, by its first bytes: what open_stream reads.
+/// Whether this is a capture or a bag, by its first bytes or, damaged, its name: what open_stream
+/// reads, or says what is wrong with.
 bool is_capture_or_bag(const std::string& path);
 
 /// Opens a .pcap or .pcapng capture of Velodyne, Hesai, RoboSense, LSLiDAR and Ouster packets, or a
