@@ -120,6 +120,24 @@ void look_at_scans(ScanSource& source, RecordingInfo& info) {
   }
 }
 
+/// That hqslam simulate wrote; empty where it did not.
+std::vector<ImuSample> imu_of_drive(const std::string& path) {
+  const fs::path samples = fs::path(path) / "imu.csv";
+  std::error_code error;
+  if (!fs::is_regular_file(samples, error)) return {};
+  return read_imu_csv(samples.string());
+}
+
+void describe_imu(const std::vector<ImuSample>& samples, RecordingInfo& info) {
+  if (samples.empty()) return;
+  info.imu_stream = "imu.csv";
+  info.imu.used = std::ssize(samples);
+  const double duration_s = samples.back().stamp_s - samples.front().stamp_s;
+  if (duration_s > 0.0) {
+    info.imu_rate_hz = static_cast<double>(info.imu.used - 1) / duration_s;
+  }
+}
+
 RecordingInfo inspect_files(const std::string& path, const OpenOptions& options) {
   RecordingInfo info;
   const auto source = open_files(path, options);
@@ -133,6 +151,7 @@ RecordingInfo inspect_files(const std::string& path, const OpenOptions& options)
   info.kind = fs::is_directory(path, error) ? "folder of scans"
               : extension == ".npy"         ? "stack of range images"
                                             : "file of one scan";
+  describe_imu(imu_of_drive(path), info);
   look_at_scans(*source, info);
   return info;
 }
@@ -150,10 +169,8 @@ std::unique_ptr<ScanSource> open_recording(const std::string& path, const OpenOp
 
 std::unique_ptr<ScanSource> with_imu_of_drive(std::unique_ptr<ScanSource> source,
                                               const std::string& path) {
-  const fs::path samples = fs::path(path) / "imu.csv";
-  std::error_code error;
-  if (!fs::is_regular_file(samples, error)) return source;
-  return with_imu(std::move(source), read_imu_csv(samples.string()));
+  std::vector<ImuSample> samples = imu_of_drive(path);
+  return samples.empty() ? std::move(source) : with_imu(std::move(source), std::move(samples));
 }
 
 RecordingInfo inspect(const std::string& path, const OpenOptions& options) {

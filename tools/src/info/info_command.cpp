@@ -158,7 +158,7 @@ int run(const InfoOptions& options) {
     print_line("captured", capture_line(check));
     capture = capture_option(check.told, is_stack);
   }
-  if (!info.streams.empty()) print_line("inertial", imu_line(info));
+  if (!info.streams.empty() || info.imu.used > 0) print_line("inertial", imu_line(info));
   if (info.packets.used > 0) print_line("packets", packets_line(info));
   for (const std::string& warning : info.warnings) print_line("note", warning);
   if (!complaint.empty()) throw Error(complaint);

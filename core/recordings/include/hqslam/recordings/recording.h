@@ -67,7 +67,7 @@ struct RecordingInfo {
   PacketCounts packets;          ///< all 0 for what has no packets
   std::int64_t lost_scans = 0;   ///< turns of which nothing came
   std::int64_t partial_scans = 0;
-  std::string imu_stream;  ///< whose inertial data come with the scans; empty: none
+  std::string imu_stream;  ///< or file, whose inertial data come with the scans; empty: none
   ImuCounts imu;
   double imu_rate_hz = 0.0;     ///< 0 with fewer than two samples
   std::vector<Stream> streams;  ///< all of the file
