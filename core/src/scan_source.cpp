@@ -19,8 +19,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kKnownRecordings =
-    "a folder of .bin, .pcd, .ply, .las, .txt or .csv files, one such file, an .npy stack of range "
-    "images or a folder written by 'hqslam simulate'";
+    "a capture (.pcap, .pcapng) or bag (.db3, .mcap, .bag) of a sensor, a folder of .bin, .pcd, "
+    ".ply, .las, .txt or .csv files, one such file, an .npy stack of range images or a folder "
+    "written by 'hqslam simulate'";
 
 /// KITTI's file of stamps, and no scan.
 bool is_timestamps(const std::string& path) {

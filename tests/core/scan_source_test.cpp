@@ -249,7 +249,7 @@ TEST_CASE("a path that is no recording is refused in one line") {
   const SensorModel sensor = sensor_preset("os1-16");
   const std::string path = directory.path().string();
   CHECK(one_line_with(recording_complaint("/nowhere", sensor), "/nowhere", "no such",
-                      "give a folder"));
+                      "give a capture"));
   CHECK(one_line_with(recording_complaint(path, sensor), path, "empty folder", ".bin or .pcd"));
   write_file(directory.file("readme.md"), "hello");
   CHECK(one_line_with(recording_complaint(path, sensor), path, "found none"));

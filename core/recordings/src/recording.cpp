@@ -39,17 +39,21 @@ std::unique_ptr<StreamSource> open_stream_of(const std::string& path, const Open
   }
 }
 
-/// The next scan that can be understood, as long as there is one; a warning says what was wrong
-/// with the first one that cannot.
-std::optional<RecordedScan> next_usable(ScanSource& source, std::optional<std::string>& complaint) {
-  while (true) {
-    try {
-      return source.next();
-    } catch (const ScanError& error) {
-      if (!complaint) complaint = error.what();
-    }
+/// Scans that cannot be understood.
+struct LeftOut {
+  std::int64_t scans = 0;
+  std::string first;  ///< what was wrong with the first one
+
+  void add(const std::string& what) {
+    if (scans++ == 0) first = what;
   }
-}
+  void say_in(std::vector<std::string>& warnings) const {
+    if (scans == 0) return;
+    warnings.push_back(
+        scans == 1 ? fmt::format("1 scan is left out: {}", first)
+                   : fmt::format("{} scans are left out, the first of them: {}", scans, first));
+  }
+};
 
 /// A folder of captures or bags was meant to be one of them.
 void refuse_folder_of_recordings(const std::string& folder) {
@@ -86,6 +90,54 @@ std::unique_ptr<ScanSource> open_files(const std::string& path, const OpenOption
   return hqslam::open_recording(path, sensor, options.files);
 }
 
+/// Reads the first scans and takes from them what they tell; later ones are many.
+void look_at_scans(ScanSource& source, RecordingInfo& info) {
+  constexpr std::int64_t kMostScans = 100;
+  LeftOut left_out;
+  std::string end;  // why it cannot be read on
+  for (std::int64_t i = 0; i < kMostScans && end.empty(); ++i) {
+    try {
+      const auto scan = source.next();
+      if (!scan) break;
+      if (!info.format.empty()) continue;
+      info.first_stamp_s = scan->stamp_s;
+      info.has_point_times = !scan->cloud.time_offset_s.empty();
+      info.format = fmt::format("{} returns in the first scan{}", scan->counts.kept,
+                                left_out.scans > 0 ? " that can be read" : "");
+    } catch (const ScanError& error) {
+      left_out.add(error.what());
+    } catch (const Error& error) {
+      end = error.what();
+    }
+  }
+  info.warnings = source.warnings();
+  left_out.say_in(info.warnings);
+  if (!end.empty()) {
+    info.warnings.push_back(end);
+  } else if (info.scans > kMostScans) {
+    info.warnings.push_back(
+        fmt::format("only the first {} of {} scans were looked at", kMostScans, info.scans));
+  }
+}
+
+/// That hqslam simulate wrote; empty where it did not.
+std::vector<ImuSample> imu_of_drive(const std::string& path) {
+  const fs::path samples = fs::path(path) / "imu.csv";
+  std::error_code error;
+  if (!fs::is_regular_file(samples, error)) return {};
+  return read_imu_csv(samples.string());
+}
+
+void describe_imu(const std::vector<ImuSample>& samples, RecordingInfo& info) {
+  if (samples.empty()) return;
+  info.imu_stream = "imu.csv";
+  info.imu.used = std::ssize(samples);
+  const double duration_s = samples.back().stamp_s - samples.front().stamp_s;
+  if (duration_s > 0.0) {
+    info.imu_rate_hz = static_cast<double>(info.imu.used - 1) / duration_s;
+  }
+}
+
 RecordingInfo inspect_files(const std::string& path, const OpenOptions& options) {
   RecordingInfo info;
   const auto source = open_files(path, options);
@@ -94,24 +146,13 @@ RecordingInfo inspect_files(const std::string& path, const OpenOptions& options)
   info.scans = source->size().value_or(0);
   info.duration_s = static_cast<double>(info.scans) * info.sensor.scan_period_s;
   info.has_stamps = source->has_stamps();
-  info.warnings = source->warnings();
   const fs::path extension = fs::path(path).extension();
   std::error_code error;
   info.kind = fs::is_directory(path, error) ? "folder of scans"
               : extension == ".npy"         ? "stack of range images"
                                             : "file of one scan";
-  std::optional<std::string> complaint;
-  try {
-    if (const auto first = next_usable(*source, complaint)) {
-      info.first_stamp_s = first->stamp_s;
-      info.has_point_times = !first->cloud.time_offset_s.empty();
-      info.format = fmt::format("{} returns in the first scan{}", first->counts.kept,
-                                complaint ? " that can be read" : "");
-      if (complaint) info.warnings.push_back(*complaint);
-    }
-  } catch (const Error& wrong) {
-    info.warnings.push_back(wrong.what());
-  }
+  describe_imu(imu_of_drive(path), info);
+  look_at_scans(*source, info);
   return info;
 }
 
@@ -128,19 +169,23 @@ std::unique_ptr<ScanSource> open_recording(const std::string& path, const OpenOp
 
 std::unique_ptr<ScanSource> with_imu_of_drive(std::unique_ptr<ScanSource> source,
                                               const std::string& path) {
-  const fs::path samples = fs::path(path) / "imu.csv";
-  std::error_code error;
-  if (!fs::is_regular_file(samples, error)) return source;
-  return with_imu(std::move(source), read_imu_csv(samples.string()));
+  std::vector<ImuSample> samples = imu_of_drive(path);
+  return samples.empty() ? std::move(source) : with_imu(std::move(source), std::move(samples));
 }
 
 RecordingInfo inspect(const std::string& path, const OpenOptions& options) {
   if (!is_capture_or_bag(path)) return inspect_files(path, options);
   const auto source = open_stream_of(path, options, false);
-  std::optional<std::string> complaint;
-  while (next_usable(*source, complaint)) continue;
+  LeftOut left_out;
+  for (bool is_read = false; !is_read;) {
+    try {
+      is_read = !source->next();
+    } catch (const ScanError& error) {
+      left_out.add(error.what());
+    }
+  }
   RecordingInfo info = source->info();
-  if (complaint) info.warnings.push_back(*complaint);
+  left_out.say_in(info.warnings);
   return info;
 }
 

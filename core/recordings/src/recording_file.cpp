@@ -256,18 +256,23 @@ std::unique_ptr<RecordingFile> open_recording_file(const std::string& path) {
   Paths files;
   const auto form = form_of(path, files);
   if (!form) {
+    std::error_code error;
     throw Error(
-        "{}: expected a capture or a bag, found another file; give a .pcap, .pcapng, .db3, .mcap "
-        "or .bag file",
-        path);
+        "{}: expected a capture or a bag, found {}; give a .pcap, .pcapng, .db3, .mcap or .bag "
+        "file",
+        path, fs::is_empty(path, error) ? "an empty file" : "a file that begins as neither");
   }
   if (form->open == nullptr) return std::make_unique<PcapRecording>(path);
   return std::make_unique<BagRecording>(std::move(files), form->kind, form->open);
 }
 
 bool is_capture_or_bag(const std::string& path) {
+  constexpr std::array kEndings = {".pcap", ".pcapng", ".db3", ".mcap", ".bag"};
   Paths files;
-  return form_of(path, files).has_value();
+  std::error_code error;
+  return form_of(path, files).has_value() ||
+         (fs::is_regular_file(path, error) &&
+          std::ranges::find(kEndings, fs::path(path).extension()) != kEndings.end());
 }
 
 }  // namespace hqslam::recordings

@@ -41,6 +41,21 @@ TEST_CASE("a capture of a VLP-16 opens without being told anything") {
   CHECK(info.stream == "192.168.1.201:2368");
 }
 
+TEST_CASE("a file that is named as a capture or a bag and is none is refused for what is in it") {
+  const TemporaryDirectory directory;
+  for (const char* name : {"a.pcap", "a.pcapng", "a.db3", "a.mcap", "a.bag"}) {
+    const std::string path = directory.file(name);
+    for (const auto& [contents, found] :
+         {std::pair("", "found an empty file"), std::pair("junk", "found a file that begins")}) {
+      write_file(path, contents);
+      CHECK(refused_with([&] { open_recording(path); }, path, found));
+      CHECK(refused_with([&] { inspect(path); }, path, found));
+    }
+  }
+  write_file(directory.file("a.xyz"), "junk");
+  CHECK(refused_with([&] { open_recording(directory.file("a.xyz")); }, "'.xyz'", ".pcap", ".bag"));
+}
+
 namespace {
 
 /// What this program has asked the system to read up to now.

@@ -6,6 +6,8 @@
 
 #include "error_message.h"
 #include "hqslam/core/npy.h"
+#include "hqslam/core/projection.h"
+#include "points_file.h"
 #include "temporary_directory.h"
 #include "tools/program/untrained_weights.h"
 
@@ -56,6 +58,32 @@ TEST_CASE("a stack of the measured rows and one of all rows both find their sens
   REQUIRE(all.rows.has_value());
   CHECK(all.rows->offset == 3);
   CHECK(all.rows->stride == 4);
+}
+
+TEST_CASE("clouds of the measured rows alone find them by their points, those of all rows too") {
+  const Files files;
+  const auto write_clouds = [&](const std::string& sensor) {
+    RangeImage image(sensor_preset(sensor).rows(), 1024);
+    image.range_m.assign(image.range_m.size(), 10.0F);
+    const std::string path = files.folder.file(sensor + ".pcd");
+    write_points(points_of(unproject(image, sensor_preset(sensor), CaptureTime::kMotionCorrected)),
+                 path);
+    return path;
+  };
+  const std::string measured = write_clouds("os1-16");
+  for (const LiftedInput& input : {lifted_input({measured}, {files.weights}),
+                                   lifted_input({measured, "os1-64"}, {files.weights}),
+                                   lifted_input({measured, "os1-64"}, {"linear"})}) {
+    CHECK(input.recorded.rows() == 16);
+    CHECK_FALSE(input.rows.has_value());
+    CHECK(input.upsampler->sensor().rows() == 64);
+  }
+  const std::string all = write_clouds("os1-64");
+  for (const std::string& method : {files.weights, std::string("linear")}) {
+    const LiftedInput input = lifted_input({all}, {method});
+    CHECK(input.recorded.rows() == 64);
+    CHECK(input.rows.has_value());
+  }
 }
 
 TEST_CASE("the sensor of the measured rows may be named by its own name or by that of all rows") {

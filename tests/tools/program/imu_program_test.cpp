@@ -27,6 +27,7 @@ TEST_CASE(
   const std::string drive = folder.file("drive");
   succeeds("simulate --drive handheld-turning --sensor os1-16 --scans 40 --seed 3 --imu --out '{}'",
            drive);
+  CHECK(holds(succeeds("info '{}'", drive).out, "inertial    imu.csv, "));
   std::string summary;
   const auto run = [&](const std::string& options, const std::string& name) {
     summary = succeeds("run '{}' {} --out '{}'", drive, options, folder.file(name)).out;
@@ -34,6 +35,7 @@ TEST_CASE(
   };
   const std::string by_default = run("", "default");
   fs::rename(drive + "/imu.csv", folder.file("moved.csv"));
+  CHECK_FALSE(holds(succeeds("info '{}'", drive).out, "inertial"));
   CHECK(holds(summary, "inertial sensor: measured the way to 39 of 40 scans\n"));
   const std::string without = run("", "without");
   CHECK(!holds(summary, "inertial sensor"));

@@ -1,8 +1,11 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include <limits>
+
 #include "core/recordings/captures.h"
 #include "file_contents.h"
+#include "hqslam/core/npy.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
 #include "tools/program/program.h"
@@ -76,6 +79,28 @@ TEST_CASE("a folder of captures is told from one of scans, by info and by run") 
   for (const char* command : {"info", "run --out /nowhere"}) {
     CHECK(holds(refused("{} '{}'", command, folder.path().string()).error, folder.file("a.pcap")));
   }
+}
+
+TEST_CASE("info counts the scans that cannot be read, and says what is wrong with the first") {
+  const TemporaryDirectory folder;
+  const std::string bin = folder.file("bin");
+  fs::copy(simulated_drive() + "/bin", bin);
+  write_file(bin + "/x.bin", "junk");
+  CHECK(holds(succeeds("info '{}'", bin).out, "1 scan is left out: " + bin + "/x.bin"));
+  fs::create_symlink("nowhere", bin + "/link.bin");
+  CHECK(holds(succeeds("info '{}'", bin).out,
+              "2 scans are left out, the first of them: " + bin + "/link.bin"));
+
+  const std::string path = folder.file("stack.npy");
+  NpyStackWriter stack(path, 16, 1024);
+  RangeImage image(16, 1024);
+  for (const float range_m : {10.0F, std::numeric_limits<float>::quiet_NaN()}) {
+    image.range_m.assign(image.range_m.size(), range_m);
+    for (int i = 0; i < 60; ++i) stack.append(image);
+  }
+  CHECK(missing(succeeds("info '{}' --sensor os1-16", path).out,
+                {"40 scans are left out, the first of them: " + path + "[60]",
+                 "only the first 100 of 120 scans were looked at"}) == "");
 }
 
 TEST_CASE("a folder that says that it was corrected for motion is not asked how it was captured") {

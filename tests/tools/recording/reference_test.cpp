@@ -4,18 +4,20 @@
 
 #include <utility>
 
+#include "error_message.h"
 #include "tools/example_run.h"
 
 namespace hqslam::tools {
 
 TEST_CASE("poses without stamps are those of the other file, one by one") {
   TrajectoryFile file;
+  file.path = "poses.txt";
   file.poses = example_run(5).trajectory;
-  Trajectory other = example_run(3).trajectory;
+  Trajectory other = example_run(5).trajectory;
   other[2].stamp_s = 77.0;
-  const Trajectory stamped = with_stamps_of(file, other);
-  REQUIRE(stamped.size() == 3);
-  CHECK(stamped[2].stamp_s == 77.0);
+  CHECK(with_stamps_of(file, other)[2].stamp_s == 77.0);
+  other.resize(3);
+  CHECK(test::refused_with([&] { with_stamps_of(file, other); }, "poses.txt", "5 poses", "3;"));
   file.has_stamps = true;
   CHECK(with_stamps_of(file, other).size() == 5);
 }

@@ -140,7 +140,8 @@ constexpr const char* kDefinitions =
           E = T_reference^-1 T_estimate, after the alignment that is named beside it: se3
           (least squares of all positions, Umeyama 1991, no scale), first (first poses made
           equal) or none. Pairs: nearest stamps, at most 0.02 s apart; a KITTI file has no
-          stamps, its pose i is pose i of the other file. As in evo (evo_ape).
+          stamps, its pose i is pose i of the other file, which must have as many. As in evo
+          (evo_ape).
   RPE     relative pose error: the same for the motion over each stretch of 10, 100 and
           800 m of path along the reference. Needs no alignment. Position in percent of the
           stretch, rotation in degrees per 100 m (Geiger et al., KITTI, CVPR 2012). The mean

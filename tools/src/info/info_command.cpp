@@ -107,7 +107,7 @@ std::string command_for(const InfoOptions& options, const std::string& capture) 
 
 void declare(CLI::App& app, InfoOptions& options) {
   add_command(app, "info", "Say what a recording is and which command to run on it",
-              "The whole recording is read once.")
+              "Captures and bags are read to their end, of other recordings the first 100 scans.")
       .option("INPUT", &options.input, "Recording (as for hqslam run)",
               {.required = true, .given = Given::kFileOrFolder})
       .option("--sensor", &options.sensor,
@@ -158,7 +158,7 @@ int run(const InfoOptions& options) {
     print_line("captured", capture_line(check));
     capture = capture_option(check.told, is_stack);
   }
-  if (!info.streams.empty()) print_line("inertial", imu_line(info));
+  if (!info.streams.empty() || info.imu.used > 0) print_line("inertial", imu_line(info));
   if (info.packets.used > 0) print_line("packets", packets_line(info));
   for (const std::string& warning : info.warnings) print_line("note", warning);
   if (!complaint.empty()) throw Error(complaint);

@@ -53,6 +53,25 @@ std::optional<int> recorded_rows(const Request& request) {
   return sensor.empty() ? std::nullopt : std::optional(load_sensor(sensor).rows());
 }
 
+/// Files of points, opened with the sensor that they tell of; nullptr for other recordings and
+/// where they do not tell.
+std::unique_ptr<ScanSource> opened_as_points_tell(const Request& request) {
+  if (request.sender != nullptr || request.of_stream || recorded_rows(request)) return nullptr;
+  try {
+    return open_as_points_tell(request.recording);
+  } catch (const Error&) {
+    return nullptr;  // what is wrong with them is said when they are read
+  }
+}
+
+/// That sensor, if its beams are those of the measured rows alone: points go into any columns.
+std::optional<SensorModel> found_alone(const ScanSource* source, const SensorModel& measured) {
+  if (source == nullptr) return std::nullopt;
+  SensorModel found = source->sensor();
+  found.columns = measured.columns;
+  return fits(found, measured) ? std::optional(found) : std::nullopt;
+}
+
 [[noreturn]] void fail_for_sensor(const Request& request, const SensorModel& found,
                                   const SensorModel& full, RowSelection measured_rows) {
   const SensorModel measured = select_rows(full, measured_rows);
@@ -102,9 +121,12 @@ LiftedInput with_network(const Request& request) {
     throw Error("{}: was made for {} measured rows, --rows asks for {}; leave it out",
                 choice.upsample, measured.rows(), choice.rows);
   }
-  const std::optional<int> rows = recorded_rows(request);
-  const bool measured_alone = rows == measured.rows();
-  SensorModel recorded = sensor_of(request).value_or(measured_alone ? measured : full);
+  const auto source = opened_as_points_tell(request);
+  const std::optional<SensorModel> found = found_alone(source.get(), measured);
+  if (found && request.recording.sensor.empty()) print_later_warnings(*source, 0);
+  const bool measured_alone = found || recorded_rows(request) == measured.rows();
+  SensorModel recorded =
+      sensor_of(request).value_or(measured_alone ? found.value_or(measured) : full);
   if (has_any_columns(request)) {
     check_columns(request, recorded.columns, full.columns);
     recorded.columns = full.columns;
@@ -128,12 +150,22 @@ LiftedInput with_network(const Request& request) {
   fail_for_sensor(request, recorded, full, measured_rows);
 }
 
+/// Of a recording for interpolation, whose sensor has all rows.
+int recorded_rows_of(const Request& request, const SensorModel& full) {
+  if (const auto rows = recorded_rows(request)) return *rows;
+  const auto source = opened_as_points_tell(request);
+  const int rows = source ? source->sensor().rows() : full.rows();
+  if (full.rows() % rows != 0) return full.rows();
+  const SensorModel measured = select_rows(full, selection_for(full.rows(), rows));
+  return found_alone(source.get(), measured) ? rows : full.rows();
+}
+
 LiftedInput with_interpolation(const Request& request) {
   const LiftingChoice& choice = request.lifting;
   if (asks_for_confidence(choice)) fail_for_confidence(request);
   const nn::Interpolation interpolation = nn::interpolation_from_name(choice.upsample);
   const SensorModel full = required_sensor_of(request);
-  const int recorded = recorded_rows(request).value_or(full.rows());
+  const int recorded = recorded_rows_of(request, full);
   if (recorded < full.rows()) {
     const RowSelection measured_rows = selection_for(full.rows(), recorded);
     if (choice.rows > 0 && choice.rows != recorded) {

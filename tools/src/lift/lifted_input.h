@@ -42,10 +42,11 @@ struct LiftedInput {
 };
 
 /// A recording either has the measured rows alone or all rows of the sensor, of which the measured
-/// ones are looked at. An .npy stack's own rows tell which; other recordings are of the sensor that
-/// is named, or else of the weights'. The points of what is lifted are those of the recording's own
-/// sensor where it has all rows. network: how a network is loaded; what `lifting` says comes first.
-/// Throws Error, which says what the weights expect, for a sensor that they were not made for.
+/// ones are looked at. An .npy stack's own rows tell which, or the beams in files of points; other
+/// recordings are of the sensor that is named, or else of the weights'. The points of what is
+/// lifted are those of the recording's own sensor where it has all rows. network: how a network is
+/// loaded; what `lifting` says comes first. Throws Error, which says what the weights expect, for a
+/// sensor that they were not made for.
 LiftedInput lifted_input(const InputChoice& recording, const LiftingChoice& lifting,
                          const nn::SuperResolverOptions& network = {});
 

@@ -122,11 +122,12 @@ network that says how sure it is, 0 to 1 per pixel), intensity.npy (where the re
 them), timestamps.txt, first_columns.txt (of sensors that begin a turn anywhere), sensor.json,
 upsample.json (where it came from), and the truth of a simulated drive. hqslam run takes the folder as it is. Ctrl-C stops; what is written up to then
 is valid.)");
-  declare_input(command, options,
-                "Recording as for hqslam run: the measured rows alone, or all rows of the sensor, "
-                "of which the measured ones are looked at",
-                "Sensor of the recording (name or .json file); default: what the recording says, "
-                "or the one that the weights were made for. For interpolation: with all rows");
+  declare_input(
+      command, options,
+      "Recording as for hqslam run: the measured rows alone, or all rows of the sensor, "
+      "of which the measured ones are looked at",
+      "Sensor of the recording (name or .json file); default: what the recording or its "
+      "points tell, or the one that the weights were made for. For interpolation: with all rows");
   command.alternatives("How", "One of")
       .option("--weights", &options.upsample, "Trained network (.npz)", {.given = Given::kFile})
       .option("--method", &options.upsample, "Interpolation, of every fourth row",

@@ -180,9 +180,15 @@ std::optional<SensorModel> recording_sensor(const InputChoice& choice) {
 SensorModel required_recording_sensor(const InputChoice& choice) {
   std::optional<SensorModel> known = recording_sensor(choice);
   if (known) return *known;
-  const auto source = recordings::open_recording(choice.input, open_options(choice));
+  const auto source = open_as_points_tell(choice);
   print_later_warnings(*source, 0);  // which sensor was found in the points
   return source->sensor();
+}
+
+std::unique_ptr<ScanSource> open_as_points_tell(const InputChoice& choice) {
+  recordings::OpenOptions options = open_options(choice);
+  options.sensor.clear();
+  return recordings::open_recording(choice.input, options);
 }
 
 std::unique_ptr<recordings::StreamSource> open_stream(const InputChoice& choice) {

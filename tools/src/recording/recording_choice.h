@@ -72,6 +72,10 @@ std::optional<SensorModel> recording_sensor(const InputChoice& choice);
 /// Throws Error where they do not.
 SensorModel required_recording_sensor(const InputChoice& choice);
 
+/// Files of points, opened with the sensor that they tell of, whichever is named; its first warning
+/// says which that is. Throws Error.
+std::unique_ptr<ScanSource> open_as_points_tell(const InputChoice& choice);
+
 /// A capture or a bag, opened just as far as it takes to know its sensor; nullptr for other
 /// recordings. Throws Error.
 std::unique_ptr<recordings::StreamSource> open_stream(const InputChoice& choice);

@@ -1,14 +1,18 @@
 #include "recording/reference.h"
 
-#include <algorithm>
+#include "hqslam/core/error.h"
 
 namespace hqslam::tools {
 
 Trajectory with_stamps_of(const TrajectoryFile& file, const Trajectory& other) {
   if (file.has_stamps) return file.poses;
-  Trajectory stamped(
-      file.poses.begin(),
-      file.poses.begin() + static_cast<std::ptrdiff_t>(std::min(file.poses.size(), other.size())));
+  if (file.poses.size() != other.size()) {
+    throw Error(
+        "{}: has {} poses without stamps, expected as many as those they are compared with, found "
+        "{}; give a pose of the same scans each, or TUM files",
+        file.path, file.poses.size(), other.size());
+  }
+  Trajectory stamped = file.poses;
   for (std::size_t i = 0; i < stamped.size(); ++i) stamped[i].stamp_s = other[i].stamp_s;
   return stamped;
 }

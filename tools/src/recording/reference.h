@@ -14,8 +14,7 @@ namespace hqslam::tools {
 inline constexpr double kMaxStampDifference_s = 0.02;
 
 /// The poses of `file` with stamps that can be compared with those of `other`: where `file` has
-/// none, pose i gets the stamp of pose i of `other`. Poses beyond the length of `other` are left
-/// out.
+/// none, pose i gets the stamp of pose i of `other`. Throws Error where those are not as many.
 Trajectory with_stamps_of(const TrajectoryFile& file, const Trajectory& other);
 
 /// The same where `file` has a pose for every scan of a recording and `other` only for some:

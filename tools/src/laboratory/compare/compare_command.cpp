@@ -68,9 +68,17 @@ std::vector<ComparedMethod> methods_of(const CompareOptions& options, const Sens
   for (const std::string& name : nn::interpolation_names()) {
     methods.push_back({name, {nn::interpolation_from_name(name), sensor, rows}});
   }
+  std::vector<nn::Upsampler> networks;
   for (const std::string& weights : options.weights) {
-    nn::Upsampler network(network_of(weights, sensor), sensor);
-    const std::string name = network.name();
+    networks.emplace_back(network_of(weights, sensor), sensor);
+  }
+  std::vector<std::string> kinds;
+  for (const nn::Upsampler& network : networks) kinds.push_back(network.name());
+  for (std::size_t i = 0; i < networks.size(); ++i) {
+    nn::Upsampler& network = networks[i];
+    const std::string& weights = options.weights[i];
+    const bool is_alone = std::ranges::count(kinds, kinds[i]) == 1;
+    const std::string name = is_alone ? kinds[i] : short_name(weights, options.weights);
     if (last_filter(network.network()->description())) {
       methods.push_back({name + ", unfiltered at the end", without_last_filter(weights, sensor)});
       methods.push_back({name, std::move(network), without_last_filter(weights, sensor)});
@@ -231,12 +239,13 @@ void declare(CLI::App& app, CompareOptions& options) {
   Command command = add_command(
       app, "compare", "Compare ways to lift 16 rows to all against a recording that has all",
       R"(Rows: nearest, linear and inverse (linear in 1/range, by the beams' elevations)
-interpolation, and each network: with its filters, and where it has one at its end, without
-that one (the filters inside stay). Missing: share of the true returns between the measured
-rows that are left empty; invented: share of the computed points where the truth has no
-return; right: share of those true returns that are met within 0.1 m. Precision, recall, F1:
-voxels of 0.1 m; computed: F1 without the measured rows. Outliers are farther than 0.5 m from the
-true cloud, good points nearer than 0.2 m.
+interpolation, and each network, by its kind or, where several are of that kind, its file: with
+its filters, and where it has one at its end, without that one (the filters inside stay).
+Missing: share of the true returns between the measured rows that are left empty; invented:
+share of the computed points where the truth has no return; right: share of those true returns
+that are met within 0.1 m. Precision, recall, F1: voxels of 0.1 m; computed: F1 without the
+measured rows. Outliers are farther than 0.5 m from the true cloud, good points nearer than
+0.2 m.
 With --layers: H (measured rows and what was believed before), Z (denoiser) and Y (inner
 filter) of every layer as if the network ended there.)");
   declare_input(command, options, "Recording with all rows (as for hqslam run)");

@@ -13,6 +13,7 @@
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/evaluation/image_error.h"
 #include "hqslam/nn/upsampler.h"
+#include "laboratory/compare/upsampling_comparison.h"
 #include "report/page.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
@@ -96,7 +97,7 @@ std::vector<TulipMethod> methods_of(const CompareOptions& options) {
           "63 are measured",
           weights, own.rows(), own.columns);
     }
-    methods.push_back({{}, fs::path(weights).stem().string(), {std::move(network), sensor}});
+    methods.push_back({{}, short_name(weights, options.weights), {std::move(network), sensor}});
   }
   return methods;
 }

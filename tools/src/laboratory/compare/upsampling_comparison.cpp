@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <utility>
 
 #include "hqslam/core/angles.h"
@@ -12,6 +13,8 @@
 #include "timing/timing.h"
 
 namespace hqslam::tools {
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -108,6 +111,11 @@ void make_mean(UpsamplingScore& sum, std::int64_t scans) {
                        &sum.right_share, &sum.computed_f1, &sum.outliers_per_scan}) {
     *mean /= n;
   }
+}
+
+std::string short_name(const std::string& weights, const std::vector<std::string>& all) {
+  const auto stem = [](const fs::path& path) { return path.stem().string(); };
+  return std::ranges::count(all, stem(weights), stem) == 1 ? stem(weights) : weights;
 }
 
 UpsamplingComparison::UpsamplingComparison(std::vector<ComparedMethod> methods)

@@ -51,6 +51,9 @@ void add_errors(const nn::LiftedImage& lifted, const OrganizedCloud& measured,
 /// Makes the mean of a sum over so many scans.
 void make_mean(UpsamplingScore& sum, std::int64_t scans);
 
+/// A weights file in a table: without its folder and ending, if this tells it from the others.
+std::string short_name(const std::string& weights, const std::vector<std::string>& all);
+
 /// One way of upsampling and, if it ends with a filter, the same without that.
 struct ComparedMethod {
   std::string name;

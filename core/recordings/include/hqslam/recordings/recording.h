@@ -67,7 +67,7 @@ struct RecordingInfo {
   PacketCounts packets;          ///< all 0 for what has no packets
   std::int64_t lost_scans = 0;   ///< turns of which nothing came
   std::int64_t partial_scans = 0;
-  std::string imu_stream;  ///< whose inertial data come with the scans; empty: none
+  std::string imu_stream;  ///< or file, whose inertial data come with the scans; empty: none
   ImuCounts imu;
   double imu_rate_hz = 0.0;     ///< 0 with fewer than two samples
   std::vector<Stream> streams;  ///< all of the file
@@ -86,7 +86,8 @@ class StreamSource : public ScanSource {
   virtual RecordingInfo info() const = 0;
 };
 
-/// Whether this is a capture or a bag, by its first bytes: what open_stream reads.
+/// Whether this is a capture or a bag, by its first bytes or, damaged, its name: what open_stream
+/// reads, or says what is wrong with.
 bool is_capture_or_bag(const std::string& path);
 
 /// Opens a .pcap or .pcapng capture of Velodyne, Hesai, RoboSense, LSLiDAR and Ouster packets, or a
@@ -111,7 +112,8 @@ std::unique_ptr<ScanSource> with_imu_of_drive(std::unique_ptr<ScanSource> source
                                               const std::string& path);
 
 /// What was found out about a recording of any kind, which is read to its end, but for files of
-/// scans, of which the first one tells. Throws Error as open_recording does.
+/// scans, of which the first hundred tell; scans that cannot be understood are counted in a
+/// warning, which says what is wrong with the first of them. Throws Error as open_recording does.
 RecordingInfo inspect(const std::string& path, const OpenOptions& options = {});
 
 }  // namespace hqslam::recordings
