@@ -131,7 +131,7 @@ std::unique_ptr<ScanSource> with_imu_of_drive(std::unique_ptr<ScanSource> source
   const fs::path samples = fs::path(path) / "imu.csv";
   std::error_code error;
   if (!fs::is_regular_file(samples, error)) return source;
-  return with_imu(std::move(source), read_imu_csv(samples.string()));
+  return with_imu(std::move(source), read_imu_csv(samples.string()), samples.string());
 }
 
 RecordingInfo inspect(const std::string& path, const OpenOptions& options) {
