@@ -1,5 +1,7 @@
 #include "hqslam/core/scan_source.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -175,22 +177,37 @@ std::unique_ptr<ScanSource> open_folder(const fs::path& folder,
 
 class SourceWithImu : public ScanSource {
  public:
-  SourceWithImu(std::unique_ptr<ScanSource> source, std::vector<ImuSample> samples)
-      : source_(std::move(source)), samples_(std::move(samples)) {}
+  SourceWithImu(std::unique_ptr<ScanSource> source, std::vector<ImuSample> samples,
+                std::string name)
+      : source_(std::move(source)), samples_(std::move(samples)), name_(std::move(name)) {}
 
   const SensorModel& sensor() const override { return source_->sensor(); }
   std::optional<std::int64_t> size() const override { return source_->size(); }
   double read_share() const override { return source_->read_share(); }
   bool has_stamps() const override { return source_->has_stamps(); }
-  std::vector<std::string> warnings() const override { return source_->warnings(); }
+  std::vector<std::string> warnings() const override {
+    std::vector<std::string> warnings = source_->warnings();
+    if (2 * measured_scans_ >= scans_ || samples_.empty()) return warnings;
+    warnings.push_back(
+        fmt::format("{}: has samples of {:.3f} to {:.3f} s, the scans are of {:.3f} to {:.3f} s: "
+                    "{} of {} scans have some; stamp them by the clock of the scans",
+                    name_, samples_.front().stamp_s, samples_.back().stamp_s, first_stamp_s_,
+                    last_stamp_s_, measured_scans_, scans_));
+    return warnings;
+  }
 
   std::optional<RecordedScan> next() override {
     std::optional<RecordedScan> scan = source_->next();
     if (!scan) return scan;
     scan->imu.clear();  // what was given wins over the recording's own
-    const double end_s = scan->stamp_s + 0.5 * source_->sensor().scan_period_s;
-    for (; next_ < samples_.size() && samples_[next_].stamp_s <= end_s; ++next_) {
-      scan->imu.push_back(samples_[next_]);
+    const double half_s = 0.5 * source_->sensor().scan_period_s;
+    while (next_ < samples_.size() && samples_[next_].stamp_s <= scan->stamp_s + half_s) {
+      scan->imu.push_back(samples_[next_++]);
+    }
+    if (scans_++ == 0) first_stamp_s_ = scan->stamp_s;
+    last_stamp_s_ = scan->stamp_s;
+    if (!scan->imu.empty() && scan->imu.back().stamp_s >= scan->stamp_s - half_s) {
+      ++measured_scans_;
     }
     return scan;
   }
@@ -198,7 +215,12 @@ class SourceWithImu : public ScanSource {
  private:
   std::unique_ptr<ScanSource> source_;
   std::vector<ImuSample> samples_;
+  std::string name_;
   std::size_t next_ = 0;
+  std::int64_t scans_ = 0;
+  std::int64_t measured_scans_ = 0;  ///< during which there were samples
+  double first_stamp_s_ = 0.0;
+  double last_stamp_s_ = 0.0;
 };
 
 }  // namespace
@@ -236,8 +258,8 @@ std::unique_ptr<ScanSource> open_recording(const std::string& path,
 }
 
 std::unique_ptr<ScanSource> with_imu(std::unique_ptr<ScanSource> source,
-                                     std::vector<ImuSample> samples) {
-  return std::make_unique<SourceWithImu>(std::move(source), std::move(samples));
+                                     std::vector<ImuSample> samples, const std::string& name) {
+  return std::make_unique<SourceWithImu>(std::move(source), std::move(samples), name);
 }
 
 }  // namespace hqslam

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+
 #include "error_message.h"
 #include "file_contents.h"
 #include "hqslam/core/scan_source.h"
@@ -91,4 +93,26 @@ TEST_CASE("every scan has the samples up to its end, each sample once") {
     CHECK(samples[given].stamp_s > stamp_s + half_s);
   }
   CHECK(!source->next());
+  CHECK(source->warnings().empty());
+}
+
+TEST_CASE("samples of another clock than the scans' are named at the end, with both times") {
+  const auto warnings = [](double first_s, double last_s) {
+    std::vector<ImuSample> samples;
+    for (double s = first_s; s <= last_s; s += 0.01) samples.emplace_back().stamp_s = s;
+    const auto source =
+        with_imu(std::make_unique<Scans>(std::vector{0.1, 0.2, 0.3, 0.4}), samples, "imu.csv");
+    CHECK(source->warnings().empty());
+    while (source->next()) continue;
+    return source->warnings();
+  };
+  CHECK(warnings(0.2, 5.0).empty());  // most scans
+  for (const double late_s : {1000.0, -1000.0, 0.35, -0.35}) {
+    CAPTURE(late_s);
+    const auto said = warnings(0.05 + late_s, 0.45 + late_s);
+    REQUIRE(said.size() == 1);
+    const bool is_far = std::abs(late_s) > 1.0;
+    CHECK(one_line_with(said[0], late_s > 1.0 ? "imu.csv: has samples of 1000.050 to 1000.4" : "",
+                        "of 0.100 to 0.400 s", is_far ? ": 0 of 4 scans" : ": 1 of 4 scans"));
+  }
 }

@@ -18,6 +18,9 @@ struct Topic {
   std::string name;
   std::string type;  ///< "sensor_msgs/msg/PointCloud2"; ROS 1's "sensor_msgs/PointCloud2"
 };
+/// Of the name of a topic or a type as it stands in a file; a topic with a longer one is passed
+/// over.
+inline constexpr std::size_t kMaxNameBytes = 1000;
 
 /// One file of a bag.
 class BagFile {
@@ -33,6 +36,8 @@ class BagFile {
   virtual double read_share() const = 0;
 
  protected:
+  void add_topic(std::uint32_t id, Topic topic);
+
   std::map<std::uint32_t, Topic> topics_;
 };
 
@@ -70,7 +75,6 @@ class ScannedBag : public BagFile {
   bool skip(std::uint64_t count);
   /// What comes next is the records in these bytes. A chunk in a chunk is passed over.
   void open_chunk(Bytes packed, const std::string& compression, std::uint64_t size);
-  void add_topic(std::uint32_t id, Topic topic);
 
  private:
   std::string path_;

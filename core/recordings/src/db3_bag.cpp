@@ -68,8 +68,8 @@ class Db3Bag : public BagFile {
     while (step(topics)) {
       const std::string format = words(topics.get(), 3);
       if (format != "cdr" && !format.empty()) continue;  // some recorders leave it empty
-      topics_[static_cast<std::uint32_t>(sqlite3_column_int64(topics.get(), 0))] = {
-          words(topics.get(), 1), words(topics.get(), 2)};
+      add_topic(static_cast<std::uint32_t>(sqlite3_column_int64(topics.get(), 0)),
+                {words(topics.get(), 1), words(topics.get(), 2)});
     }
     const Statement last = prepared("SELECT MAX(id) FROM messages");
     if (step(last)) last_id_ = sqlite3_column_int64(last.get(), 0);

@@ -53,7 +53,7 @@ class McapFile : public ScannedBag {
     Fields fields(bytes);
     if (opcode == kSchema) {
       const auto id = fields.number<std::uint16_t>();
-      schemas_[id] = fields.words();
+      schemas_[id] = fields.words().substr(0, kMaxNameBytes + 1);  // what is too long stays so
     } else if (opcode == kChannel) {
       const auto id = fields.number<std::uint16_t>();
       const auto schema = fields.number<std::uint16_t>();

@@ -160,10 +160,14 @@ std::size_t OusterMetadata::packet_bytes() const {
 bool OusterMetadata::dual_return() const { return layout(profile).second_range_at > 0; }
 
 bool is_ouster_metadata(const std::string& text) {
-  const auto json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
-  // What no other sensor's description has.
-  return json.is_object() &&
-         (json.contains("beam_altitude_angles") || json.contains("beam_intrinsics"));
+  try {
+    const auto json = parsed_json(text, "");
+    // What no other sensor's description has.
+    return json.is_object() &&
+           (json.contains("beam_altitude_angles") || json.contains("beam_intrinsics"));
+  } catch (const Error&) {
+    return false;
+  }
 }
 
 OusterMetadata ouster_metadata_from_json(const std::string& text, const std::string& source) {

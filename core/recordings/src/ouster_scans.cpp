@@ -72,7 +72,6 @@ std::string namespace_of(const std::string& topic) {
 std::string text_of(const std::vector<TopicText>& texts, const Stream& stream) {
   std::string of_another;
   for (const TopicText& candidate : texts) {
-    if (!is_ouster_metadata(candidate.text)) continue;
     if (namespace_of(candidate.topic) == namespace_of(stream.name)) return candidate.text;
     if (of_another.empty()) of_another = candidate.text;
   }
@@ -84,11 +83,7 @@ std::vector<TopicText> later_metadata(const std::string& path) {
   std::vector<TopicText> texts;
   const auto file = open_recording_file(path);
   while (const auto message = file->next()) {
-    const Stream& stream = file->streams()[message->stream];
-    if (auto text = metadata_text(stream, *message)) {
-      texts.push_back({stream.name, std::move(*text)});
-      if (texts.size() == kMaxMetadataFiles) break;
-    }
+    add_metadata(file->streams()[message->stream], *message, texts);
   }
   return texts;
 }

@@ -170,7 +170,8 @@ std::unique_ptr<ScanSource> open_recording(const std::string& path, const OpenOp
 std::unique_ptr<ScanSource> with_imu_of_drive(std::unique_ptr<ScanSource> source,
                                               const std::string& path) {
   std::vector<ImuSample> samples = imu_of_drive(path);
-  return samples.empty() ? std::move(source) : with_imu(std::move(source), std::move(samples));
+  if (samples.empty()) return source;
+  return with_imu(std::move(source), std::move(samples), (fs::path(path) / "imu.csv").string());
 }
 
 RecordingInfo inspect(const std::string& path, const OpenOptions& options) {

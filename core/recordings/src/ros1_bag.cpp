@@ -13,6 +13,9 @@ enum RosOpcode : std::uint8_t { kRosMessage = 2, kRosChunk = 5, kRosConnection =
 
 /// The fields "name=value" of a record's header. Throws Error.
 std::map<std::string, Bytes> fields_of(Bytes header) {
+  if (header.size() > kMaxHeaderBytes) {
+    throw Error("expected a header of at most {} bytes, found {}", kMaxHeaderBytes, header.size());
+  }
   std::map<std::string, Bytes> fields;
   while (!header.empty()) {
     if (header.size() < 4 || little_endian<std::uint32_t>(header, 0) > header.size() - 4) {
@@ -53,13 +56,10 @@ class Ros1File : public ScannedBag {
     Bytes bytes;
     if (!read(4, bytes)) return false;
     const std::uint64_t header_bytes = little_endian<std::uint32_t>(bytes, 0);
-    if (header_bytes > kMaxHeaderBytes) {
-      throw Error("expected a header of at most {} bytes, found {}", kMaxHeaderBytes, header_bytes);
-    }
     if (!read(header_bytes, bytes)) return false;
     const std::vector<std::uint8_t> header(bytes.begin(), bytes.end());
-    if (!read(4, bytes) || !read(little_endian<std::uint32_t>(bytes, 0), bytes)) return false;
     const auto fields = fields_of(header);
+    if (!read(4, bytes) || !read(little_endian<std::uint32_t>(bytes, 0), bytes)) return false;
     const auto opcode = number<std::uint8_t>(fields, "op");
     if (opcode == kRosConnection) {
       add_topic(number<std::uint32_t>(fields, "conn"),

@@ -143,8 +143,9 @@ void ScannedBag::open_chunk(Bytes packed, const std::string& compression, std::u
   left_of_chunk_ = chunk_;
 }
 
-void ScannedBag::add_topic(std::uint32_t id, Topic topic) {
-  constexpr std::size_t kMaxTopics = 65536;
+void BagFile::add_topic(std::uint32_t id, Topic topic) {
+  constexpr std::size_t kMaxTopics = 10'000;
+  if (topic.name.size() > kMaxNameBytes || topic.type.size() > kMaxNameBytes) return;
   if (topics_.size() < kMaxTopics) topics_[id] = std::move(topic);
 }
 

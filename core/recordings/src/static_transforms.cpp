@@ -35,6 +35,8 @@ void StaticTransforms::add(const Message& message) {
       for (double& value : values) value = reader.f64();
       const Eigen::Quaterniond q(values[6], values[3], values[4], values[5]);
       if (!(std::abs(q.norm() - 1.0) < 1e-2) || links_.size() == kMostFrames) continue;
+      // Frames of streams are known by as many characters.
+      if (parent.size() > kNameCharacters || child.size() > kNameCharacters) continue;
       links_[child] = {parent, q.normalized().toRotationMatrix()};
     }
   } catch (const Error&) {

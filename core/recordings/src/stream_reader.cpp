@@ -7,6 +7,7 @@
 #include "block_decoder.h"
 #include "hqslam/core/error.h"
 #include "message_packets.h"
+#include "ouster_metadata.h"
 
 namespace hqslam::recordings {
 
@@ -52,13 +53,15 @@ std::string listed(const std::vector<Stream>& streams) {
 
 }  // namespace
 
-std::optional<std::string> metadata_text(const Stream& stream, const Message& message) {
-  if (plain_type(stream.type) != "std_msgs/String") return std::nullopt;
-  if (stream.name.find("metadata") == std::string::npos) return std::nullopt;
+void add_metadata(const Stream& stream, const Message& message, std::vector<TopicText>& texts) {
+  if (plain_type(stream.type) != "std_msgs/String") return;
+  if (stream.name.find("metadata") == std::string::npos) return;
+  if (message.bytes.size() > kMostMetadata_bytes || texts.size() == kMostMetadataTexts) return;
   try {
-    return MessageReader(message).words();
+    std::string text = MessageReader(message).words();
+    if (is_ouster_metadata(text)) texts.push_back({stream.name, std::move(text)});
   } catch (const Error&) {
-    return std::nullopt;
+    return;
   }
 }
 
@@ -90,9 +93,7 @@ void StreamReader::listen() {
   std::optional<std::int64_t> begin_ns;
   while (const auto message = file_->next()) {
     const Stream& stream = file_->streams()[message->stream];
-    if (auto text = metadata_text(stream, *message)) {
-      metadata_.push_back({stream.name, std::move(*text)});
-    }
+    add_metadata(stream, *message, metadata_);
     if (is_static_transforms(stream)) transforms_.add(*message);
     if (stream.type.empty() && is_settings(message->bytes)) {
       settings_.try_emplace(stream.endpoint.address, message->bytes.begin(), message->bytes.end());

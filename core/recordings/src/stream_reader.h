@@ -33,7 +33,7 @@ class StreamReader {
   const std::string& path() const { return path_; }
   const RecordingFile& file() const { return *file_; }
   const Stream& stream() const { return file_->streams()[chosen_]; }
-  /// What stands in the bag's topics of metadata before the stream's messages or among the first.
+  /// What add_metadata found before the stream's messages or among the first.
   const std::vector<TopicText>& metadata() const { return metadata_; }
   /// The first packet of settings (DIFOP) of the sensor that sent the stream; empty: none came so
   /// soon.
@@ -91,7 +91,12 @@ class StreamReader {
   double share_ = 0.0;
 };
 
-/// The text of a message of a topic of metadata; nothing for others and for damaged ones.
-std::optional<std::string> metadata_text(const Stream& stream, const Message& message);
+/// An Ouster's metadata are shorter, and a bag has fewer of them.
+inline constexpr std::size_t kMostMetadata_bytes = std::size_t{1} << 20U;
+inline constexpr std::size_t kMostMetadataTexts = 64;
+
+/// Puts the message's text to the others if it is an Ouster's metadata in a topic of such. What is
+/// damaged or beyond these limits is passed over.
+void add_metadata(const Stream& stream, const Message& message, std::vector<TopicText>& texts);
 
 }  // namespace hqslam::recordings

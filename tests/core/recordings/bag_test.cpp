@@ -1,3 +1,5 @@
+#include "bag.h"
+
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -10,6 +12,7 @@
 #include "file_contents.h"
 #include "hqslam/core/error.h"
 #include "hqslam/recordings/recording.h"
+#include "stream_reader.h"
 #include "temporary_directory.h"
 
 using namespace hqslam;
@@ -170,6 +173,49 @@ TEST_CASE("of several Ousters in a bag each has its own metadata, whatever other
   write_file(path, mcap_bytes(messages, "zstd"));
   CHECK(open_recording(path, {.stream = "/front/lidar_packets"})->sensor().rows() == 8);
   CHECK(open_recording(path, {.stream = "/rear/lidar_packets"})->sensor().rows() == 16);
+}
+
+TEST_CASE("of a bag's metadata no more is kept than an Ouster's may be") {
+  const TemporaryDirectory directory;
+  const std::string text = ouster_metadata_text(OusterProfile::kRng19);
+  std::vector<BagMessage> messages = velodyne_messages(false);
+  const auto add = [&](const std::string& metadata) {
+    messages.insert(messages.begin(),
+                    {"/metadata", "std_msgs/msg/String", 1, text_message(metadata, false)});
+  };
+  for (std::size_t i = 0; i < 2 * kMostMetadataTexts; ++i) add(text);
+  add(text + std::string(kMostMetadata_bytes, ' '));
+  for (std::size_t i = 0; i < kMostMetadataTexts; ++i) add("{\"of\": \"a camera\"}");
+  write_file(directory.file("a.mcap"), mcap_bytes(messages, "zstd"));
+  const StreamReader reader(directory.file("a.mcap"), "");
+  CHECK(reader.metadata().size() == kMostMetadataTexts);
+  for (const TopicText& kept : reader.metadata()) CHECK(kept.text == text);
+}
+
+TEST_CASE("a topic is passed over whose name or type is longer than any is, in every kind of bag") {
+  const TemporaryDirectory directory;
+  const auto with_long_names = [](bool ros1) {
+    std::vector<BagMessage> messages = velodyne_messages(ros1);
+    for (const std::size_t bytes : {kMaxNameBytes, kMaxNameBytes + 1}) {
+      messages.push_back({std::string(bytes, 'n'), "a/msg/B", 1, Payload(8)});
+      messages.push_back({"/" + std::to_string(bytes), std::string(bytes, 't'), 1, Payload(8)});
+    }
+    return messages;
+  };
+  write_db3(with_long_names(false), directory.file("a.db3"));
+  write_file(directory.file("a.mcap"), mcap_bytes(with_long_names(false), "zstd"));
+  write_file(directory.file("a.bag"), ros1_bytes(with_long_names(true), "bz2"));
+  for (const char* name : {"a.db3", "a.mcap", "a.bag"}) {
+    CAPTURE(name);
+    CHECK(inspect(directory.file(name)).streams.size() == 4);
+  }
+}
+
+TEST_CASE("a connection of a ROS 1 bag that is longer than any is refused") {
+  const TemporaryDirectory directory;
+  write_file(directory.file("a.bag"),
+             ros1_bytes({{"/a", std::string(1U << 20U, 't'), 1, Payload(8)}}, "bz2"));
+  CHECK(refused_with([&] { open_recording(directory.file("a.bag")); }, "at most 1048576 bytes"));
 }
 
 TEST_CASE("a bag whose messages are a view that never ends is refused") {

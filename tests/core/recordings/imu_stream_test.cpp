@@ -121,6 +121,20 @@ TEST_CASE("frames of Ouster's drivers are joined without /tf_static, which wins"
   CHECK(near(transforms.R("os_lidar", "os_imu").value() * force, {-1.0, 2.0, -3.0}));
 }
 
+TEST_CASE("a transform is passed over whose frames have longer names than a stream's may have") {
+  const Eigen::Quaterniond none = Eigen::Quaterniond::Identity();
+  for (const std::size_t characters : {kNameCharacters, kNameCharacters + 1}) {
+    const std::string name(characters, 'f');
+    StaticTransforms transforms;
+    for (const Payload& message : {transform_message("base", name, none, false),
+                                   transform_message(name, "lidar", none, false)}) {
+      transforms.add({.bytes = message});
+    }
+    CHECK(transforms.R("base", "lidar").has_value() == (characters == kNameCharacters));
+    CHECK(transforms.R("base", name).has_value() == (characters == kNameCharacters));
+  }
+}
+
 TEST_CASE("a sensor_msgs/Imu that says it has no angular rates, or is cut off, is left out") {
   const TemporaryDirectory folder;
   CHECK(info_of(folder, {{"/imu", "lidar", -1.0}}).imu.left_out == 60);

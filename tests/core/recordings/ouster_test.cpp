@@ -337,6 +337,14 @@ TEST_CASE("metadata that are not an Ouster's, or of a profile that is not known,
   CHECK(message(text) == "no Error");
 }
 
+TEST_CASE("a text that nests deeper than any metadata is not taken for an Ouster's") {
+  const auto nested = [](std::size_t levels) {
+    return "{\"beam_intrinsics\": " + std::string(levels, '[') + std::string(levels, ']') + "}";
+  };
+  CHECK(is_ouster_metadata(nested(20)));
+  CHECK_FALSE(is_ouster_metadata(nested(40)));
+}
+
 TEST_CASE("real Ouster frames have the digests of Ouster's own decoder") {
   struct Expected {
     const char* name;

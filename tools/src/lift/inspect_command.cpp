@@ -91,12 +91,15 @@ int inspect_slam(const InspectOptions& options) {
   page.recording = options.input;
   page.scan = options.scan;
   Progress progress("slam", options.scan + 1);
-  for_scans_up_to(options, *input.open(), [&](const ReadScan& read) {
+  const std::unique_ptr<ScanSource> source = input.open();
+  const std::size_t told = source->warnings().size();
+  for_scans_up_to(options, *source, [&](const ReadScan& read) {
     slam::ScanTrace* trace = read.index == options.scan ? &page.trace : nullptr;
     page.report = session.process(read.scan, read.index, read.reading_s, trace).report;
     progress.update(read.index + 1);
   });
   progress.finish();
+  print_later_warnings(*source, told);
   write_text_file(slam_scan_html(page), options.out);
   to_stdout("results: {}\n", options.out);
   return kOk;

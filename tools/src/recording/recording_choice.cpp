@@ -199,7 +199,7 @@ std::unique_ptr<recordings::StreamSource> open_stream(const InputChoice& choice)
 std::unique_ptr<ScanSource> with_imu_of(const InputChoice& choice,
                                         std::unique_ptr<ScanSource> source) {
   if (choice.imu.empty()) return recordings::with_imu_of_drive(std::move(source), choice.input);
-  return with_imu(std::move(source), read_imu_csv(choice.imu));
+  return with_imu(std::move(source), read_imu_csv(choice.imu), choice.imu);
 }
 
 std::unique_ptr<ScanSource> open_input(const InputChoice& choice, const SensorModel& sensor) {

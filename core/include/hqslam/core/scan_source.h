@@ -89,8 +89,10 @@ std::unique_ptr<ScanSource> open_recording(const std::string& path,
                                            const RecordingOptions& options = {});
 
 /// A recording with inertial samples that were kept elsewhere, in the order of their stamps, in
-/// place of its own.
+/// place of its own. Once most of the scans that were read have none, as by another clock, its
+/// warnings end with one that says so; `name` stands for the samples in it.
 std::unique_ptr<ScanSource> with_imu(std::unique_ptr<ScanSource> source,
-                                     std::vector<ImuSample> samples);
+                                     std::vector<ImuSample> samples,
+                                     const std::string& name = "inertial data");
 
 }  // namespace hqslam
