@@ -99,8 +99,17 @@ TEST_CASE("upsample.json says whether all scans were taken") {
   UpsampleOutput output(folder.file("out"), {"input", "linear", 7}, sensor_preset("os1-16"), {});
   const std::string origin = folder.file("out/upsample.json");
   CHECK(missing(file_contents(origin), {"\"complete\": false", "\"scans_in_recording\": 7"}) == "");
-  output.finish();
+  output.finish(7);
   CHECK(holds(file_contents(origin), "\"complete\": true"));
+}
+
+TEST_CASE("upsample.json does not say how many scans a capture has before it was read to its end") {
+  const TemporaryDirectory folder;
+  UpsampleOutput output(folder.file("out"), {"input", "linear"}, sensor_preset("os1-16"), {});
+  const std::string origin = folder.file("out/upsample.json");
+  CHECK(holds(file_contents(origin), "\"scans_in_recording\": null"));
+  output.finish(5);
+  CHECK(holds(file_contents(origin), "\"scans_in_recording\": 5"));
 }
 
 TEST_CASE("an earlier upsampled drive is replaced whole; other files stay") {

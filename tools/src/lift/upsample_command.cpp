@@ -50,7 +50,7 @@ void put_corrections(SensorModel& sensor, const SensorModel& measured) {
 
 /// Where the first scan goes, and all that follow.
 UpsampleOutput make_output(const UpsampleOptions& options, const LiftedInput& input,
-                           const OrganizedCloud& first, std::int64_t scans) {
+                           const OrganizedCloud& first, std::optional<std::int64_t> scans) {
   SensorModel sensor = input.upsampler->sensor();
   put_corrections(sensor, input.measuring());
   sensor.motion_corrected = first.time_offset_s.empty();
@@ -76,7 +76,7 @@ UpsampleRun upsample(ScanSource& source, LiftedInput& input, const ScanPoses& po
         seconds_of([&] { lifted = upsampler.run(measured_image, memory.recall(read, measured)); });
     const OrganizedCloud cloud =
         nn::upsampled_cloud(lifted, measured, upsampler.measured_rows(), upsampler.sensor());
-    if (!output) output.emplace(make_output(options, input, cloud, source.size().value_or(0)));
+    if (!output) output.emplace(make_output(options, input, cloud, source.size()));
     output->append(range_image(cloud), cloud, read.scan.stamp_s);
     run.times_s.push_back(time_s);
     progress.update(std::ssize(run.times_s), source.read_share());
@@ -84,7 +84,9 @@ UpsampleRun upsample(ScanSource& source, LiftedInput& input, const ScanPoses& po
   };
   read_scans(source, interrupt, run, lift, memory.look_ahead());
   progress.finish();
-  if (output && run.end == ReadingEnd::kComplete) output->finish();
+  if (output && run.end == ReadingEnd::kComplete) {
+    output->finish(std::ssize(run.times_s) + run.left_out.scans);
+  }
   memory.tell_of_scans_without_pose(options.poses, options.input);
   return run;
 }

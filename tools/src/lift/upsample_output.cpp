@@ -62,7 +62,7 @@ fs::path made(const std::string& folder, const std::string& input) {
 
 void write_origin(const fs::path& folder, const UpsampleOrigin& origin, bool complete) {
   Json json = {{"written_by", kWrittenBy}, {"input", origin.input}, {"method", origin.method}};
-  json["scans_in_recording"] = origin.scans;
+  json["scans_in_recording"] = origin.scans ? Json(*origin.scans) : Json();
   json["complete"] = complete;
   write_text_file(json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n",
                   (folder / kMarkerFile).string());
@@ -148,7 +148,10 @@ void UpsampleOutput::append_beside(std::optional<NpyStackWriter>& stack, const c
   stack->append(image);
 }
 
-void UpsampleOutput::finish() { write_origin(folder_, origin_, true); }
+void UpsampleOutput::finish(std::int64_t scans) {
+  origin_.scans = scans;
+  write_origin(folder_, origin_, true);
+}
 
 void UpsampleOutput::write_formats(const RangeImage& image, const OrganizedCloud& cloud,
                                    double stamp_s, PartFiles& parts) const {

@@ -27,7 +27,7 @@ struct UpsampledFormats {
 struct UpsampleOrigin {
   std::string input;
   std::string method;
-  std::int64_t scans = 0;  ///< of the recording
+  std::optional<std::int64_t> scans = {};  ///< of the recording; nothing: not known yet
 };
 
 /// The folder that `hqslam upsample` writes into, scan by scan; what is there is valid whenever
@@ -51,8 +51,9 @@ class UpsampleOutput {
 
   /// cloud: the same scan as points. Throws Error.
   void append(const RangeImage& image, const OrganizedCloud& cloud, double stamp_s);
-  /// Says in upsample.json that all scans of the recording were taken. Throws Error.
-  void finish();
+  /// Says in upsample.json that all scans of the recording were taken, and how many they are.
+  /// Throws Error.
+  void finish(std::int64_t scans);
 
  private:
   void append_line(std::ofstream& file, const char* name, const std::string& line) const;
