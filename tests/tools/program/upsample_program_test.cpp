@@ -153,6 +153,16 @@ TEST_CASE("where the poses are known a network with a memory recalls the scans a
     CHECK(with.read(scan).range_m != without.read(scan).range_m);
   }
 
+  write_file(folder.file("late.tum"), "1000 0 0 0 0 0 0 1\n1001 1 0 0 0 0 0 1\n");
+  for (const char* command : {"upsample '{}' --weights '{}' --poses '{}' --out '{}/late'",
+                              "compare '{}' --weights '{}' --poses '{}' --json '{}/late.json'",
+                              "inspect '{}' --weights '{}' --poses '{}' --out '{}/late.html'"}) {
+    const std::string arguments = fmt::format(fmt::runtime(command), files.drive, weights,
+                                              folder.file("late.tum"), folder.path().string());
+    CHECK(holds(succeeds(arguments).error,
+                "late.tum: none of its poses is within 0.02 s of a scan, nothing is remembered"));
+  }
+
   succeeds("compare '{0}' --weights '{1}' --poses '{0}/truth.tum' --json '{2}'", files.drive,
            weights, folder.file("with.json"));
   succeeds("compare '{}' --weights '{}' --json '{}'", files.drive, weights,

@@ -5,6 +5,7 @@
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/projection.h"
+#include "terminal/terminal.h"
 
 namespace hqslam::tools {
 namespace {
@@ -102,10 +103,20 @@ LookAhead LookAheadMemory::look_ahead() {
 
 nn::RecalledImage LookAheadMemory::recall(const ReadScan& read, const OrganizedCloud& measured) {
   if (!memory_) return {};
+  ++recalled_;
   const auto path = poses_.path_of(read.index, read.scan.stamp_s);
-  if (!path) return {};
+  if (!path) {
+    ++without_pose_;
+    return {};
+  }
   return memory_->recall(range_image(measured), column_poses(*path, measured, sensor_),
                          read.scan.stamp_s);
+}
+
+void LookAheadMemory::tell_of_missing_poses(const std::string& file) const {
+  if (file.empty() || recalled_ == 0 || without_pose_ < recalled_) return;
+  to_stderr("hqslam: {}: none of its poses is within 0.02 s of a scan, nothing is remembered; {}\n",
+            file, kGiveScanPoses);
 }
 
 void require_memory(const std::string& poses, const nn::Upsampler* upsampler) {

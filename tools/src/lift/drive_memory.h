@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -54,6 +55,8 @@ class LookAheadMemory {
   /// For read_scans: remembers what is read.
   LookAhead look_ahead();
   nn::RecalledImage recall(const ReadScan& read, const OrganizedCloud& measured);
+  /// Says on stderr that no scan had a pose in their file.
+  void tell_of_missing_poses(const std::string& file) const;
 
  private:
   std::optional<nn::ScanMemory> memory_;
@@ -61,6 +64,8 @@ class LookAheadMemory {
   const ScanPoses& poses_;
   std::function<OrganizedCloud(const RecordedScan&)> measured_;
   bool looks_ahead_;
+  std::int64_t recalled_ = 0;  ///< scans
+  std::int64_t without_pose_ = 0;
 };
 
 /// Throws Error where poses are named that nothing looks at. upsampler: null where nothing is

@@ -60,6 +60,7 @@ SeenScan scan_of(const InspectOptions& options, LiftedInput& input) {
     if (i == options.scan) seen.image = range_image(calibrated(read.scan.cloud, input.recorded));
   };
   for_scans_up_to(options, *input.open(), look, memory.look_ahead());
+  memory.tell_of_missing_poses(options.poses);
   return seen;
 }
 

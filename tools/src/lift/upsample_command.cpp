@@ -84,6 +84,7 @@ UpsampleRun upsample(ScanSource& source, LiftedInput& input, const ScanPoses& po
   };
   read_scans(source, interrupt, run, lift, memory.look_ahead());
   progress.finish();
+  memory.tell_of_missing_poses(options.poses);
   if (output && run.end == ReadingEnd::kComplete) output->finish();
   return run;
 }

@@ -39,6 +39,10 @@ inline constexpr const char* kMemoryPosesHelp =
 inline constexpr const char* kScanPosesHelp =
     "Where the scans were taken: TUM, matched by stamp (0.02 s), scans without a pose are left "
     "out; or KITTI with one pose per scan";
+/// How messages say what to do where no scan has one.
+inline constexpr const char* kGiveScanPoses =
+    "give poses with the stamps of the scans, as the trajectory.tum of hqslam run with the same "
+    "options has them";
 /// The poses of a file, none without a path; KITTI's must be as many as the recording has scans,
 /// which is asked only then. Throws Error.
 ScanPoses read_scan_poses(const std::string& path,

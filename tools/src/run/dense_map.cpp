@@ -67,10 +67,8 @@ constexpr int kPerspectiveRows = 900;
 
 std::string no_scan_message(const DenseMapRun& run, const MapOptions& options) {
   if (run.without_pose == 0 && run.left_out.scans > 0) return run.left_out.text();
-  return fmt::format(
-      "{}: none of its poses is within 0.02 s of one of {} scans of {}; give poses with the stamps "
-      "of the scans",
-      options.poses, run.without_pose, options.input);
+  return fmt::format("{}: none of its poses is within 0.02 s of one of {} scans of {}; {}",
+                     options.poses, run.without_pose, options.input, kGiveScanPoses);
 }
 
 }  // namespace

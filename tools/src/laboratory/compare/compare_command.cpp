@@ -215,6 +215,7 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
   };
   read_scans(*source, interrupt, reading, compare, memory.look_ahead());
   progress.finish();
+  memory.tell_of_missing_poses(options.poses);
   print_later_warnings(*source, told);
   if (reading.end == ReadingEnd::kUnreadableScan) throw Error(reading.end_message);
   if (used == 0 && reading.left_out.scans > 0 && reading.end == ReadingEnd::kComplete) {
