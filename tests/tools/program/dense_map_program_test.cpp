@@ -137,6 +137,7 @@ TEST_CASE("poses of another time make no map, and that is said") {
   CHECK(result.status == 2);
   CHECK(is_one_line(result.error.substr(result.error.rfind("hqslam: "))));
   CHECK(holds(result.error, "none of its poses is within 0.02 s of one of 12 scans"));
+  CHECK(holds(result.error, "; give poses with the stamps of the scans"));
   CHECK_FALSE(fs::exists(out.file("map/dense_map.pcd")));
 }
 

@@ -146,7 +146,7 @@ int run(const InfoOptions& options) {
   print_line("scans", scans_line(info));
   print_line("stamps", info.has_stamps
                            ? fmt::format("from the recording, first {:.6f} s", info.first_stamp_s)
-                           : "none: scan i is taken at i turns");
+                           : "none: counted in turns of the sensor from 0 s");
   print_line("points", info.has_point_times ? "each with its own time: corrected for motion by SLAM"
                                             : "without times: taken as corrected for motion");
   std::string capture;

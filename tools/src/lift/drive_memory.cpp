@@ -5,6 +5,7 @@
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/projection.h"
+#include "terminal/terminal.h"
 
 namespace hqslam::tools {
 namespace {

@@ -98,7 +98,7 @@ std::string no_pose_message(const std::string& poses, std::int64_t scans,
                             const std::string& recording) {
   return fmt::format(
       "{}: none of its poses is within {} s of one of {} scans of {}; give poses with the stamps "
-      "of the scans",
+      "of the scans, as the trajectory.tum of hqslam run with the same options has them",
       poses, kMaxStampDifference_s, scans, recording);
 }
 

@@ -29,8 +29,9 @@ void require_stamps_of_scans(const TrajectoryFile& reference, std::int64_t scans
   const double end_s = static_cast<double>(scans) * scan_period_s;
   if (first_s <= end_s && last_s >= 0.0) return;
   throw Error(
-      "{}: has stamps from {:.3f} to {:.3f} s, expected some between 0 and {:.3f} s (the stamp of "
-      "scan i is i times {} s); shift them, or give one pose per scan in KITTI's form",
+      "{}: has stamps from {:.3f} to {:.3f} s, expected some between 0 and {:.3f} s (the scans "
+      "have none: theirs are counted in turns of {} s from 0 s); shift them, name the scans' with "
+      "--stamps, or give one pose per scan in KITTI's form",
       reference.path, first_s, last_s, end_s, scan_period_s);
 }
 
@@ -64,6 +65,18 @@ void print_summary(const SlamRun& run, const RunOptions& options) {
     if (!summary.empty()) to_stdout("{}\n", summary);
   }
   to_stdout("{}", results_line(run, options.out));
+}
+
+/// Why they were not compared.
+std::string no_pairs_message(const SlamRun& run, const TrajectoryFile& reference) {
+  const auto span = [](const Trajectory& of) {
+    return fmt::format("{:.3f} to {:.3f} s", of.front().stamp_s, of.back().stamp_s);
+  };
+  return fmt::format(
+      "{}: fewer than 3 of its poses{} are within 0.02 s of a scan, of {}: not compared with it; "
+      "give the stamps of trajectory.tum",
+      reference.path, reference.has_stamps ? ", of " + span(reference.poses) + "," : "",
+      span(run.trajectory));
 }
 
 /// What to tell the shell, with the lines on stderr that explain it.
@@ -283,12 +296,7 @@ SlamRun run_and_write(const RunOptions& options, const InterruptGuard& interrupt
   if (run.scans.empty()) return run;  // interrupted at once: an earlier run's results stay
   if (reference) {
     run.comparison = comparison_of(run, *reference);
-    if (!run.comparison) {
-      to_stderr(
-          "hqslam: {}: fewer than 3 of its poses are within 0.02 s of a scan: not compared "
-          "with it\n",
-          reference->path);
-    }
+    if (!run.comparison) to_stderr("hqslam: {}\n", no_pairs_message(run, *reference));
   }
   output.write_results(run);
   const auto add = [&](bool wanted, const auto& make) {

@@ -32,7 +32,7 @@ class ScanSource {
   virtual std::optional<std::int64_t> size() const = 0;
   /// How much of the recording was read, 0 to 1.
   virtual double read_share() const = 0;
-  /// Whether its stamps are its own; otherwise scan i has i times the sensor's period.
+  /// Whether its stamps are its own; otherwise they are counted in the sensor's periods from 0 s.
   virtual bool has_stamps() const = 0;
   /// The next scan, or nothing at the end. Throws ScanError for a scan that cannot be understood,
   /// after which the next one can be asked for, and Error where the recording cannot be read on.
@@ -51,7 +51,8 @@ struct RecordingOptions {
   /// taken as corrected too if the sensor's model says so.
   CaptureTime capture_time = CaptureTime::kRolling;
   /// How points of files that have no times were captured: rolling gives each the time of its
-  /// azimuth, for points in the order of their firing or ring after ring. Nothing: they are taken
+  /// azimuth, for points in the order of their firing or ring after ring, and a scan without a
+  /// stamp the middle of these as its stamp, counted on from scan to scan. Nothing: they are taken
   /// as corrected for motion, and a warning says so.
   std::optional<CaptureTime> without_times = std::nullopt;
   /// A file with the stamp of each scan (seconds, or dates as in KITTI's timestamps.txt), or
@@ -77,13 +78,13 @@ inline constexpr const char* kStampsFromNames = "names";
 ///   correction for motion holds, whatever `sensor` says.
 /// Files are taken in the natural order of their names. The stamp of a scan is what options.stamps
 /// says, else that of a timestamps.txt in the folder or, beside files, the one above it (KITTI's
-/// drives), else the middle of its points' times where those are a clock's, else its index times
-/// sensor.scan_period_s. A unit whose beams are off the sensor's by up to 1.5 degrees is read with
-/// its own, estimated from its first scans. In a folder of images with truth.tum and no
-/// timestamps.txt the stamps are those of truth.tum: (index + 1/2) times the period for a simulated
-/// drive, the middle of each scan. Pixels of images that are not finite or negative count as
-/// invalid points. Throws Error: which file, what was expected, what was found, what to do; also
-/// for scans that cannot be the sensor's.
+/// drives), else the middle of its points' times where those are a clock's or as
+/// options.without_times says, else its index times sensor.scan_period_s. A unit whose beams are
+/// off the sensor's by up to 1.5 degrees is read with its own, estimated from its first scans. In a
+/// folder of images with truth.tum and no timestamps.txt the stamps are those of truth.tum: (index
+/// + 1/2) times the period for a simulated drive, the middle of each scan. Pixels of images that
+/// are not finite or negative count as invalid points. Throws Error: which file, what was expected,
+/// what was found, what to do; also for scans that cannot be the sensor's.
 std::unique_ptr<ScanSource> open_recording(const std::string& path,
                                            const std::optional<SensorModel>& sensor,
                                            const RecordingOptions& options = {});
