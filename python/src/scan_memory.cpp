@@ -29,8 +29,9 @@ nn::ColumnPoses column_poses(const PosesInput& T_world_sensor) {
 
 void add_scan_memory(nb::module_& module) {
   using namespace nb::literals;
-  nb::class_<nn::RecalledImage>(module, "RecalledImage",
-                                "What earlier scans measured, seen from a later one.")
+  nb::class_<nn::RecalledImage>(
+      module, "RecalledImage",
+      "What other scans measured, earlier ones and with look_ahead later ones, seen from one.")
       .def_prop_ro(
           "range_m",
           [](nn::RecalledImage& r) { return view(r.image.range_m, r.image.rows, r.image.columns); },
@@ -38,7 +39,7 @@ void add_scan_memory(nb::module_& module) {
       .def_prop_ro(
           "weight",
           [](nn::RecalledImage& r) { return view(r.weight, r.image.rows, r.image.columns); },
-          "(rows, columns) float32: how many earlier points agree, by how near they pass.");
+          "(rows, columns) float32: how many points agree, by how near they pass.");
 
   nb::class_<Memory>(module, "ScanMemory",
                      "The measured points of the last scans, for weights with a memory. "

@@ -127,7 +127,7 @@ TEST_CASE("a description that does not fit is refused with field, expected and f
                       "layers.3.encoder.0.weight", "found none"));
   CHECK(one_line_with(message_after_edit("\"memory\": 3", "\"memory\": 1e9"), "memory"));
   CHECK(one_line_with(message_after_edit("\"tile_rows\": 4", "\"tile_rows\": 3"),
-                      "an image of 16 x 64", "multiples of 6 x 8"));
+                      "an image of 16 x 64", "multiples of 6 x 8", "smaller tile_rows"));
   CHECK(one_line_with(message_after_edit("\"format\": \"hqslam-weights-1\"", "\"format\": 2"),
                       "format"));
   CHECK(one_line_with(message_after_edit("\"stride\": 4", "\"stride\": 0"), "no selection"));

@@ -210,7 +210,7 @@ std::unique_ptr<ScanAssembler> LiveStream::assembler(int columns) {
     return ouster_assembler(*metadata_, "live", options);
   }
   if (columns > 0) sensor_.columns = columns;
-  VelodyneOptions options;
+  TurnDecoderOptions options;
   options.kept_return = options_.kept_return;
   return velodyne_assembler(*velodyne_, sensor_, "live", options);
 }

@@ -49,7 +49,7 @@ bool is_settings(Bytes payload) {
 double scan_period_of(Bytes settings) { return period_at(big_endian_16(settings, kSpeedAt)); }
 
 BlockDecoder::BlockDecoder(const BlockUnit& unit, const SensorModel& sensor,
-                           const VelodyneOptions& options)
+                           const TurnDecoderOptions& options)
     : TurnDecoder(0, 360.0, options),
       unit_(unit),
       channels_(static_cast<int>(unit.row_of_channel.size())) {

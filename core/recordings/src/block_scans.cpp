@@ -55,7 +55,7 @@ std::unique_ptr<StreamSource> open_robosense(StreamReader reader, const OpenOpti
   const RobosenseUnit unit = robosense_unit(
       settings_of(reader, "the RoboSense", 7788, kRobosenseBytes), said.helios, path);
   RecordingInfo info = info_of(unit, unit.helios ? "RoboSense Helios" : "RoboSense RS-16", options);
-  const VelodyneOptions decoding = {options.kept_return, with_points};
+  const TurnDecoderOptions decoding = {options.kept_return, with_points};
   return packet_scans(std::move(reader), std::move(info), [=](const SensorModel& sensor) {
     return point_assembler(sensor, path, RobosenseDecoder(unit, sensor, decoding));
   });
@@ -73,7 +73,7 @@ std::unique_ptr<StreamSource> open_lslidar(StreamReader reader, const OpenOption
   LslidarUnit unit = lslidar_unit(settings, said, path, options.sensor.empty());
   if (has_nanoseconds(reader)) unit.fraction_ns = 1;
   RecordingInfo info = info_of(unit, "LSLiDAR C16", options);
-  const VelodyneOptions decoding = {options.kept_return, with_points};
+  const TurnDecoderOptions decoding = {options.kept_return, with_points};
   return packet_scans(std::move(reader), std::move(info), [=](const SensorModel& sensor) {
     return point_assembler(sensor, path, LslidarDecoder(unit, sensor, decoding));
   });

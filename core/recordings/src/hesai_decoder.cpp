@@ -61,7 +61,7 @@ std::optional<HesaiPacket> hesai_packet(Bytes payload) {
   return said;
 }
 
-HesaiDecoder::HesaiDecoder(const SensorModel& sensor, const VelodyneOptions& options)
+HesaiDecoder::HesaiDecoder(const SensorModel& sensor, const TurnDecoderOptions& options)
     : TurnDecoder(0, 360.0, options) {
   const int lasers = sensor.rows();
   if (lasers != 16 && lasers != 32) {

@@ -122,7 +122,7 @@ std::unique_ptr<StreamSource> open_hesai(StreamReader reader, const OpenOptions&
   info.sensor_known = options.sensor.empty();
   info.format = fmt::format("Hesai XT{} packets, {} return", said.lasers,
                             said.dual_return ? "dual" : "single");
-  const VelodyneOptions decoding = {options.kept_return, with_points};
+  const TurnDecoderOptions decoding = {options.kept_return, with_points};
   return packet_scans(std::move(reader), std::move(info), [=](const SensorModel& sensor) {
     return point_assembler(sensor, path, HesaiDecoder(sensor, decoding));
   });

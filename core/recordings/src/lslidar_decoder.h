@@ -42,7 +42,7 @@ LslidarUnit lslidar_unit(Bytes settings, const LslidarPacket& said, const std::s
 class LslidarDecoder : public BlockDecoder {
  public:
   LslidarDecoder(const LslidarUnit& unit, const SensorModel& sensor,
-                 const VelodyneOptions& options = {})
+                 const TurnDecoderOptions& options = {})
       : BlockDecoder(unit, sensor, options), is_v4_(unit.is_v4), fraction_ns_(unit.fraction_ns) {}
 
   /// Takes the next packet in and appends the scans that it completes.

@@ -34,7 +34,7 @@ RobosenseUnit robosense_unit(Bytes settings, bool helios, const std::string& pat
 class RobosenseDecoder : public BlockDecoder {
  public:
   RobosenseDecoder(const RobosenseUnit& unit, const SensorModel& sensor,
-                   const VelodyneOptions& options = {})
+                   const TurnDecoderOptions& options = {})
       : BlockDecoder(unit, sensor, options), helios_(unit.helios) {}
 
   /// Takes the next packet in and appends the scans that it completes.

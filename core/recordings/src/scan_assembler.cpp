@@ -56,7 +56,7 @@ class OusterAssembler : public AssemblerOf<OusterDecoder, OusterFrame> {
 
 std::unique_ptr<ScanAssembler> velodyne_assembler(const VelodyneStream& stream,
                                                   const SensorModel& sensor, std::string name,
-                                                  const VelodyneOptions& options) {
+                                                  const TurnDecoderOptions& options) {
   return point_assembler(sensor, std::move(name), VelodyneDecoder(stream, sensor, options));
 }
 

@@ -52,7 +52,7 @@ class TurnDecoder {
   std::int64_t partial_scans() const { return partial_scans_; }
 
  protected:
-  TurnDecoder(int cut, double field_of_view_deg, const VelodyneOptions& options)
+  TurnDecoder(int cut, double field_of_view_deg, const TurnDecoderOptions& options)
       : options_(options), cut_(cut), field_of_view_deg_(field_of_view_deg) {}
 
   /// A packet has this time by the sensor's clock: false if it is left out, as late. Where nothing
@@ -67,7 +67,7 @@ class TurnDecoder {
   /// `completed`. The time since the first firing of the turn, which this one may be, seconds.
   double fire(int azimuth, std::int64_t time_ns, std::vector<Scan>& completed);
 
-  VelodyneOptions options_;
+  TurnDecoderOptions options_;
   int cut_;
   double field_of_view_deg_;
   Scan scan_;                         ///< the turn that was begun; times since its first firing

@@ -61,7 +61,7 @@ PulseReturn kept(PulseReturn last, PulseReturn other, KeptReturn which) {
 }  // namespace
 
 VelodyneDecoder::VelodyneDecoder(const VelodyneStream& stream, const SensorModel& sensor,
-                                 const VelodyneOptions& options)
+                                 const TurnDecoderOptions& options)
     : TurnDecoder(modulo_turn(static_cast<int>(std::lround(100.0 * stream.cut_azimuth_deg))),
                   stream.field_of_view_deg, options),
       stream_(stream),

@@ -27,7 +27,7 @@ class VelodyneDecoder : public TurnDecoder {
   /// `sensor` gives elevation and azimuth offset of each row; as many rows as the model has lasers.
   /// Throws Error if it has not, or if there is no calibration of an HDL-64E.
   VelodyneDecoder(const VelodyneStream& stream, const SensorModel& sensor,
-                  const VelodyneOptions& options = {});
+                  const TurnDecoderOptions& options = {});
 
   /// Takes the next packet in and appends the scans that it completes.
   void add(const Packet& packet, std::vector<Scan>& completed);

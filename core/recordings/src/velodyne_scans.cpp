@@ -86,7 +86,7 @@ std::unique_ptr<StreamSource> open_velodyne(StreamReader reader, const OpenOptio
   info.sensor_known = options.sensor.empty();
   info.format =
       fmt::format("Velodyne packets, {} return", velodyne.dual_return ? "dual" : "single");
-  const VelodyneOptions decoding = {options.kept_return, with_points};
+  const TurnDecoderOptions decoding = {options.kept_return, with_points};
   return packet_scans(std::move(reader), std::move(info), [=](const SensorModel& sensor) {
     return velodyne_assembler(velodyne, sensor, path, decoding);
   });

@@ -29,8 +29,10 @@ void Prior::add_inner(const Measurement& /*measurement*/, const PriorState& stat
 void check_image(const PriorDescription& prior, int rows, int columns) {
   const TileSize multiple = prior.multiple;
   if (rows % multiple.rows != 0 || columns % multiple.columns != 0) {
-    throw Error("denoiser: an image of {} x {}, expected multiples of {} x {}", rows, columns,
-                multiple.rows, multiple.columns);
+    throw Error(
+        "denoiser: an image of {} x {}, expected multiples of {} x {}; smaller tile_rows or "
+        "tile_columns of network.denoiser make these smaller",
+        rows, columns, multiple.rows, multiple.columns);
   }
 }
 

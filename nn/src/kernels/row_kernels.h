@@ -112,8 +112,8 @@ struct MeasuredRow {
   int columns = 0;         ///< rounded up to whole vectors of 16
 };
 
-/// The seven outputs per pixel of the two-mode network and what they stand on; two_modes.h has the
-/// formulas. Output g of a pixel's row begins at outputs + g group_stride.
+/// The seven outputs per pixel of the two-mode network, nine with a memory, and what they stand on;
+/// two_modes.h has the formulas. Output g of a pixel's row begins at outputs + g group_stride.
 struct TwoModesInput {
   const float* outputs = nullptr;
   std::int64_t group_stride = 0;

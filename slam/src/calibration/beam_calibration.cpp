@@ -102,10 +102,13 @@ double residual_m(const std::vector<CalibrationSystem>& systems) {
 std::vector<BeamDistance> distances(const std::vector<CalibrationSystem>& systems) {
   Eigen::ArrayX4d sums = systems.front().distances;
   for (std::size_t i = 1; i < systems.size(); ++i) sums += systems[i].distances;
+  // The count is of weights: below 1 all points lie far off, on something else.
+  const auto mean = [](double sum_m, double count) {
+    return count < 1.0 ? std::nullopt : std::optional(sum_m / count);
+  };
   std::vector<BeamDistance> result;
   for (Eigen::Index beam = 0; beam < sums.rows(); ++beam) {
-    result.push_back({sums(beam, 0) / std::max(1.0, sums(beam, 1)),
-                      sums(beam, 2) / std::max(1.0, sums(beam, 3))});
+    result.push_back({mean(sums(beam, 0), sums(beam, 1)), mean(sums(beam, 2), sums(beam, 3))});
   }
   return result;
 }

@@ -17,7 +17,7 @@ using namespace hqslam::test;
 
 namespace {
 
-LslidarDecoder decoder_of(const Lslidar& sensor, const VelodyneOptions& options = {}) {
+LslidarDecoder decoder_of(const Lslidar& sensor, const TurnDecoderOptions& options = {}) {
   const LslidarPacket said = {sensor.v4, kLslidarC16, sensor.dual};
   LslidarUnit unit = lslidar_unit(lslidar_settings(sensor), said, "a test");
   unit.fraction_ns = static_cast<int>(1000 / sensor.fraction_of_us);

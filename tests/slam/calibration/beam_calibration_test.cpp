@@ -84,7 +84,9 @@ TEST_CASE("a drive tells to millimetres what beams do to walls and to the ground
     const double ground_m = kHeight_m / std::tan(-elevation_rad);
     const double turn_rad = beam.elevation_rad - sensor.elevation_rad[row];
     CHECK(std::abs(range_error_m * std::sin(elevation_rad) + ground_m * turn_rad) < 0.005);
-    CHECK(std::abs(beam.after.ground_m) < 0.3 * std::abs(beam.before.ground_m) + 0.002);
+    REQUIRE(beam.before.ground_m);
+    REQUIRE(beam.after.ground_m);
+    CHECK(std::abs(*beam.after.ground_m) < 0.3 * std::abs(*beam.before.ground_m) + 0.002);
   }
   CHECK(met_walls >= kRows / 2);
   CHECK(found.residual_after_m < 0.5 * found.residual_before_m);
@@ -127,6 +129,8 @@ TEST_CASE("what no scan tells stays where the prior has it, and is not said to b
     for (const slam::BeamCorrection& beam : found.beams) {
       CHECK(beam.elevation_rad == 0.0);
       CHECK(beam.range_m == 0.0);
+      CHECK_FALSE(beam.before.ground_m);
+      CHECK_FALSE(beam.after.walls_m);
       CHECK(beam.elevation_sigma_rad == doctest::Approx(0.05 * kDegree_rad));
       CHECK(beam.range_sigma_m == doctest::Approx(0.02));
     }

@@ -140,7 +140,7 @@ TEST_CASE("compare puts interpolation and networks side by side, inspect shows t
   succeeds("inspect '{}' --weights '{}' --scan 1 --out '{}'", drive, weights,
            folder.file("layers.html"));
   const std::string page = file_contents(folder.file("layers.html"));
-  CHECK(holds(page, "Layer 2"));
+  CHECK(holds(page, "Layer 2 (layers.1)"));
   CHECK_FALSE(holds(page, "Layer 3"));
   CHECK(run_hqslam("inspect '{}' --weights '{}' --scan 2 --out '{}'", drive, weights,
                    folder.file("none.html"))

@@ -60,6 +60,12 @@ TEST_CASE("a line below zero stays within the plot, and zero is where it crosses
   CHECK(holds(html, "M0.0,963.0L1000.0,37.0"));
 }
 
+TEST_CASE("a value that is not there is a gap in its line, and one alone is a dot") {
+  const double none = std::nan("");
+  const Chart chart{"beam", "mm", {0.0, 1.0, 2.0, 3.0}, {{"off", "a", {5.0, none, 5.0, 0.0}}}};
+  CHECK(holds(chart_html(chart), "d=\"M0.0,74.1h0M666.7,74.1L1000.0,1000.0\""));
+}
+
 TEST_CASE("stacked layers stand on one another: the upper one's outline is the sum") {
   const Chart chart{
       "scan", "ms", {0.0, 1.0}, {{"low", "a", {1.0, 1.0}}, {"high", "b", {3.0, 1.0}}}, true};

@@ -62,6 +62,7 @@ TEST_CASE("figures become cells of a table and fields of a file; what a row lack
       markdown_of(table) ==
       "| row | share, % | lost |\n| --- | ---: | ---: |\n| a | 25.0 | 3.00 |\n| b | 50.0 | - |\n");
   CHECK(aligned_text(table).starts_with("row                     share, %          lost\na "));
+  CHECK(holds(aligned_text({.columns = {"", "fourteen chars", "fourteen chars"}}), "chars four"));
   std::map<std::string, double> fields;
   add_figures(Row{0.5, std::nullopt}, figures, fields);
   CHECK(fields == std::map<std::string, double>{{"share", 0.5}, {"twice", 1.0}});

@@ -39,13 +39,15 @@ TEST_CASE("names cannot break out of the view") {
   const std::string hostile = "</script><b>&\"";
   TurningView view;
   view.clouds.push_back({hostile, points_m(10)});
-  view.scans.push_back({hostile, Pose::Identity(), {hostile, points_m(5)}, {hostile, points_m(5)}});
+  view.scans.push_back(
+      {hostile, 7, Pose::Identity(), {hostile, points_m(5)}, {hostile, points_m(5)}});
   const std::string html = turning_view_html(view);
   CHECK_FALSE(holds(html, "<b>"));
   CHECK(count(html, "</script>") == 2);
   const nlohmann::json data = data_of(html);
   CHECK(data["clouds"][0]["name"] == hostile);
   CHECK(data["scans"][0]["name"] == hostile);
+  CHECK(data["scans"][0]["number"] == 7);
 }
 
 TEST_CASE("a view has all points of a small cloud, and no more than a page may have") {
@@ -53,7 +55,7 @@ TEST_CASE("a view has all points of a small cloud, and no more than a page may h
   view.clouds = {{"large", points_m(kMostCloudPoints + 100'000)}, {"small", points_m(1000)}};
   for (int i = 0; i < 3; ++i) {
     view.scans.push_back(
-        {"scan", Pose::Identity(), {"", points_m(50'000)}, {"", points_m(300'000)}});
+        {"scan", i, Pose::Identity(), {"", points_m(50'000)}, {"", points_m(300'000)}});
   }
   const std::string html = turning_view_html(view);
   const nlohmann::json data = data_of(html);

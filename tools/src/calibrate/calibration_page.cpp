@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "hqslam/core/angles.h"
@@ -49,9 +51,11 @@ std::vector<Series> with_sigma(const CalibrationReport& report, const char* name
 
 /// Before and after the corrections.
 std::string distances_chart(const CalibrationReport& report, const char* y_label,
-                            double slam::BeamDistance::*distance) {
+                            std::optional<double> slam::BeamDistance::*distance) {
   const auto of = [&](slam::BeamDistance BeamCorrection::*when) {
-    return of_beams(report, [=](const auto& b) { return kMillimetres * (b.*when).*distance; });
+    return of_beams(report, [=](const auto& b) {
+      return kMillimetres * ((b.*when).*distance).value_or(std::nan(""));
+    });
   };
   return chart_of(report, y_label,
                   {{"as measured", "upsampling", of(&BeamCorrection::before)},
@@ -61,12 +65,12 @@ std::string distances_chart(const CalibrationReport& report, const char* y_label
 }  // namespace
 
 TextTable beam_table(const CalibrationReport& report) {
-  TextTable table{.columns = {"beam", "elevation deg", "correction deg", "+-", "range mm", "+-",
+  TextTable table{.columns = {"beam", "elevation deg", "added deg", "+-", "added mm", "+-",
                               "off ground mm", "after", "off walls mm", "after"}};
   for (std::size_t row = 0; row < report.found.beams.size(); ++row) {
     const BeamCorrection& beam = report.found.beams[row];
-    const auto millimetres = [](double value_m) {
-      return fmt::format("{:.1f}", kMillimetres * value_m);
+    const auto millimetres = [](std::optional<double> value_m) {
+      return value_m ? fmt::format("{:.1f}", kMillimetres * *value_m) : kNoFigure;
     };
     const auto degrees = [](double value_rad) {
       return fmt::format("{:.3f}", kDegreesPerRadian * value_rad);
@@ -97,7 +101,8 @@ std::string calibration_html(const CalibrationReport& report) {
                              report.sensor.rows(), calibration_summary(report)));
   page.heading(2, "Rings against the ground");
   page.paragraph(
-      "How far each beam's points lie above the ground that all beams see, in the mean.");
+      "How far each beam's points lie above the ground that all beams see, in the mean. A beam "
+      "without a value met none.");
   page.html(distances_chart(report, "above the ground, mm", &slam::BeamDistance::ground_m));
   page.heading(2, "Rings against walls");
   page.paragraph("How far they lie this side of upright surfaces.");

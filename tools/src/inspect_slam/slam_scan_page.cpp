@@ -22,6 +22,7 @@ figure img { image-rendering: pixelated; background: #000; }
 figure svg { width: 100%; display: block; background: var(--panel); border-radius: 8px; }
 .bar { height: .6rem; background: var(--estimate); border-radius: 2px; min-width: 1px; }
 .weak .bar { background: #c9564a; }
+.numbers { grid-template-columns: repeat(auto-fit, minmax(15rem, 1fr)); }
 .two { display: grid; grid-template-columns: repeat(auto-fit, minmax(20rem, 1fr)); gap: 1rem; }
 )css";
 
@@ -115,12 +116,14 @@ std::string direction_text(const Eigen::Matrix<double, 6, 1>& direction) {
 
 std::string directions_html(const slam::ScanTrace& trace) {
   std::string html =
-      "<h2>Directions of motion</h2>\n<p class=\"quiet\">Which share of the matches' weight has "
-      "information about each direction, the least known first; in axes of the map about the "
-      "sensor, rotations times 10 m. Below 0.3 % a direction is degenerate (red): there the "
-      "prediction stands.</p>\n<table><tr><th>direction</th><th>share</th><th></th></tr>\n";
+      "<h2>Directions of motion</h2>\n<p class=\"quiet\">How much of the matches' weight each "
+      "direction moves, the least known first; in axes of the map about the sensor, rotations "
+      "times 10 m: a match 20 m away they move twice as far, and it counts four times, so that "
+      "they "
+      "can exceed 100 %. Below 0.3 % a direction is degenerate (red): there the prediction "
+      "stands.</p>\n"
+      "<table><tr><th>direction</th><th>of the weight</th><th></th></tr>\n";
   if (trace.direction_share.sum() <= 0.0) return "<p>Nothing was matched with a map.</p>\n";
-  // A rotation is of what lies 10 m away: what lies farther can tell more than all of the weight.
   const double longest = std::max(1.0, trace.direction_share.maxCoeff());
   for (int i = 0; i < 6; ++i) {
     html += fmt::format(

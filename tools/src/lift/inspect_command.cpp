@@ -134,7 +134,8 @@ about each direction of motion.)");
               {.excludes = {"--slam"}})
       .option("--list", &options.list, "Print the names of all inner tensors, no page")
       .option("--reference", &options.reference,
-              "How far every tensor is from the network in double precision (minutes)",
+              "How far every tensor is from the network in double precision (seconds; of a large "
+              "one a minute)",
               {.excludes = {"--slam"}})
       .option("--out", &options.out, "Page to write (.html)", {.excludes = {"--list"}});
 }

@@ -106,6 +106,12 @@ std::size_t layer_count(const nn::Trace& trace) {
   return count;
 }
 
+/// "-0.51 to 2.3"; no zero has a sign.
+std::string range_text(std::span<const float> values) {
+  const auto [smallest, largest] = std::ranges::minmax(values);
+  return fmt::format("{:.4g} to {:.4g}", smallest + 0.0F, largest + 0.0F);
+}
+
 /// One channel of a tensor without a unit, black its smallest value, white its largest: beside a
 /// channel of large values one of small ones would be grey all over.
 void add_channel(LayersPage& page, const nn::TracedTensor& tensor, int channel) {
@@ -116,21 +122,19 @@ void add_channel(LayersPage& page, const nn::TracedTensor& tensor, int channel) 
   for (const float value : values) {
     shares.push_back(largest > smallest ? (value - smallest) / (largest - smallest) : 0.0F);
   }
-  page.picture(
-      share_image(shares, tensor.rows, tensor.columns),
-      fmt::format("{}, channel {}: {:.4g} to {:.4g}", tensor.name, channel, smallest, largest));
+  page.picture(share_image(shares, tensor.rows, tensor.columns),
+               fmt::format("{}, channel {}: {}", tensor.name, channel, range_text(values)));
 }
 
 /// The tensors that were asked for, channel by channel.
 void add_named(LayersPage& page) {
   for (const std::string& name : page.report.tensors) {
     const nn::TracedTensor& tensor = page.trace.tensor(name);
-    const auto [smallest, largest] = std::ranges::minmax(tensor.values);
     const bool metres = tensor.unit == "m";
     page.heading(2, name);
     page.paragraph(fmt::format(
-        "{} channels of {} x {}, {:.4g} to {:.4g}{}", tensor.channels, tensor.rows, tensor.columns,
-        smallest, largest,
+        "{} channels of {} x {}, {}{}", tensor.channels, tensor.rows, tensor.columns,
+        range_text(tensor.values),
         metres ? " m" : "; of each channel black the smallest value, white the largest"));
     if (metres) {
       page.ranges(page.trace.image(name), name);
@@ -206,7 +210,7 @@ void add_direct(LayersPage& page) {
 }
 
 void add_layer(LayersPage& page, std::size_t k) {
-  const std::string heading = fmt::format("Layer {}", k + 1);
+  const std::string heading = fmt::format("Layer {} (layers.{})", k + 1, k);
   if (page.trace.has("probability")) {
     page.heading(2, heading);
     return add_mixture(page, k);

@@ -233,7 +233,7 @@ TurningView LiveView::turning_view() const {
   TurningView view;
   const std::lock_guard lock(mutex_);
   view.clouds = {{"map", map_.points_m(), {}, map_.intensity()}};
-  view.scans = {{"last scan", T_map_sensor_, {"", last_scan_m_}, {}}};
+  view.scans = {{"last scan", 0, T_map_sensor_, {"", last_scan_m_}, {}}};
   std::optional<std::size_t> segment;
   const auto add = [&](const PathPosition& position) {
     if (segment != position.segment) view.path_m.emplace_back();

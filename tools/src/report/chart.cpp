@@ -15,13 +15,16 @@
 namespace hqslam::tools {
 namespace {
 
-/// "M0,500.2L3.1,480..." through the points of a line.
+/// "M0,500.2L3.1,480..." through the points of a line; a point alone between gaps is a dot.
 std::string path_through(const PlotBox& box, const std::vector<double>& x,
                          const std::vector<double>& y) {
+  const auto is_gap = [&](std::size_t i) { return i >= y.size() || std::isnan(y[i]); };
   std::string path;
   for (std::size_t i = 0; i < x.size(); ++i) {
-    path += fmt::format("{}{:.1f},{:.1f}", i == 0 ? 'M' : 'L', to_plot_x(box, x[i]),
-                        to_plot_y(box, y[i]));
+    if (is_gap(i)) continue;
+    const bool begins = is_gap(i - 1);  // of the first, too: unsigned numbers wrap around
+    path += fmt::format("{}{:.1f},{:.1f}{}", begins ? 'M' : 'L', to_plot_x(box, x[i]),
+                        to_plot_y(box, y[i]), begins && is_gap(i + 1) ? "h0" : "");
   }
   return path;
 }

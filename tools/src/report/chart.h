@@ -44,7 +44,7 @@ PlotGrid plot_grid(const PlotBox& box, const std::vector<double>& x_ticks,
 struct Series {
   std::string name;
   std::string css_class;  ///< of the page's style: its colour
-  std::vector<double> y;  ///< one value per x of the chart
+  std::vector<double> y;  ///< one value per x of the chart; not a number: a gap in the line
 };
 
 struct Chart {

@@ -23,7 +23,7 @@ std::string aligned_text(const TextTable& table) {
   std::string text;
   const auto add = [&](const std::vector<std::string>& cells) {
     for (std::size_t i = 0; i < cells.size(); ++i) {
-      text += i == 0 ? fmt::format("{:<18}", cells[i]) : fmt::format("{:>14}", cells[i]);
+      text += i == 0 ? fmt::format("{:<18}", cells[i]) : fmt::format(" {:>13}", cells[i]);
     }
     text += "\n";
   };

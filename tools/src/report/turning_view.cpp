@@ -135,6 +135,7 @@ Json json_of(const ViewScan& scan, std::size_t most_points) {
   const std::vector<std::size_t> most =
       shared_out(most_points, {scan.measured.points_m.size(), scan.lifted.points_m.size()});
   return {{"name", scan.name},
+          {"number", scan.number},
           {"at", json_of(Eigen::Vector3d(scan.T_map_sensor.translation()))},
           {"yaw", std::atan2(ahead.y(), ahead.x())},
           {"measured", json_of(scan.measured, most[0])},

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,6 +23,7 @@ struct ViewCloud {
 /// A scan as it was measured, and what was computed between, in the frame of the clouds.
 struct ViewScan {
   std::string name;
+  std::int64_t number = 0;  ///< by which links call it
   Pose T_map_sensor = Pose::Identity();
   ViewCloud measured;
   ViewCloud lifted;  ///< without points: nothing was computed

@@ -478,7 +478,8 @@ function turningView(root) {
   if (said.cloud in data.clouds) find('.cloud').selectedIndex = said.cloud;
   if (said.colour in kPalettes) find('.colour').selectedIndex = said.colour;
   choose();
-  if (data.scans.length) show(said.scan in [0, ...data.scans] ? said.scan : 0);
+  const apart = data.scans.map(scan => Math.abs(scan.number - said.scan));  // NaN: none was said
+  if (data.scans.length) show(apart.indexOf(Math.min(...apart)) + 1);
   if (shown.scan) camera.target = [...data.scans[shown.scan - 1].at];
 }
 document.querySelectorAll('.turning-view').forEach(turningView);

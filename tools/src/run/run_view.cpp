@@ -24,8 +24,9 @@ bool knows_way(const SlamRun& run, std::size_t from) {
 ViewScan scan_of(const SlamRun& run, const KeptScan& kept) {
   const StampedPose& pose = run.trajectory[kept.pose];
   ViewScan scan;
-  scan.name = fmt::format("scan {}, {:.1f} s", run.scans[kept.pose].scan,
-                          pose.stamp_s - run.trajectory.front().stamp_s);
+  scan.number = run.scans[kept.pose].scan;
+  scan.name =
+      fmt::format("scan {}, {:.1f} s", scan.number, pose.stamp_s - run.trajectory.front().stamp_s);
   scan.T_map_sensor = pose.T_map_sensor;
   const slam::SensorPath path(
       run.trajectory, kept.pose,

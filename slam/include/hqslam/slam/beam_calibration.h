@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "hqslam/core/organized_cloud.h"
@@ -17,10 +18,10 @@ struct LocatedScan {
 };
 
 /// How far a beam's points lie from the surfaces that all beams see, in the mean, m: above the
-/// ground, and this side of walls.
+/// ground, and this side of walls. Nothing where it met none.
 struct BeamDistance {
-  double ground_m = 0.0;
-  double walls_m = 0.0;
+  std::optional<double> ground_m;
+  std::optional<double> walls_m;
 };
 
 /// What is to be added to what one beam says, and how well that is known (standard deviations).

@@ -56,10 +56,10 @@ struct ScanTrace {
   double inlier_ratio = 0.0;            ///< of those that are not ground, in the last wide search
   double last_inlier_ratio = 0.0;       ///< of the last scan that was registered; 0: there is none
 
-  /// Which share of the matches' weight has information about each direction of motion (rising,
-  /// adding up to about 1), and the directions, a column each: x, y, z [m], and 10 m times rotation
-  /// about x, y, z [rad], in axes of the map with the sensor as origin. Zero where nothing was
-  /// matched.
+  /// Which share of the matches' weight has information about each direction of motion (rising),
+  /// and the directions, a column each: x, y, z [m], and 10 m times rotation about x, y, z [rad],
+  /// in axes of the map with the sensor as origin: a match d away counts (d / 10 m)^2 times about
+  /// the rotations, which can exceed 1. Zero where nothing was matched.
   Eigen::Matrix<double, 6, 1> direction_share = Eigen::Matrix<double, 6, 1>::Zero();
   Eigen::Matrix<double, 6, 6> direction = Eigen::Matrix<double, 6, 6>::Zero();
   int degenerate_directions = 0;  ///< of which too little is known: the first ones

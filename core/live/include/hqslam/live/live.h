@@ -15,8 +15,9 @@
 namespace hqslam::live {
 
 struct LiveOptions {
-  /// A preset's name or a .json file. For an Ouster either its metadata, or the preset of its kind:
-  /// the metadata are then asked for over HTTP where the packets come from.
+  /// A preset's name, a .json file or the db.xml of an HDL-64E. For an Ouster either its metadata,
+  /// or the preset of its kind: the metadata are then asked for over HTTP where the packets come
+  /// from.
   std::string sensor;
   std::uint16_t port = 0;  ///< UDP; 0: the metadata's, or 7502 for an Ouster, 2368 for a Velodyne
   recordings::KeptReturn kept_return = recordings::KeptReturn::kStrongest;

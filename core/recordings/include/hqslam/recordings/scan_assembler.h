@@ -46,7 +46,7 @@ class ScanAssembler {
 /// Throws Error if the rows are others, or if there is no calibration of an HDL-64E.
 std::unique_ptr<ScanAssembler> velodyne_assembler(const VelodyneStream& stream,
                                                   const SensorModel& sensor, std::string name,
-                                                  const VelodyneOptions& options = {});
+                                                  const TurnDecoderOptions& options = {});
 
 std::unique_ptr<ScanAssembler> ouster_assembler(const OusterMetadata& metadata, std::string name,
                                                 const OusterOptions& options = {});

@@ -101,7 +101,8 @@ struct PacketCounts {
   std::int64_t foreign = 0;  ///< of another size or form: left out
 };
 
-struct VelodyneOptions {
+/// Of the decoders of Velodyne, Hesai, RoboSense and LSLiDAR packets.
+struct TurnDecoderOptions {
   KeptReturn kept_return = KeptReturn::kStrongest;
   /// Whether points are computed; without them scans are only counted and timed.
   bool with_points = true;
