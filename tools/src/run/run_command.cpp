@@ -161,6 +161,7 @@ void add_dense_map(const RunOptions& options, const InterruptGuard& interrupt, R
   DenseMapRun dense_map = build_dense_map(options, options, poses_of(run), options.map, interrupt);
   if (interrupt.stop_requested()) return;
   run.dense_map_summary = dense_map_summary(dense_map);
+  run.dense_map_las = dense_map.las;
   output.write_dense_map(run, dense_map);
 }
 
@@ -218,7 +219,7 @@ void declare(CLI::App& app, RunOptions& options) {
       "and with --dense-map, in the same frame:\n"
       "  dense_map.pcd, dense_map.ply   x y z, intensity where the recording has it,\n"
       "                                 confidence, times_seen per voxel, binary\n"
-      "  dense_map_above.png, dense_map_perspective.png\n"
+      "  dense_map_above.png, dense_map_perspective.png, with --las dense_map.las\n"
       "and with --occupancy-grid, its cells about the frame's x and y:\n"
       "  map.pgm, map.yaml              where a robot can drive, for Nav2\n"
       "An earlier run's results in it are replaced from the first scan on. Ctrl-C stops the run;\n"
@@ -285,8 +286,8 @@ SlamRun run_and_write(const RunOptions& options, const InterruptGuard& interrupt
     run.comparison = comparison_of(run, *reference);
     if (!run.comparison) {
       to_stderr(
-          "hqslam: {}: fewer than 3 of its poses are within 0.02 s of a scan: not compared "
-          "with it\n",
+          "hqslam: {}: fewer than 3 of its poses are within 0.02 s of a located scan: not "
+          "compared with it\n",
           reference->path);
     }
   }
