@@ -164,7 +164,7 @@ TEST_CASE("a map that cannot be made costs that map alone") {
       run_hqslam("run '{}' --sensor os1-16 --dense-map --occupancy-grid --out '{}'",
                  folder.file("empty.npy"), folder.file("out"));
   CHECK(result.status == 2);
-  CHECK(holds(last_line(result.error), "occupancy grid: no ground was seen"));
+  CHECK(holds(last_line(result.error), "occupancy grid: expected scans that were located"));
   CHECK(missing(result.out, {"results: ", "dense_map.ply"}) == "");
 }
 
@@ -197,6 +197,14 @@ TEST_CASE("wrong input of maps is one line") {
        }) {
     CHECK(holds(refused(fmt::format(fmt::runtime(arguments), simulated_drive(), in)).error, with));
   }
+}
+
+TEST_CASE("what run names as its results has the .las of a dense map, if there is one") {
+  const TemporaryDirectory out;
+  const std::string dense =
+      fmt::format("run '{}' --dense-map --out '{}' ", simulated_drive(), out.path().string());
+  CHECK(holds(last_line(succeeds(dense + "--las").out), "dense_map.ply, dense_map.las and"));
+  CHECK_FALSE(holds(last_line(succeeds(dense).out), "dense_map.las"));
 }
 
 }  // namespace hqslam::test

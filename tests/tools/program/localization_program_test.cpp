@@ -47,8 +47,13 @@ TEST_CASE("what was not recognized is in no error against the reference") {
   const TemporaryDirectory folder;
   const std::string other = folder.file("elsewhere");
   run_hqslam("simulate --drive town --seed 3 --sensor os1-16 --scans 6 --out '{}'", other);
-  const ProgramResult lost =
-      succeeds("run '{}' --map '{}' --out '{}'", other, saved_map(), folder.file("lost"));
+  const ProgramResult lost = run_hqslam("run '{}' --map '{}' --occupancy-grid --out '{}'", other,
+                                        saved_map(), folder.file("lost"));
+  CHECK(lost.status == 2);
+  CHECK(holds(last_line(lost.error),
+              "occupancy grid: expected scans that were located, found none "
+              "of 6"));
+  CHECK(holds(lost.error, "of a located scan: not compared"));
   CHECK(holds(lost.out, "6 scans not recognized"));
   CHECK_FALSE(holds(lost.out, "APE RMSE"));
   CHECK(holds(lost.out, "not located: no place of the map of"));

@@ -52,6 +52,12 @@ OccupancyGridRun build_occupancy_grid(const InputChoice& recording, const Liftin
       poses, "occupancy grid, seen through", interrupt,
       [&](const auto& scan, const auto& path) { grid.see_through(scan, path); });
   if (interrupt.stop_requested()) return {};
+  if (reading.scans == 0) {
+    throw Error(
+        "occupancy grid: expected scans that were located, found none of {}; give another "
+        "recording or, with --map, a map of its place",
+        reading.without_pose);
+  }
   OccupancyGridRun run{grid.map(), ""};
   const auto share_of = [&](slam::Occupancy occupancy) {
     return 100.0 * static_cast<double>(std::ranges::count(run.map.cells, occupancy)) /

@@ -174,6 +174,7 @@ void add_dense_map(const RunOptions& options, const InterruptGuard& interrupt, R
   DenseMapRun dense_map = build_dense_map(options, options, poses_of(run), options.map, interrupt);
   if (interrupt.stop_requested()) return;
   run.dense_map_summary = dense_map_summary(dense_map);
+  run.dense_map_las = dense_map.las;
   output.write_dense_map(run, dense_map);
 }
 
@@ -231,7 +232,7 @@ void declare(CLI::App& app, RunOptions& options) {
       "and with --dense-map, in the same frame:\n"
       "  dense_map.pcd, dense_map.ply   x y z, intensity where the recording has it,\n"
       "                                 confidence, times_seen per voxel, binary\n"
-      "  dense_map_above.png, dense_map_perspective.png\n"
+      "  dense_map_above.png, dense_map_perspective.png, with --las dense_map.las\n"
       "and with --occupancy-grid, its cells about the frame's x and y:\n"
       "  map.pgm, map.yaml              where a robot can drive, for Nav2\n"
       "An earlier run's results in it are replaced from the first scan on. Ctrl-C stops the run;\n"

@@ -65,6 +65,7 @@ struct SlamRun : Reading {
   double wall_s = 0.0;
   std::optional<ReferenceComparison> comparison;  ///< once the run has ended, of one with a truth
   std::string dense_map_summary;                  ///< empty: there is none
+  bool dense_map_las = false;                     ///< of a dense map: in a .las file too
   std::string occupancy_grid_summary;             ///< the same
   std::vector<std::string> failed_maps;           ///< of these two: why one could not be made
 };
