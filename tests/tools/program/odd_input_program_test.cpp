@@ -57,6 +57,18 @@ TEST_CASE("options that would do nothing are refused with what they need") {
   }
   CHECK_FALSE(fs::exists(out.file("x")));
   const std::string drive = simulated_drive();
+  for (const char* command :
+       {"run '{0}' {1} --out '{2}'", "upsample '{0}' --method linear {1} --out '{2}'",
+        "compare '{0}' {1}", "table --drives '{0}' --methods rows-16 {1} --out '{2}'",
+        "map '{0}' --poses '{0}/truth.tum' {1} --out '{2}'",
+        "calibrate '{0}' {1} --out '{2}.json'"}) {
+    CAPTURE(command);
+    CHECK(holds(refused(fmt::format(fmt::runtime(command), drive,
+                                    "--motion-corrected --capture rolling", out.file("z")))
+                    .error,
+                "--capture says nothing of a stack of range images"));
+  }
+  CHECK(holds(refused("info '{}' --stream 7502", drive).error, "leave --stream out"));
   CHECK(holds(refused("compare '{}' --tolerance 3", drive).error, "--curve"));
   CHECK(holds(
       refused("upsample '{0}' --sensor os1-64 --method linear --poses '{0}/truth.tum' --out '{1}'",

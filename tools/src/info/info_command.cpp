@@ -11,6 +11,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/recordings/recording.h"
 #include "info/capture_check.h"
+#include "recording/recording_choice.h"
 #include "terminal/command_options.h"
 #include "terminal/terminal.h"
 
@@ -121,6 +122,7 @@ void declare(CLI::App& app, InfoOptions& options) {
 }
 
 int run(const InfoOptions& options) {
+  refuse_idle_options({options.input, options.sensor, options.stream});
   if (!options.write_sensor.empty()) {
     guard_output_file(options.write_sensor, {options.input, options.sensor},
                       [](const std::string&) { return false; });  // users change them

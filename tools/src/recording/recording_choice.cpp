@@ -5,6 +5,7 @@
 #include <omp.h>
 
 #include <filesystem>
+#include <initializer_list>
 #include <limits>
 #include <system_error>
 
@@ -55,11 +56,10 @@ void declare_reading(Command& command, InputChoice& choice) {
               {.shows_default = true, .one_of = {"highest-first", "lowest-first"}})
       .option("--motion-corrected", &choice.motion_corrected,
               "The scans of a .npy stack are already corrected for the sensor's motion")
-      .option(
-          "--capture", &choice.capture,
-          "How points without a time were captured: rolling, while the sensor turned (each has the "
-          "time of its azimuth), or corrected for motion (default)",
-          {.one_of = {"rolling", "corrected"}})
+      .option("--capture", &choice.capture,
+              "How points in files without times were captured: rolling, while the sensor turned "
+              "(each has the time of its azimuth), or corrected for motion (default)",
+              {.one_of = {"rolling", "corrected"}})
       .option("--stamps", &choice.stamps,
               "File with the stamp of each scan (seconds, or dates as KITTI's timestamps.txt), or "
               "'names' for the numbers in the files' names; not of a capture or a bag, which have "
@@ -170,8 +170,35 @@ std::string file_of_drive(const std::string& input, const char* name) {
   return fs::is_directory(input) && fs::is_regular_file(path) ? path.string() : "";
 }
 
+void refuse_idle_options(const InputChoice& choice) {
+  const bool is_stream = recordings::is_capture_or_bag(choice.input);
+  const bool is_stack = fs::path(choice.input).extension() == ".npy" ||
+                        (!file_of_drive(choice.input, "scans.npy").empty() &&
+                         !file_of_drive(choice.input, "sensor.json").empty());
+  struct Option {
+    const char* name;
+    bool is_given;
+    bool is_used;
+  };
+  const InputChoice usual;
+  for (const Option& option : std::initializer_list<Option>{
+           {"--stream", choice.stream != usual.stream, is_stream},
+           {"--return", choice.kept_return != usual.kept_return, is_stream},
+           {"--row-order", choice.row_order != usual.row_order, is_stack},
+           {"--motion-corrected", choice.motion_corrected, is_stack},
+           {"--capture", choice.capture != usual.capture, !is_stream && !is_stack},
+           {"--stamps", choice.stamps != usual.stamps, !is_stream}}) {
+    if (!option.is_given || option.is_used) continue;
+    throw Error("{}: {} says nothing of {}; leave {} out", choice.input, option.name,
+                is_stream  ? "a capture or a bag"
+                : is_stack ? "a stack of range images"
+                           : "files of points",
+                option.name);
+  }
+}
+
 std::optional<SensorModel> recording_sensor(const InputChoice& choice) {
-  if (recordings::is_capture_or_bag(choice.input)) return open_stream(choice)->sensor();
+  if (const auto stream = open_stream(choice)) return stream->sensor();
   const std::string path =
       choice.sensor.empty() ? file_of_drive(choice.input, "sensor.json") : choice.sensor;
   return path.empty() ? std::nullopt : std::optional(load_sensor(path));
@@ -192,6 +219,7 @@ std::unique_ptr<ScanSource> open_as_points_tell(const InputChoice& choice) {
 }
 
 std::unique_ptr<recordings::StreamSource> open_stream(const InputChoice& choice) {
+  refuse_idle_options(choice);
   if (!recordings::is_capture_or_bag(choice.input)) return nullptr;
   return recordings::open_stream(choice.input, open_options(choice));
 }
@@ -204,15 +232,11 @@ std::unique_ptr<ScanSource> with_imu_of(const InputChoice& choice,
 
 std::unique_ptr<ScanSource> open_input(const InputChoice& choice, const SensorModel& sensor) {
   recordings::OpenOptions options = open_options(choice);
-  if (recordings::is_capture_or_bag(choice.input)) {
-    if (!choice.stamps.empty()) {
-      throw Error("{}: has stamps of its own; leave --stamps out", choice.input);
-    }
-    options.columns = sensor.columns;
-    return recordings::open_stream(choice.input, options);
+  if (!recordings::is_capture_or_bag(choice.input)) {
+    return open_recording(choice.input, sensor, options.files);
   }
-  if (choice.stream.empty()) return open_recording(choice.input, sensor, options.files);
-  throw Error("{}: is no capture and no bag, which have streams; leave --stream out", choice.input);
+  options.columns = sensor.columns;
+  return recordings::open_stream(choice.input, options);
 }
 
 std::int64_t scans_in(const InputChoice& choice, const ScanSource& source) {

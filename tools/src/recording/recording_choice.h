@@ -63,6 +63,10 @@ void use_threads(int threads);
 /// folder and has it; otherwise "".
 std::string file_of_drive(const std::string& input, const char* name);
 
+/// Throws Error for an option that says nothing of this kind of recording. Whatever opens one here
+/// begins with it.
+void refuse_idle_options(const InputChoice& choice);
+
 /// The sensor of a recording: the one that is named (a preset or a .json file) or, if none is, the
 /// sensor.json in the recording's folder. Of a capture or a bag: as the recording says, or as is
 /// said, at the rate at which it turned. Nothing where neither says. Throws Error.

@@ -73,7 +73,8 @@ std::string no_pairs_message(const SlamRun& run, const TrajectoryFile& reference
     return fmt::format("{:.3f} to {:.3f} s", of.front().stamp_s, of.back().stamp_s);
   };
   return fmt::format(
-      "{}: fewer than 3 of its poses{} are within 0.02 s of a scan, of {}: not compared with it; "
+      "{}: fewer than 3 of its poses{} are within 0.02 s of a located scan, of {}: not compared "
+      "with it; "
       "give the stamps of trajectory.tum",
       reference.path, reference.has_stamps ? ", of " + span(reference.poses) + "," : "",
       span(run.trajectory));

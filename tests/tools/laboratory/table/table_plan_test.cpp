@@ -140,8 +140,7 @@ TEST_CASE("a recording is named after its folder and keeps the sensor and truth 
   options.drives = {folder.file("street") + "/", "town"};
   options.reading.sensor = "hdl-64e";
   options.reference = "truth.txt";
-  options.reading.kept_return = "last";
-  options.reading.stream = "7502";
+  options.reading.stamps = "names";
   options.reading.capture = "rolling";
   const TablePlan plan = plan_table(options);
   CHECK(plan.drives[0].name == "street");
@@ -150,12 +149,13 @@ TEST_CASE("a recording is named after its folder and keeps the sensor and truth 
   const InputChoice street = plan.drives[0].recording;
   CHECK(street.input == std::filesystem::canonical(folder.file("street")));
   CHECK(street.sensor == "hdl-64e");
-  CHECK(street.stream == "7502");
-  CHECK(street.kept_return == "last");
+  CHECK(street.stamps == "names");
   CHECK(street.capture == "rolling");
-  CHECK(plan.drives[1].recording.kept_return == "strongest");  // simulated
+  CHECK(plan.drives[1].recording.stamps.empty());  // simulated
   CHECK(plan.drives[1].recording.sensor.empty());
   CHECK(plan.drives[1].reference.empty());
+  options.reading.stream = "7502";
+  CHECK(test::refused_with([&] { plan_table(options); }, "street", "leave --stream out"));
 }
 
 TEST_CASE("what is not there or would mix is refused in one line") {

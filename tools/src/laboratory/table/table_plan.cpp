@@ -109,6 +109,7 @@ TableDrive drive_of(const std::string& drive, const TableOptions& options) {
   const fs::path path = fs::canonical(drive);
   InputChoice recording = options.reading;
   recording.input = path.string();
+  refuse_idle_options(recording);  // before the first drive is worked on
   return {recording_name(path), recording, options.reference, std::nullopt};
 }
 
