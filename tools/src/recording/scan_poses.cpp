@@ -85,7 +85,7 @@ ScanPoses read_scan_poses(const std::string& path, const InterruptGuard& interru
     return true;
   });
   scans += reading.left_out.scans;
-  if (std::ssize(file.poses) != scans && reading.end != ReadingEnd::kInterrupted) {
+  if (std::ssize(file.poses) != scans && reading.end == ReadingEnd::kComplete) {
     throw Error(
         "{}: has {} poses without stamps, but the recording has {} scans; give one pose per scan "
         "or a TUM file",
