@@ -16,7 +16,6 @@ namespace {
 
 /// Of the likelihood of a range in the loss, beside the cross-entropy of a return.
 constexpr float kRangeShare = 0.3F;
-const float kMiddleLogRange = std::log(LogRanges::kTypicalRange_m);
 
 int computed_pixels(TileSize tile) { return tile.pixels() - tile.columns; }
 
@@ -121,7 +120,7 @@ void TwoModesPrior::take_row(int row, const PriorState* /*before*/, PriorState& 
   int channel = 0;
   for (; channel < tile().pixels(); ++channel) {
     const float* h = state.own_h.row(channel, row);
-    put(channel, [&](int x) { return 0.5F * (h[x] - kMiddleLogRange); });
+    put(channel, [&](int x) { return 0.5F * (h[x] - LogRanges::kTypicalLogRange); });
   }
   for (int phase = 0; phase < tile().columns; ++phase) {
     const float* valid = ranges_.valid_row(phase, row);
