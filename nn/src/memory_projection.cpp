@@ -82,7 +82,7 @@ MemoryProjection::MemoryProjection(const SensorModel& sensor)
     lower_edge_.push_back(0.5F * (sine_[row] + sine_[row + 1]));
   }
   lower_edge_.push_back(-2.0F);
-  const int measured = select_rows(sensor_, measured_rows_).rows();
+  const auto measured = std::ssize(selected_rows(sensor_.rows(), measured_rows_));
   for (int row = 0, above = -1; row < sensor_.rows(); ++row) {
     if (measured_rows_.contains(row) && above + 1 < measured) ++above;
     measured_above_.push_back(above);

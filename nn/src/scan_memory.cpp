@@ -116,7 +116,7 @@ struct ScanMemory::Implementation {
 
 void ScanMemory::Implementation::check(int rows, int columns, std::size_t pixels,
                                        const ColumnPoses& poses) const {
-  const int expected = select_rows(sensor, *sensor.measured_rows).rows();
+  const auto expected = std::ssize(selected_rows(sensor.rows(), *sensor.measured_rows));
   const std::size_t all = static_cast<std::size_t>(expected) * sensor.columns;
   if (rows != expected || columns != sensor.columns || pixels != all) {
     throw Error(

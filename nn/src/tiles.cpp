@@ -42,8 +42,8 @@ void put_image_row(const float* image_row, TileSize tile, int row, Tensor& tiles
   }
 }
 
-void take_image_row(const Tensor& tiles, TileSize tile, int row, float* image_row) {
-  const int first = row % tile.rows * tile.columns;
+void take_image_row(const Tensor& tiles, TileSize tile, int row, float* image_row, int first) {
+  first += row % tile.rows * tile.columns;
   int x = 0;
   if (tile.columns == 4) {
     const float* from[4];
@@ -71,10 +71,10 @@ void to_tiles(const float* image, TileSize tile, Tensor& tiles) {
   }
 }
 
-void from_tiles(const Tensor& tiles, TileSize tile, float* image) {
+void from_tiles(const Tensor& tiles, TileSize tile, float* image, int first) {
   const std::int64_t columns = static_cast<std::int64_t>(tiles.columns()) * tile.columns;
   for (int row = 0; row < tiles.rows() * tile.rows; ++row) {
-    take_image_row(tiles, tile, row, image + row * columns);
+    take_image_row(tiles, tile, row, image + row * columns, first);
   }
 }
 

@@ -19,12 +19,12 @@ struct TileSize {
 /// image: rows x columns, row-major. Fills the first tile.pixels() channels of `tiles`, borders
 /// too. By the calling thread alone.
 void to_tiles(const float* image, TileSize tile, Tensor& tiles);
-/// The way back.
-void from_tiles(const Tensor& tiles, TileSize tile, float* image);
+/// The way back, of the channels from `first` on.
+void from_tiles(const Tensor& tiles, TileSize tile, float* image, int first = 0);
 
 /// One row of the image, by the calling thread alone; borders are left as they are.
 void put_image_row(const float* image_row, TileSize tile, int row, Tensor& tiles);
-void take_image_row(const Tensor& tiles, TileSize tile, int row, float* image_row);
+void take_image_row(const Tensor& tiles, TileSize tile, int row, float* image_row, int first = 0);
 
 /// Whether row `row` of channel `channel` of the tiles holds measured pixels.
 inline bool measured(TileSize tile, RowSelection measured_rows, int channel, int row) {

@@ -24,7 +24,7 @@ struct Deviation {
 
 void check_shapes(const RangeImage& image, const OrganizedCloud& measured,
                   RowSelection measured_rows, const SensorModel& sensor) {
-  const int expected_rows = select_rows(sensor, measured_rows).rows();
+  const auto expected_rows = std::ssize(selected_rows(sensor.rows(), measured_rows));
   if (measured.rows == expected_rows && measured.columns == sensor.columns &&
       image.rows == sensor.rows() && image.columns == sensor.columns) {
     return;

@@ -10,7 +10,6 @@
 namespace hqslam::nn {
 namespace {
 
-const float kTypicalLogRange = std::log(LogRanges::kTypicalRange_m);
 // What is recalled beyond these, or is no number, is not recalled.
 constexpr float kFarthest_m = 1e4F;
 constexpr float kLargestWeight = 1e4F;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "../graph/layer.h"
@@ -84,6 +85,7 @@ struct ComputedPixel {
 class LogRanges final : public Measurement {
  public:
   static constexpr float kTypicalRange_m = 20.0F;
+  inline static const float kTypicalLogRange = std::log(kTypicalRange_m);
 
   /// columns: of the image. recalls: M and W are taken too.
   LogRanges(const NetworkDescription& description, TileSize tile, int columns, bool recalls,

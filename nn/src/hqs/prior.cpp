@@ -89,12 +89,7 @@ TracedTensor traced(std::string name, const Tensor& tensor, int first, int chann
 
 TracedTensor traced_pixels(std::string name, const Tensor& tensor, int first, TileSize tile) {
   RangeImage image(tensor.rows() * tile.rows, tensor.columns() * tile.columns);
-  for (int row = 0; row < image.rows; ++row) {
-    for (int column = 0; column < image.columns; ++column) {
-      const int channel = row % tile.rows * tile.columns + column % tile.columns;
-      image.at(row, column) = tensor.at(first + channel, row / tile.rows, column / tile.columns);
-    }
-  }
+  from_tiles(tensor, tile, image.range_m.data(), first);
   return traced_image(std::move(name), std::move(image), "");
 }
 

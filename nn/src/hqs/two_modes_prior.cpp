@@ -16,7 +16,6 @@ namespace {
 
 /// Of the likelihood of a range in the loss, beside the cross-entropy of a return.
 constexpr float kRangeShare = 0.3F;
-const float kMiddleLogRange = std::log(LogRanges::kTypicalRange_m);
 
 int computed_pixels(TileSize tile) { return tile.pixels() - tile.columns; }
 
@@ -121,7 +120,7 @@ void TwoModesPrior::take_row(int row, const PriorState* /*before*/, PriorState& 
   int channel = 0;
   for (; channel < tile().pixels(); ++channel) {
     const float* h = state.own_h.row(channel, row);
-    put(channel, [&](int x) { return 0.5F * (h[x] - kMiddleLogRange); });
+    put(channel, [&](int x) { return 0.5F * (h[x] - LogRanges::kTypicalLogRange); });
   }
   for (int phase = 0; phase < tile().columns; ++phase) {
     const float* valid = ranges_.valid_row(phase, row);
@@ -247,38 +246,20 @@ void TwoModesPrior::add_inner(const Measurement& measurement, const PriorState& 
   Tensor mode2 = mode1;
   Tensor weight1 = mode1;
   Tensor scale = mode1;
+  Tensor z = state.z;
   Tensor probability = state.probability;
-  const auto logistic = [](float v) { return 1.0F / (1.0F + std::exp(-kTwoModesGain * v)); };
+  const Tensor& output = state.output();
   for (int row = 0; row < ranges_.rows(); ++row) {
     for (int pixel = 0; pixel < pixels_; ++pixel) {
-      const ComputedPixel& computed = ranges_.computed()[pixel];
-      const int channel = computed.channel;
-      const kernels::TwoModesInput in = modes_input(state, pixel, row, state.output().row(0, row),
-                                                    state.output().channel_stride());
-      for (int x = 0; x < ranges_.columns(); ++x) {
-        const auto output = [&](TwoModesOutput group) {
-          return in.outputs[static_cast<int>(group) * in.group_stride + x];
-        };
-        const float share1 = logistic(output(TwoModesOutput::kShareAbove));
-        const float share2 = logistic(output(TwoModesOutput::kShareBelow));
-        const auto middle = [&](TwoModesOutput group) {
-          if (in.recalled_share == nullptr) return in.middle[x];
-          const float said = std::clamp(output(group), -kLargestRecall, kLargestRecall);
-          const float share = in.recalled_share[x];
-          const float scaled = share * std::exp(kTwoModesGain * said);
-          return in.middle[x] + (scaled / (scaled + 1.0F - share) - share) * in.recalled_step[x];
-        };
-        const float middle1 = middle(TwoModesOutput::kRecallAbove);
-        const float middle2 = middle(TwoModesOutput::kRecallBelow);
-        mode1.at(channel, row, x) =
-            middle1 + share1 * (in.above[x] - middle1) + output(TwoModesOutput::kCorrectionAbove);
-        mode2.at(channel, row, x) =
-            middle2 + share2 * (in.below[x] - middle2) + output(TwoModesOutput::kCorrectionBelow);
-        weight1.at(channel, row, x) = logistic(output(TwoModesOutput::kWeight));
-        const float clamped =
-            std::clamp(output(TwoModesOutput::kScale), kLowestScale, kHighestScale);
-        scale.at(channel, row, x) = std::exp(kMiddleLogScale + kTwoModesGain * clamped);
-      }
+      const int channel = ranges_.computed()[pixel].channel;
+      kernels_.two_modes(
+          {.in = modes_input(state, pixel, row, output.row(0, row), output.channel_stride()),
+           .log_range = z.row(channel, row),
+           .probability = probability.row(channel, row),
+           .mode_1 = mode1.row(channel, row),
+           .mode_2 = mode2.row(channel, row),
+           .weight_1 = weight1.row(channel, row),
+           .scale = scale.row(channel, row)});
     }
     for (int phase = 0; phase < tile().columns; ++phase) {
       const int channel = description_.measured_rows.offset * tile().columns + phase;

@@ -135,6 +135,10 @@ struct TwoModesRow {
   float* probability = nullptr;  ///< of a return
   float* range_m = nullptr;      ///< nullptr: not wanted; neither is the next then
   float* confidence = nullptr;
+  float* mode_1 = nullptr;  ///< ln of the range; nullptr: not wanted; neither are the next then
+  float* mode_2 = nullptr;
+  float* weight_1 = nullptr;
+  float* scale = nullptr;
 };
 
 /// The loss of a row and its gradient.

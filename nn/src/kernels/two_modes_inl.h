@@ -89,6 +89,12 @@ void two_modes(const TwoModesRow& row) {
     const Vector y = first ? m.mode1 : m.mode2;
     store(row.log_range + x, y);
     store(row.probability + x, m.probability);
+    if (row.mode_1 != nullptr) {
+      store(row.mode_1 + x, m.mode1);
+      store(row.mode_2 + x, m.mode2);
+      store(row.weight_1 + x, m.weight1);
+      store(row.scale + x, exponential_up_to_10(m.log_scale));
+    }
     if (row.range_m == nullptr) continue;
     const Vector bounded = smaller(larger(y, Vector{} - 5.0F), Vector{} + 9.0F);
     const Vector range_m = exponential_up_to_10(bounded);
