@@ -96,9 +96,9 @@ TEST_CASE("training and validation never share a drive or a stack") {
       message_after(R"({"drive": "town", "seeds": [3], "scans": 10})", R"({"stack": "a.npy"})"),
       "a.npy", "both"));
   // By another name.
-  CHECK(one_line_with(message_after(R"({"drive": "town", "seeds": [3])",
-                                    R"({"drive": "town-busy", "seeds": [2])"),
-                      "city of drive town-busy with seed 2", "both"));
+  CHECK(one_line_with(
+      message_after(R"({"drive": "town", "seeds": [3])", R"({"drive": "town-busy", "seeds": [2])"),
+      "city of drive town-busy with seed 2", "both"));
   CHECK(one_line_with(
       message_after(R"({"drive": "town", "seeds": [3], "scans": 10})", R"({"stack": "./a.npy"})"),
       "a.npy", "both"));

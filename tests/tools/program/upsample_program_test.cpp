@@ -189,9 +189,9 @@ TEST_CASE("where the poses are known a network with a memory recalls the scans a
   Trajectory truth = read_tum(files.drive + "/truth.tum");
   for (StampedPose& pose : truth) pose.stamp_s += 0.1;
   write_tum(truth, folder.file("shifted.tum"));
-  const ProgramResult some = succeeds("upsample '{}' --weights '{}' --poses '{}' --out '{}'",
-                                      files.drive, weights, folder.file("shifted.tum"),
-                                      folder.file("some"));
+  const ProgramResult some =
+      succeeds("upsample '{}' --weights '{}' --poses '{}' --out '{}'", files.drive, weights,
+               folder.file("shifted.tum"), folder.file("some"));
   CHECK(holds(some.error, "1 of 4 scans have no pose"));
 
   // SLAM's own poses, those that it expects and then those that it finds.
