@@ -115,16 +115,18 @@ int thin(std::vector<CodedPoint>& points, std::size_t most_points) {
   return level;
 }
 
-/// The side of the smallest voxels that take several points.
+/// The side of voxels of which there are 0.65 as many as points, between those of two levels.
 double spacing_of(const std::vector<CodedPoint>& points, double step_m) {
   constexpr double kAlone = 0.65;
   const auto counts = counts_of(points);
+  const auto share = [&](std::size_t level) {
+    return static_cast<double>(counts[level]) / static_cast<double>(counts[0]);
+  };
   std::size_t level = 1;
-  while (level + 1 < kBitsPerCode &&
-         static_cast<double>(counts[level]) > kAlone * static_cast<double>(counts[0])) {
-    ++level;
-  }
-  return std::ldexp(step_m, static_cast<int>(level));
+  while (level + 1 < kBitsPerCode && share(level) > kAlone) ++level;
+  const double finer = share(level - 1);
+  const double part = (finer - kAlone) / std::max(finer - share(level), 1e-9);
+  return step_m * std::exp2(static_cast<double>(level - 1) + std::clamp(part, 0.0, 1.0));
 }
 
 }  // namespace
