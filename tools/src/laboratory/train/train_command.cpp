@@ -1,5 +1,7 @@
+#include <fmt/format.h>
 #include <omp.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -137,16 +139,27 @@ std::unique_ptr<const nn::TrainingScans> load_scans(Training& training, const Dr
   return scans;
 }
 
+std::string of_linear(const nn::Validation& v) {
+  return fmt::format(
+      "MAE all {:.3f}, valid {:.3f}, wrong {:.3f} (missing {:.3f} against {:.3f}, confidence "
+      "{:.3f})",
+      v.network.mae_all_m / v.linear.mae_all_m, v.network.mae_valid_m / v.linear.mae_valid_m,
+      v.network.wrong_share / v.linear.wrong_share, v.network.missing_share, v.linear.missing_share,
+      v.least_confidence);
+}
+
 void print_point(const nn::CurvePoint& point, std::int64_t steps, double steps_per_s) {
   const double left_min = static_cast<double>(steps - point.step) / steps_per_s / 60.0;
-  const nn::ImageFigures& network = point.validation.network;
-  const nn::ImageFigures& linear = point.validation.linear;
-  to_stdout(
-      "step {:>7}/{}  loss {:.4f}  of linear's: MAE all {:.3f}, valid {:.3f}, wrong {:.3f} "
-      "(missing {:.3f} against {:.3f}, confidence {:.3f})  {:.1f} min left\n",
-      point.step, steps, point.loss, network.mae_all_m / linear.mae_all_m,
-      network.mae_valid_m / linear.mae_valid_m, network.wrong_share / linear.wrong_share,
-      network.missing_share, linear.missing_share, point.validation.least_confidence, left_min);
+  to_stdout("step {:>7}/{}  loss {:.4f}  of linear's: {}  {:.1f} min left\n", point.step, steps,
+            point.loss, of_linear(point.validation), left_min);
+}
+
+/// The same scans with nothing recalled; nothing if they recall nothing.
+void print_without_memory(nn::Trainer& trainer, std::vector<nn::TrainingScan> scans) {
+  const auto recalls = [](const nn::TrainingScan& scan) { return !scan.recalled.is_empty(); };
+  if (std::ranges::none_of(scans, recalls)) return;
+  for (nn::TrainingScan& scan : scans) scan.recalled = {};
+  to_stdout("              without memory: {}\n", of_linear(trainer.validate(scans)));
 }
 
 /// Trains until the last step or until any rank is asked to stop; rank 0 validates and writes.
@@ -169,6 +182,7 @@ int train(Training& training, nn::Trainer& trainer, const InterruptGuard& interr
                               trainer.validate(training.validation)});
     training.loss_sum = 0.0;
     print_point(training.curve.back(), steps, static_cast<double>(step - first) / elapsed_s);
+    print_without_memory(trainer, training.validation);
     write_results(training, trainer.state());
   }
   const int status = trainer.state().optimiser.steps < steps ? kInterrupted : kOk;
