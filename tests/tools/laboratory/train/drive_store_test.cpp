@@ -83,6 +83,13 @@ TEST_CASE("what is there stays, what is missing or damaged is made") {
   CHECK(fs::exists(path_of(folder, drives[2])));
 }
 
+TEST_CASE("a drive that is named twice is made once") {
+  const TemporaryDirectory folder;
+  REQUIRE(store(folder, {block(1, 3, 1), block(1, 3, 1)}, 2));
+  CHECK(NpyStackReader(path_of(folder, block(1, 3, 1))).images() == 3);
+  CHECK(files_in(folder) == 1);
+}
+
 TEST_CASE("whatever decides the bytes decides the name") {
   const TemporaryDirectory folder;
   const StoredDrive drive = block(1, 4, 2);
