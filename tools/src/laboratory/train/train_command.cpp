@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <omp.h>
 
 #include <array>
@@ -92,10 +93,11 @@ std::string training_json(const Training& training, const nn::TrainingState& sta
   json["validation_scans"] = training.validation.size();
   if (!training.curve.empty()) {
     const nn::Validation& v = training.curve.back().validation;
-    json["validation"] = {{"network", figures_json(v.network)},
-                          {"linear", figures_json(v.linear)},
-                          {"least_confidence", v.least_confidence},
-                          {"confidence_exponent", v.confidence_exponent}};
+    json["validation"] = {{"network", figures_json(v.network)}, {"linear", figures_json(v.linear)}};
+    if (has_confidence(training.configuration.network)) {
+      json["validation"]["least_confidence"] = v.least_confidence;
+      json["validation"]["confidence_exponent"] = v.confidence_exponent;
+    }
   }
   json["configuration"] = nlohmann::ordered_json::parse(training.configuration_text);
   return json.dump();
@@ -137,16 +139,22 @@ std::unique_ptr<const nn::TrainingScans> load_scans(Training& training, const Dr
   return scans;
 }
 
-void print_point(const nn::CurvePoint& point, std::int64_t steps, double steps_per_s) {
+void print_point(const nn::CurvePoint& point, const nn::TrainingConfiguration& configuration,
+                 double steps_per_s) {
+  const std::int64_t steps = configuration.plan.steps;
   const double left_min = static_cast<double>(steps - point.step) / steps_per_s / 60.0;
   const nn::ImageFigures& network = point.validation.network;
   const nn::ImageFigures& linear = point.validation.linear;
   to_stdout(
       "step {:>7}/{}  loss {:.4f}  of linear's: MAE all {:.3f}, valid {:.3f}, wrong {:.3f} "
-      "(missing {:.3f} against {:.3f}, confidence {:.3f})  {:.1f} min left\n",
+      "(missing {:.3f} against {:.3f}{})  {:.1f} min left\n",
       point.step, steps, point.loss, network.mae_all_m / linear.mae_all_m,
       network.mae_valid_m / linear.mae_valid_m, network.wrong_share / linear.wrong_share,
-      network.missing_share, linear.missing_share, point.validation.least_confidence, left_min);
+      network.missing_share, linear.missing_share,
+      has_confidence(configuration.network)
+          ? fmt::format(", confidence {:.3f}", point.validation.least_confidence)
+          : "",
+      left_min);
 }
 
 /// Trains until the last step or until any rank is asked to stop; rank 0 validates and writes.
@@ -168,7 +176,8 @@ int train(Training& training, nn::Trainer& trainer, const InterruptGuard& interr
     training.curve.push_back({step, training.loss_sum / static_cast<double>(steps_since_point),
                               trainer.validate(training.validation)});
     training.loss_sum = 0.0;
-    print_point(training.curve.back(), steps, static_cast<double>(step - first) / elapsed_s);
+    print_point(training.curve.back(), training.configuration,
+                static_cast<double>(step - first) / elapsed_s);
     write_results(training, trainer.state());
   }
   const int status = trainer.state().optimiser.steps < steps ? kInterrupted : kOk;
