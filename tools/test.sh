@@ -40,6 +40,9 @@ step "core alone, core and nn alone"
 cmake --preset core-only -Wno-dev >/dev/null
 cmake --preset nn-only -Wno-dev -DCMAKE_BUILD_TYPE= -DHQSLAM_BUILD_TESTS=OFF >/dev/null
 cmake --build --preset nn-only -j "$jobs"
+for part in EVALUATION SIM RECORDINGS NN NN_COMPARE NN_REFERENCE SLAM; do
+  cmake --preset release -B build/without --fresh -Wno-dev "-DHQSLAM_BUILD_$part=OFF" >/dev/null
+done
 
 step "Format"
 if command -v clang-format >/dev/null; then

@@ -53,7 +53,7 @@ void add_evaluation(nb::module_& module) {
              "stretch_m"_a, "max_difference_s"_a = 0.02,
              "Over stretches of stretch_m metres of path along the reference.");
   nb::class_<Drift>(module, "Drift", "Means over pieces of path, as KITTI's benchmark takes them.")
-      .def_ro("pieces", &Drift::pieces, "None: the path is shorter than a piece.")
+      .def_ro("pieces", &Drift::pieces, "Of path; 0 where it is shorter than one.")
       .def_ro("translation_percent", &Drift::translation_percent, "Percent of the path.")
       .def_ro("rotation_deg_per_100m", &Drift::rotation_deg_per_100m, "Degrees over 100 m.");
   module.def(

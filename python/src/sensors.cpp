@@ -70,6 +70,7 @@ void add_sensors(nb::module_& module) {
       .def(
           "__eq__", [](const SensorModel& a, const SensorModel& b) { return a == b; },
           nb::is_operator(), nb::sig("def __eq__(self, other: object, /) -> bool"))
+      .def("__hash__", [](const SensorModel& s) { return std::hash<std::string>{}(s.name); })
       .def("__repr__", [](const SensorModel& s) {
         return "SensorModel('" + s.name + "', " + std::to_string(s.rows()) + " x " +
                std::to_string(s.columns) + ")";

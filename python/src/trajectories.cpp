@@ -59,7 +59,11 @@ Pose pose_of(const Matrix4& matrix) {
   const bool is_rigid = matrix.allFinite() && matrix.row(3) == Eigen::RowVector4d(0, 0, 0, 1) &&
                         (R.transpose() * R - Eigen::Matrix3d::Identity()).norm() < 1e-3 &&
                         R.determinant() > 0.0;
-  if (!is_rigid) throw Error("a 4 x 4 matrix that is no rotation and translation");
+  if (!is_rigid) {
+    throw Error(
+        "pose: expected a rotation R and a translation t as [R t; 0 0 0 1], found another 4 x 4 "
+        "matrix; R R^T must be the identity to 0.001 and det R 1");
+  }
   return orthonormalized(Pose(Eigen::Matrix4d(matrix)));
 }
 

@@ -58,6 +58,9 @@ find_package(hqslam QUIET COMPONENTS slam)
 if(hqslam_FOUND)
   message(FATAL_ERROR "slam was found though it is not installed")
 endif()
+if(NOT hqslam_NOT_FOUND_MESSAGE MATCHES "no component slam")
+  message(FATAL_ERROR "it is not said which component is missing")
+endif()
 CMAKE
 cmake -S "$folder/core_only" -B "$folder/build" -G Ninja -DCMAKE_CXX_COMPILER="$compiler" \
   -DCMAKE_PREFIX_PATH="$folder/prefix" >"$folder/log" 2>&1 || { cat "$folder/log"; exit 1; }

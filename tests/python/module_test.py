@@ -87,6 +87,13 @@ class Arrays(unittest.TestCase):
         self.assertEqual(DRIVE[0].T_map_sensor_at_column.shape, (1024, 4, 4))
 
 
+class Sensors(unittest.TestCase):
+    def test_that_are_equal_are_one_key(self):
+        again = hqslam.load_sensor("os1-16")
+        self.assertEqual(again, SENSOR)
+        self.assertEqual({SENSOR: "found"}.get(again), "found")
+
+
 class Recordings(unittest.TestCase):
     def test_give_what_the_sensor_measured(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -130,6 +137,8 @@ class Errors(unittest.TestCase):
             with self.assertRaises(hqslam.Error) as raised:
                 wrong()
             self.assertNotIn("\n", str(raised.exception))
+        with self.assertRaisesRegex(hqslam.Error, "expected a rotation .*, found .*; "):
+            hqslam.Trajectory(np.zeros(1), 2 * np.eye(4)[None])
         self.assertTrue(issubclass(hqslam.ScanError, hqslam.Error))
         with self.assertRaises(hqslam.ScanError):
             cloud = hqslam.unproject(DRIVE[0].range_m, SENSOR)

@@ -144,9 +144,10 @@ class DuMix(FromWeights):
         there = self.computed_of((truth_m > 0.0).to(truth_m.dtype))
         truth = self.computed_of(torch.where(truth_m > 0.0, truth_m, torch.ones_like(truth_m)).log())
         said = self.say(measured_m)
-        density = (said["weight1"] * torch.exp(-(truth - said["mode1"]).abs() / said["scale"]) +
-                   (1.0 - said["weight1"]) *
-                   torch.exp(-(truth - said["mode2"]).abs() / said["scale"])) / said["scale"]
-        p = said["probability"]
-        loss = -0.3 * there * density.log() - there * p.log() - (1.0 - there) * (1.0 - p).log()
-        return loss.mean()
+        far1, far2 = ((truth - said[mode]).abs() / said["scale"] for mode in ("mode1", "mode2"))
+        near = torch.minimum(far1, far2)  # taken out of the exponentials, of which one is then 1
+        density = (said["weight1"] * torch.exp(near - far1) +
+                   (1.0 - said["weight1"]) * torch.exp(near - far2)).clamp(min=1e-30)
+        likely = torch.where(there > 0.0, said["probability"], 1.0 - said["probability"])
+        loss = 0.3 * there * (said["scale"].log() + near - density.log())
+        return (loss - likely.clamp(min=1e-7).log()).mean()

@@ -9,9 +9,7 @@
 #include <tuple>
 
 #include "hqslam/core/error.h"
-#ifdef HQSLAM_NN_COMPARE
 #include "hqslam/nn/compare/compared_networks.h"
-#endif
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {
@@ -85,9 +83,7 @@ int exit_status_of(int argc, const char* const* argv) {
 int run_program(int argc, const char* const* argv) {
   prepare_standard_streams();
   limit_threads();
-#ifdef HQSLAM_NN_COMPARE
   nn::add_compared_networks();
-#endif
   const int status = exit_status_of(argc, argv);
   return all_printed() || status != kOk ? status : kFailure;
 }

@@ -44,8 +44,10 @@ TEST_CASE("training leaves weights that load, a checkpoint and a learning curve"
   REQUIRE(first.status == 0);
   CHECK(missing(first.out, {"2 training scans, 1 validation scans, from step 0", "step       2/4",
                             "step       4/4"}) == "");
+  CHECK_FALSE(holds(first.out, "confidence"));  // which DU-OR does not have
   const nn::Weights weights = nn::read_weights(folder.file("a/weights.npz"));
   CHECK_NOTHROW(nn::check_self_test(weights, "a"));
+  CHECK_FALSE(holds(weights.training, "confidence"));
   CHECK(nlohmann::json::parse(network_json(weights.description))["layers"] == 2);
   CHECK(nlohmann::json::parse(weights.training)["configuration"]["steps"] == 4);
   CHECK(file_contents(folder.file("a/curve.svg")).starts_with("<svg"));

@@ -28,7 +28,7 @@ StoredDrive block(std::uint64_t seed, std::int64_t scans, std::int64_t every) {
   return {spec, every};
 }
 
-SensorModel tiny_sensor() {
+SensorModel narrow_sensor() {
   SensorModel sensor = sensor_preset("os1-16");
   sensor.columns = 64;
   return sensor;
@@ -37,11 +37,12 @@ SensorModel tiny_sensor() {
 bool store(const TemporaryDirectory& folder, const std::vector<StoredDrive>& drives, int threads) {
   const InterruptGuard interrupt;
   Ranks alone;
-  return store_drives({folder.path(), threads, alone}, drives, tiny_sensor(), "drives", interrupt);
+  return store_drives({folder.path(), threads, alone}, drives, narrow_sensor(), "drives",
+                      interrupt);
 }
 
 std::string path_of(const TemporaryDirectory& folder, const StoredDrive& drive) {
-  return path_in_store(folder.path(), drive, tiny_sensor());
+  return path_in_store(folder.path(), drive, narrow_sensor());
 }
 
 std::int64_t files_in(const TemporaryDirectory& folder) {
@@ -60,7 +61,7 @@ TEST_CASE("a stored drive has every n-th scan of what the simulator makes, by an
     CHECK(file_contents(path_of(one, drive)) == file_contents(path_of(three, drive)));
     NpyStackReader reader(path_of(one, drive));
     REQUIRE(reader.images() == drive.scans());
-    sim::DriveSimulator simulator(drive.spec, tiny_sensor());
+    sim::DriveSimulator simulator(drive.spec, narrow_sensor());
     for (std::int64_t k = 0; k < drive.scans(); ++k) {
       CHECK(reader.read(k).range_m == simulator.next()->image.range_m);
       simulator.skip(drive.every - 1);
@@ -83,6 +84,14 @@ TEST_CASE("what is there stays, what is missing or damaged is made") {
   CHECK(fs::exists(path_of(folder, drives[2])));
 }
 
+TEST_CASE("a drive that is named several times is made once") {
+  const TemporaryDirectory folder;
+  const std::vector<StoredDrive> drives(8, block(1, 30, 1));
+  REQUIRE(store(folder, drives, 8));
+  CHECK(NpyStackReader(path_of(folder, drives.front())).images() == 30);
+  CHECK(files_in(folder) == 1);
+}
+
 TEST_CASE("whatever decides the bytes decides the name") {
   const TemporaryDirectory folder;
   const StoredDrive drive = block(1, 4, 2);
@@ -97,7 +106,7 @@ TEST_CASE("whatever decides the bytes decides the name") {
   others[7].spec.conditions.extinction_per_m = 0.01;
   others[8].spec = sim::with_varied_conditions(drive.spec);
   for (const StoredDrive& other : others) CHECK(path_of(folder, other) != path_of(folder, drive));
-  SensorModel sensor = tiny_sensor();
+  SensorModel sensor = narrow_sensor();
   sensor.max_range_m += 1.0;
   CHECK(path_in_store(folder.path(), drive, sensor) != path_of(folder, drive));
 }
@@ -108,7 +117,7 @@ TEST_CASE("asked to stop, it leaves whole drives only and says so") {
   Ranks alone;
   std::raise(SIGTERM);
   CHECK_FALSE(store_drives({folder.path(), 2, alone}, {block(1, 2, 1), block(2, 2, 1)},
-                           tiny_sensor(), "drives", interrupt));
+                           narrow_sensor(), "drives", interrupt));
   CHECK(files_in(folder) == 0);
 }
 
@@ -144,7 +153,7 @@ TEST_CASE("several ranks make each drive once, and stop together") {
   const auto before = fs::last_write_time(there);
   const InterruptGuard interrupt;
   test::on_ranks(2, [&](Ranks& ranks) {
-    CHECK(store_drives({folder.path(), 1, ranks}, drives, tiny_sensor(), "drives", interrupt));
+    CHECK(store_drives({folder.path(), 1, ranks}, drives, narrow_sensor(), "drives", interrupt));
     for (const StoredDrive& drive : drives) CHECK(fs::exists(path_of(folder, drive)));
   });
   CHECK(files_in(folder) == 3);
@@ -164,8 +173,8 @@ TEST_CASE("a drive that cannot be, and a folder that cannot be, are one line") {
   Ranks alone;
   CHECK(test::refused_with(
       [&] {
-        store_drives({folder.path() / "file", 1, alone}, {block(1, 1, 1)}, tiny_sensor(), "drives",
-                     interrupt);
+        store_drives({folder.path() / "file", 1, alone}, {block(1, 1, 1)}, narrow_sensor(),
+                     "drives", interrupt);
       },
       "file"));
 }

@@ -8,6 +8,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <set>
 
 #include "files/content_hash.h"
 #include "files/result_files.h"
@@ -178,11 +179,12 @@ bool store_drives(const DriveStore& store, const std::vector<StoredDrive>& drive
   });
   // By place among all: what is missing changes while others are at work.
   std::vector<StoredDrive> missing;
+  std::set<std::string> named;  // a drive may be in a recipe twice, to be shown more often
   for (std::size_t i = 0; i < drives.size(); ++i) {
     sim::validate(drives[i].spec);
-    if (is_own(i, ranks) && !is_stored(path_in_store(store.path, drives[i], sensor), drives[i])) {
-      missing.push_back(drives[i]);
-    }
+    const std::string path = path_in_store(store.path, drives[i], sensor);
+    const bool is_first = named.insert(path).second;
+    if (is_first && is_own(i, ranks) && !is_stored(path, drives[i])) missing.push_back(drives[i]);
   }
   return !ranks.any(!missing.empty() && !store_all(store, missing, sensor, label, interrupt));
 }

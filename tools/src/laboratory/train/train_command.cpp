@@ -94,10 +94,11 @@ std::string training_json(const Training& training, const nn::TrainingState& sta
   json["validation_scans"] = training.validation.size();
   if (!training.curve.empty()) {
     const nn::Validation& v = training.curve.back().validation;
-    json["validation"] = {{"network", figures_json(v.network)},
-                          {"linear", figures_json(v.linear)},
-                          {"least_confidence", v.least_confidence},
-                          {"confidence_exponent", v.confidence_exponent}};
+    json["validation"] = {{"network", figures_json(v.network)}, {"linear", figures_json(v.linear)}};
+    if (has_confidence(training.configuration.network)) {
+      json["validation"]["least_confidence"] = v.least_confidence;
+      json["validation"]["confidence_exponent"] = v.confidence_exponent;
+    }
   }
   json["configuration"] = nlohmann::ordered_json::parse(training.configuration_text);
   return json.dump();
@@ -139,27 +140,29 @@ std::unique_ptr<const nn::TrainingScans> load_scans(Training& training, const Dr
   return scans;
 }
 
-std::string of_linear(const nn::Validation& v) {
+std::string of_linear(const nn::Validation& v, const nn::NetworkDescription& network) {
   return fmt::format(
-      "MAE all {:.3f}, valid {:.3f}, wrong {:.3f} (missing {:.3f} against {:.3f}, confidence "
-      "{:.3f})",
+      "MAE all {:.3f}, valid {:.3f}, wrong {:.3f} (missing {:.3f} against {:.3f}{})",
       v.network.mae_all_m / v.linear.mae_all_m, v.network.mae_valid_m / v.linear.mae_valid_m,
       v.network.wrong_share / v.linear.wrong_share, v.network.missing_share, v.linear.missing_share,
-      v.least_confidence);
+      has_confidence(network) ? fmt::format(", confidence {:.3f}", v.least_confidence) : "");
 }
 
-void print_point(const nn::CurvePoint& point, std::int64_t steps, double steps_per_s) {
+void print_point(const nn::CurvePoint& point, const nn::TrainingConfiguration& configuration,
+                 double steps_per_s) {
+  const std::int64_t steps = configuration.plan.steps;
   const double left_min = static_cast<double>(steps - point.step) / steps_per_s / 60.0;
   to_stdout("step {:>7}/{}  loss {:.4f}  of linear's: {}  {:.1f} min left\n", point.step, steps,
-            point.loss, of_linear(point.validation), left_min);
+            point.loss, of_linear(point.validation, configuration.network), left_min);
 }
 
 /// The same scans with nothing recalled; nothing if they recall nothing.
-void print_without_memory(nn::Trainer& trainer, std::vector<nn::TrainingScan> scans) {
+void print_without_memory(nn::Trainer& trainer, const nn::NetworkDescription& network,
+                          std::vector<nn::TrainingScan> scans) {
   const auto recalls = [](const nn::TrainingScan& scan) { return !scan.recalled.is_empty(); };
   if (std::ranges::none_of(scans, recalls)) return;
   for (nn::TrainingScan& scan : scans) scan.recalled = {};
-  to_stdout("              without memory: {}\n", of_linear(trainer.validate(scans)));
+  to_stdout("              without memory: {}\n", of_linear(trainer.validate(scans), network));
 }
 
 /// Trains until the last step or until any rank is asked to stop; rank 0 validates and writes.
@@ -181,8 +184,9 @@ int train(Training& training, nn::Trainer& trainer, const InterruptGuard& interr
     training.curve.push_back({step, training.loss_sum / static_cast<double>(steps_since_point),
                               trainer.validate(training.validation)});
     training.loss_sum = 0.0;
-    print_point(training.curve.back(), steps, static_cast<double>(step - first) / elapsed_s);
-    print_without_memory(trainer, training.validation);
+    print_point(training.curve.back(), training.configuration,
+                static_cast<double>(step - first) / elapsed_s);
+    print_without_memory(trainer, training.configuration.network, training.validation);
     write_results(training, trainer.state());
   }
   const int status = trainer.state().optimiser.steps < steps ? kInterrupted : kOk;
