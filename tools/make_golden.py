@@ -466,22 +466,36 @@ def simple_du(name, seed, features, convolutions):
     unrolled(name, SimpleDu(small_network("simple-du", denoiser, shared=True)), seed, last=96)
 
 
-def du_mix(name, seed, shape, slope):
+def du_mix(name, seed, shape, slope, scan_memory=False):
     """shape: channels, lower channels and residual blocks."""
     fields = ("channels", "lower_channels", "residual_blocks")
     denoiser = {"tile_rows": 4, "tile_columns": 4, "memory": 0, "negative_slope": slope,
-                "layers": [dict(zip(fields, shape))]}
+                "layers": [dict(zip(fields, shape))], "scan_memory": scan_memory}
     module = DuMix(small_network("du-mix", denoiser))
     stored = with_stored_parameters(module, seed)
     measured_m = torch.tensor(scene_m()[FIRST_ROW::ROW_STRIDE])
     measured_m[2, 30:33] = 0.0
-    loss = module.loss(measured_m, torch.tensor(scene_m()))
-    said = module.say(measured_m)
-    extra = {"range_m": said["middle"].exp(), "confidence": module.confidence(said, 0.5)}
-    save_network(name, module, measured_m, stored, loss, extra)
+    measured_m, truth_m = measured_m[None], torch.tensor(scene_m())[None]
+    recalled, memory = None, {}
+    if scan_memory:  # of two pixels in three something, often not far off
+        random = numpy.random.RandomState(seed)
+        off = numpy.exp(0.4 * random.randn(*scene_m().shape))
+        recalled_m = rounded(scene_m() * off * (random.rand(*off.shape) < 0.67))
+        weight = rounded(numpy.exp(2.0 * random.randn(*off.shape)))
+        memory = {"recalled_m": recalled_m, "weight": weight}
+        recalled = [torch.tensor(image)[None] for image in memory.values()]
+    loss = module.loss(measured_m, truth_m, recalled)
+    said = module.say(measured_m, recalled)
+
+    def rows_of_tiles(tiles):
+        return module.rows_of(tiles)[0].unflatten(0, (-1, ROW_STRIDE - 1)).transpose(0, 1)
+
+    extra = {"range_m": rows_of_tiles(said["middle"].exp()),
+             "confidence": rows_of_tiles(module.confidence(said, 0.5)), **memory}
+    save_network(name, module, measured_m[0], stored, loss, extra)
     with torch.no_grad():  # as sure of its ranges as a network can be
         module.layers[0].head.bias[5 * module.pixels : 6 * module.pixels] = -1.0
-    assert module.loss(measured_m, torch.tensor(scene_m())).isfinite(), "the loss of a sure network"
+    assert module.loss(measured_m, truth_m).isfinite(), "the loss of a sure network"
 
 
 def passes_of(module, measured_m):
@@ -554,6 +568,7 @@ def make_networks():
     du_or("du_or_filtered", 11, (6, 8), 3, 0.125, shared=True, min_pixels=30)
     simple_du("simple_du", 12, 8, 5)
     du_mix("du_mix", 13, (6, 8, 1), 0.125)
+    du_mix("du_mix_memory", 14, (6, 8, 1), 0.125, scan_memory=True)
 
 
 SECTIONS = {

@@ -31,14 +31,17 @@ void check_against_pytorch(NetworkDescription description, const std::string& fi
     CAPTURE(name(instruction_set));
     const auto network = made(description, golden.fractions("parameters"), 1, instruction_set);
     const RangeImage measured = golden.image("measured_m");
-    const LiftedImage& lifted = network->lift(measured, 0.5F);
+    RecalledImage recalled;
+    if (golden.has("weight")) recalled = {golden.image("recalled_m"), golden.values("weight")};
+    const LiftedImage& lifted = network->lift({measured, recalled}, 0.5F);
     CHECK(relative_error(computed_pixels(lifted.image.range_m), golden.values("range_m")) <
           kPriorTolerance);
     CHECK(relative_error(computed_pixels(lifted.confidence), golden.values("confidence")) <
           kPriorTolerance);
     const std::vector<float> expected = golden.values("d_parameters");
     std::vector<float> d_parameters(expected.size());
-    const double loss = add_gradient(*network, {measured, small_scene()}, {}, d_parameters);
+    const double loss =
+        add_gradient(*network, {measured, small_scene(), recalled}, {}, d_parameters);
     CHECK(loss == doctest::Approx(golden.value("loss")).epsilon(kPriorTolerance));
     check_arrays(d_parameters, expected, parameter_shapes(description), 2e-4);
   }
@@ -46,8 +49,11 @@ void check_against_pytorch(NetworkDescription description, const std::string& fi
 
 }  // namespace
 
-TEST_CASE("DU-Mix equals PyTorch: ranges, confidence, loss and gradients") {
+TEST_CASE("DU-Mix equals PyTorch, with a memory too: ranges, confidence, loss and gradients") {
   check_against_pytorch(small_du_mix(), "du_mix");
+  TwoModesShape with_memory = small_two_modes();
+  with_memory.scan_memory = true;
+  check_against_pytorch(small_du_mix(with_memory), "du_mix_memory");
 }
 
 TEST_CASE("the loss is the mean over the columns, where they are no whole vectors too") {
