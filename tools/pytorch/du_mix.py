@@ -52,9 +52,14 @@ class DuMix(FromWeights):
         self.has_memory = denoiser.get("scan_memory", False)
         self.rows, self.exponent = Rows(network), network.get("confidence_exponent", 1.0)
         self.offset = self.rows.measured[0]
-        self.computed = [i for i in range(self.rows.count) if i not in self.rows.measured]
-        part = self.rows.part_down(elevations_rad(network))[self.computed]
-        self.register_buffer("part", part, persistent=False)
+        computed = [i for i in range(self.rows.count) if i not in self.rows.measured]
+        of_computed = {  # and the measured rows that each lies between
+            "computed": torch.tensor(computed),
+            "above": torch.tensor([self.rows.above[i] for i in computed]),
+            "below": torch.tensor([self.rows.below[i] for i in computed]),
+            "part": self.rows.part_down(elevations_rad(network))[computed]}
+        for name, value in of_computed.items():
+            self.register_buffer(name, value, persistent=False)
         self.pixels = (self.tile[0] - 1) * self.tile[1]
         self.outputs = 9 if self.has_memory else 7
         pixels = self.tile[0] * self.tile[1]
@@ -127,8 +132,7 @@ class DuMix(FromWeights):
         """The modes and `middle`, the logarithm of the range that is chosen. measured_m: scans x
         measured rows x columns; recalled: M (metres) and W^2, scans x all rows x columns."""
         filled = self.filled(measured_m)
-        above = filled[:, [self.rows.above[row] for row in self.computed]]
-        below = filled[:, [self.rows.below[row] for row in self.computed]]
+        above, below = filled[:, self.above], filled[:, self.below]
         start = -torch.log((1.0 - self.part) / above + self.part / below)
         log_filled, middle = filled.log(), start
         step = torch.cat([log_filled[:, :1], log_filled[:, :-1]], 1) - log_filled
