@@ -156,6 +156,7 @@ TEST_CASE("what makes no sense is refused") {
       {"evaluate", "/no/such/file", "/no/such/file"},
       {"live", "--sensor", "vlp-16"},
       {"live", "--sensor", "vlp-16", "--out", "x", "--port", "70000"},
+      {"live", "--sensor", "vlp-16", "--out", "x", "--view-address", "0.0.0.0"},
       {"bench", "--sensor", "os1-64"},
       {"view", "/"},
       {"view", "--out", "x"},

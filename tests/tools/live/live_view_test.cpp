@@ -101,7 +101,7 @@ TEST_CASE("the page is told what has come since it asked last, and everything an
   status.counts.dropped_scans = 1;
   view.set(status);
   const std::string query =
-      fmt::format("?generation={}&positions=1&points=16", first["generation"].get<int>());
+      fmt::format("?generation={}&positions=1&points=16", first["generation"].get<std::int64_t>());
   const auto second = state(view, query);
   CHECK(second["positions"] == nlohmann::json({200, 0, 0, 0}));
   CHECK(second["points"].size() == 3 * 16);
@@ -125,6 +125,21 @@ TEST_CASE("the page is told what has come since it asked last, and everything an
         "?generation=2&points=999999999&positions=999999999", "?&&&==", "?%00"}) {
     CHECK(state(view, hostile).is_object());
   }
+}
+
+TEST_CASE("a page left open while live is started again is told everything of the new run") {
+  const LiveView before("");
+  const auto seen = state(before, "")["generation"];
+  const LiveView after("");
+  CHECK(state(after, "")["generation"] != seen);
+}
+
+TEST_CASE("the page says why the packets that come make no scans") {
+  LiveView view("");
+  LiveStatus status;
+  status.counts.trouble = "another form";
+  view.set(status);
+  CHECK(state(view, "")["warning"] == "another form");
 }
 
 TEST_CASE("the view that turns shows the map, the last scan and a path of bounded size") {

@@ -134,20 +134,22 @@ TEST_CASE(
 TEST_CASE("a drive that was simulated once serves shorter tables too") {
   const TemporaryDirectory folder;
   const auto rows_of = [&](int scans, const std::string& out) {
-    succeeds("table --drives block --scans {} --methods rows-16 --out '{}'", scans,
+    succeeds("table --drives block,yard --scans {} --methods rows-16 --out '{}'", scans,
              folder.file(out));
     return json_of(folder.file(out) + "/table.json")["drives"];
   };
   rows_of(6, "long");
   const nlohmann::json shortened = rows_of(4, "long");
-  CHECK(json_of(folder.file("long/drives/block-typical/drive.json"))["scans"] ==
-        6);  // not made anew
+  for (const char* drive : {"block", "yard"}) {  // not made anew
+    CHECK(json_of(folder.file(fmt::format("long/drives/{}-typical/drive.json", drive)))["scans"] ==
+          6);
+  }
   CHECK(shortened[0]["scans"] == 4);
   CHECK(shortened == rows_of(4, "short"));
 
   // The longer table's results are still there: nothing is left to do.
   const ProgramResult again = run_hqslam(
-      "table --drives block --scans 6 --methods rows-16 --out '" + folder.file("long") + "'");
+      "table --drives block,yard --scans 6 --methods rows-16 --out '" + folder.file("long") + "'");
   CHECK(again.error.empty());
   CHECK(json_of(folder.file("long/table.json"))["drives"][0]["scans"] == 6);
 }
@@ -217,6 +219,14 @@ TEST_CASE("over seeds drives run side by side with the same figures as one by on
   CHECK(more["drives"][0] == together["drives"][0]);
   CHECK(file_contents(results_folder(folder.file("together"), "block-seed-5-typical", 20) +
                       "linear.json") == before);
+}
+
+TEST_CASE("over seeds drives too short for any figure are refused, not passed over in silence") {
+  const TemporaryDirectory folder;
+  const ProgramResult result = run_hqslam(
+      "table --drives block --seeds 1 --scans 2 --methods rows-16 --out '{}'", folder.file("out"));
+  CHECK(result.status == 2);
+  CHECK(holds(result.error, "--scans"));
 }
 
 TEST_CASE(

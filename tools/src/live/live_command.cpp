@@ -109,7 +109,7 @@ status 0, and in --out the results as hqslam run writes them.)");
           {.within = std::pair(0, 65535), .if_bare = std::to_string(kViewPort)})
       .option("--view-address", &options.view_address,
               "Address at which the page is served; by default to this computer alone",
-              {.shows_default = true});
+              {.shows_default = true, .needs = {"--view"}});
   declare_threads(command, options.threads);
   declare_slam_settings(command, options.slam);
 }

@@ -87,6 +87,7 @@ std::string warning_of(const LiveStatus& status) {
   if (!status.results_failure.empty()) return "results are not written: " + status.results_failure;
   const std::string& recording = status.counts.recording_failure;
   if (!recording.empty()) return "not recorded any more: " + recording;
+  if (!status.counts.trouble.empty()) return status.counts.trouble;
   if (status.parts < 2) return "";
   return fmt::format("{} parts of the path: how they lie to each other is not known", status.parts);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -115,7 +116,10 @@ class LiveView {
   std::size_t scans_ = 0;                     ///< that were added
   std::vector<Eigen::Vector3f> last_scan_m_;  ///< in the map's frame
   std::vector<PathPosition> positions_;
-  std::int64_t position_generation_ = 0;
+  /// From the time on, in microseconds: a page left open from an earlier run begins anew too.
+  std::int64_t position_generation_ = std::chrono::duration_cast<std::chrono::microseconds>(
+                                          std::chrono::system_clock::now().time_since_epoch())
+                                          .count();
   float step_m_ = 0.1F;  ///< between positions
   Pose T_map_sensor_ = Pose::Identity();
   std::size_t segment_ = 0;

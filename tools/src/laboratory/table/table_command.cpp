@@ -9,6 +9,7 @@
 
 #include "commands.h"
 #include "files/result_files.h"
+#include "hqslam/core/error.h"
 #include "laboratory/table/table_drive.h"
 #include "laboratory/table/table_report.h"
 #include "laboratory/table/table_work.h"
@@ -166,7 +167,13 @@ int run(const TableOptions& options) {
   if (ranks->rank() > 0) return complete ? kOk : kInterrupted;
   if (ranks->count() > 1) works = work_of(plan, options);  // with what the others have done
   const std::vector<DriveFigures> drives = figures_of(works, plan);
-  if (const auto report = report_of(drives, plan)) write_report(*report, options.out);
+  if (const auto report = report_of(drives, plan)) {
+    write_report(*report, options.out);
+  } else if (complete) {
+    throw Error(
+        "no drive is long enough to be held against its truth, expected 3 scans; give more with "
+        "--scans");
+  }
   for (const DriveFigures& drive : drives) {
     if (drive.left_out.scans > 0) to_stderr("hqslam: {}: {}\n", drive.name, drive.left_out.text());
   }

@@ -5,14 +5,13 @@
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
-#include <nlohmann/json.hpp>
+#include <utility>
 
 #include "files/content_hash.h"
 #include "hqslam/core/error.h"
-#include "hqslam/core/json_fields.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/sensor_model.h"
-#include "hqslam/core/whole_file.h"
+#include "hqslam/sim/read_drive.h"
 #include "recording/recording_choice.h"
 #include "simulate/simulate_command.h"
 
@@ -20,28 +19,6 @@ namespace hqslam::tools {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
-/// What drive.json in the folder says, null if there is none or it is damaged.
-Json drive_json(const std::string& folder) {
-  constexpr std::size_t kMostBytes = 1U << 16U;
-  const std::string path = file_of_drive(folder, "drive.json");
-  if (path.empty()) return {};
-  try {
-    return parsed_json(whole_file(path, "a drive.json", kMostBytes), path);
-  } catch (const Error&) {
-    return {};
-  }
-}
-
-/// Takes the number of scans out of what drive.json says: a shorter drive is the beginning of a
-/// longer one.
-std::int64_t take_scans(Json& json) {
-  if (!json.is_object() || !json.contains("scans")) return 0;
-  const Json scans = json["scans"];
-  json.erase("scans");
-  return scans.is_number_integer() ? scans.get<std::int64_t>() : 0;
-}
 
 /// The stack of range images behind a path, "" if it is none.
 std::string stack_of(const std::string& recording) {
@@ -94,20 +71,11 @@ std::string reading_identity(const InputChoice& reading) {
 /// Why the drive in a simulated drive's folder is not that drive; empty where it is.
 std::string difference_of(const TableDrive& drive) {
   const std::string& folder = drive.recording.input;
-  Json expected = {{"name", drive.simulated->name},
-                   {"seed", drive.simulated->seed},
-                   {"revision", sim::kDriveRevision},
-                   {"sensor", kSimulatedSensor}};
-  if (drive.simulated->sensor_errors != sim::SensorErrors::kNone) {
-    expected["sensor_errors"] = sim::name_of(drive.simulated->sensor_errors);
-  }
-  Json found = drive_json(folder);
-  const std::int64_t scans = take_scans(found);
-  if (found != expected) return "drive.json is of another drive, or damaged";
-  if (scans < drive.simulated->scans) {
-    return fmt::format("has {} of {} scans", scans, drive.simulated->scans);
-  }
   try {
+    sim::DriveSpec found = sim::read_drive_json(folder + "/drive.json");
+    const std::int64_t scans = std::exchange(found.scans, drive.simulated->scans);
+    if (found != *drive.simulated) return "drive.json is of another drive";
+    if (scans < found.scans) return fmt::format("has {} of {} scans", scans, found.scans);
     const SensorModel sensor = load_sensor(folder + "/sensor.json");
     if (sensor_json(sensor) != sensor_json(load_sensor(kSimulatedSensor))) {
       return fmt::format("sensor.json is of another sensor than {}", kSimulatedSensor);

@@ -45,6 +45,8 @@ struct DriveSpec {
   SensorMount mount;
   SensingConditions conditions;
   SensorErrors sensor_errors = SensorErrors::kNone;
+
+  bool operator==(const DriveSpec&) const = default;
 };
 /// Raised whenever the same spec begins to give other ranges or poses, which are what is stored
 /// under it.
