@@ -82,7 +82,8 @@ TEST_CASE("a large cloud is thinned to its budget, and evenly") {
   const PointBlocks blocks = point_blocks(ground(200'000, 90.0F), {}, kMost);
   CHECK(blocks.points.size() <= kMost);
   CHECK(blocks.points.size() > kMost * 9 / 10);
-  CHECK(blocks.spacing_m > 4.0 * blocks.step_m - 1e-9);
+  const double apart_m = 90.0 / std::sqrt(static_cast<double>(blocks.points.size()));
+  CHECK(blocks.spacing_m == doctest::Approx(1.2 * apart_m).epsilon(0.1));
   std::array<int, 9> ninths{};
   for (const Eigen::Vector3f& p : unpacked(blocks)) {
     const auto third = [](float along_m) {
