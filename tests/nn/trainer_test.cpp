@@ -125,6 +125,7 @@ TEST_CASE("plans that cannot be followed are refused with the field and the valu
            Wrong{[](TrainingPlan& p) { p.steps = 0; }, "steps is 0"},
            Wrong{[](TrainingPlan& p) { p.batch = 0; }, "batch is 0"},
            Wrong{[](TrainingPlan& p) { p.learning_rate = -1.0F; }, "learning_rate is -1"},
+           Wrong{[](TrainingPlan& p) { p.adamw.weight_decay = -1.0F; }, "weight_decay is -1"},
            Wrong{[](TrainingPlan& p) { p.learning_rate = std::nanf(""); }, "learning_rate"},
            Wrong{[](TrainingPlan& p) { p.layer_loss_share = -0.1F; }, "layer_loss_share is -0.1"},
            Wrong{[](TrainingPlan& p) { p.augmentation.crop_columns = 65; }, "crop_columns is 65"},

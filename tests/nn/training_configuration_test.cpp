@@ -84,6 +84,8 @@ TEST_CASE("mistakes in a configuration are named with field, expected and found"
   CHECK(one_line_with(message_after("[3]", R"([3], "conditions": "bad")"), "conditions",
                       "usual, varied", "bad"));
   CHECK(one_line_with(message_after("\"scans\": 10}", "\"scans\": -1}"), "scans"));
+  CHECK(one_line_with(message_after("[3]", R"([3], "look_ahead": true)"), "look_ahead",
+                      "scan_memory"));
   CHECK(one_line_with(message_after("{\n", "["), "expected JSON"));
 }
 

@@ -145,6 +145,7 @@ void validate(const TrainingPlan& plan, const SensorModel& sensor) {
   check(plan.batch >= 1 && plan.batch <= 1024, "batch", plan.batch, "1 to 1024");
   check(plan.learning_rate > 0.0F, "learning_rate", plan.learning_rate, "above 0");
   check(plan.warm_up_steps >= 0, "warm_up_steps", plan.warm_up_steps, "at least 0");
+  check(plan.adamw.weight_decay >= 0.0F, "weight_decay", plan.adamw.weight_decay, "at least 0");
   check(plan.layer_loss_share >= 0.0F, "layer_loss_share", plan.layer_loss_share, "at least 0");
   check(plan.average_steps >= 1, "average_steps", plan.average_steps, "at least 1");
   check(plan.largest_gradient_norm > 0.0, "largest_gradient_norm", plan.largest_gradient_norm,

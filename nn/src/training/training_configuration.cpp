@@ -55,7 +55,7 @@ SimulatedScans simulated_scans(JsonFields fields) {
   return scans;
 }
 
-ScanSet scan_set(JsonFields& fields, const std::string& field) {
+ScanSet scan_set(JsonFields& fields, const std::string& field, const NetworkDescription& network) {
   ScanSet set;
   for (JsonFields& entry : fields.objects(field)) {
     if (entry.has("stack")) {
@@ -66,6 +66,9 @@ ScanSet scan_set(JsonFields& fields, const std::string& field) {
       entry.finish();
     } else {
       set.simulated.push_back(simulated_scans(entry));
+      if (set.simulated.back().look_ahead && !has_scan_memory(network)) {
+        entry.complain("look_ahead", "a network with scan_memory, or nothing");
+      }
     }
   }
   if (set.stacks.empty() && set.simulated.empty()) {
@@ -117,8 +120,8 @@ TrainingConfiguration training_configuration(const std::string& text, const std:
   JsonFields fields(text, source);
   TrainingConfiguration c;
   c.network = network_from_json(fields.dumped("network"), source + ": network");
-  c.training = scan_set(fields, "training");
-  c.validation = scan_set(fields, "validation");
+  c.training = scan_set(fields, "training", c.network);
+  c.validation = scan_set(fields, "validation", c.network);
   check_apart(c.training, c.validation, source);
   fields.optional("steps", c.plan.steps);
   fields.optional("batch", c.plan.batch);

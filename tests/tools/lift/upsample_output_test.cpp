@@ -94,11 +94,13 @@ TEST_CASE("a sensor that begins its turns anywhere has the times of its scans in
   }
 }
 
-TEST_CASE("upsample.json says whether all scans were taken") {
+TEST_CASE("upsample.json says whether all scans were taken, and by which poses they recalled") {
   const TemporaryDirectory folder;
-  UpsampleOutput output(folder.file("out"), {"input", "linear", 7}, sensor_preset("os1-16"), {});
+  UpsampleOutput output(folder.file("out"), {"input", "linear", 7, "poses.tum"},
+                        sensor_preset("os1-16"), {});
   const std::string origin = folder.file("out/upsample.json");
-  CHECK(missing(file_contents(origin), {"\"complete\": false", "\"scans_in_recording\": 7"}) == "");
+  CHECK(missing(file_contents(origin), {"\"complete\": false", "\"scans_in_recording\": 7",
+                                        "\"poses\": \"poses.tum\""}) == "");
   output.finish(7);
   CHECK(holds(file_contents(origin), "\"complete\": true"));
 }

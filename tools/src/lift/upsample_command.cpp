@@ -54,7 +54,10 @@ UpsampleOutput make_output(const UpsampleOptions& options, const LiftedInput& in
   SensorModel sensor = input.upsampler->sensor();
   put_corrections(sensor, input.measuring());
   sensor.motion_corrected = first.time_offset_s.empty();
-  return {options.out, {options.input, options.upsample, scans}, sensor, options.formats};
+  return {options.out,
+          {options.input, options.upsample, scans, options.poses},
+          sensor,
+          options.formats};
 }
 
 /// The ranges of the points that are written: those of the measured rows are the recording's.

@@ -63,6 +63,7 @@ fs::path made(const std::string& folder, const std::string& input) {
 void write_origin(const fs::path& folder, const UpsampleOrigin& origin, bool complete) {
   Json json = {{"written_by", kWrittenBy}, {"input", origin.input}, {"method", origin.method}};
   json["scans_in_recording"] = origin.scans ? Json(*origin.scans) : Json();
+  if (!origin.poses.empty()) json["poses"] = origin.poses;
   json["complete"] = complete;
   write_text_file(json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n",
                   (folder / kMarkerFile).string());

@@ -28,6 +28,7 @@ struct UpsampleOrigin {
   std::string input;
   std::string method;
   std::optional<std::int64_t> scans = {};  ///< of the recording; nothing: not known yet
+  std::string poses = {};                  ///< the file that says what is recalled where; or empty
 };
 
 /// The folder that `hqslam upsample` writes into, scan by scan; what is there is valid whenever
