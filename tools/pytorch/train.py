@@ -9,6 +9,7 @@ of its --drives; all of it is held in the device's memory, 0.8 MB for each scan 
 """
 
 import argparse
+import json
 import math
 import pathlib
 import time
@@ -17,20 +18,35 @@ import numpy
 import torch
 
 from du_mix import DuMix
-from layers import describe, save_arrays
+from layers import save_arrays
 
 FORGOTTEN, MIRRORED = 0.1, 0.5
 WARM_UP_STEPS, WEIGHT_DECAY, LARGEST_GRADIENT_NORM, AVERAGE_STEPS = 300, 0.01, 1.0, 500
 
 
-def read_drives(folder, rows, device):
-    """Scans x (all rows; with a memory M and W^2 below them) x columns; validation drives, whose seeds
-    are below 1000, are left out."""
-    paths = [path for path in sorted(pathlib.Path(folder).glob("*_*_*.npy"))
-             if int(path.stem.split("_")[-2]) >= 1000]
-    if not paths:
-        raise SystemExit(f"{folder}: no drives of seeds from 1000 on; hqslam train --drives makes them")
-    scans = torch.cat([torch.from_numpy(numpy.load(path)).to(device) for path in paths])
+def validation_drives(weights):
+    """Names and seeds of the drives that the recipe keeps to validate on."""
+    with numpy.load(weights) as arrays:
+        recipe = json.loads(bytes(arrays["description"]).decode())["training"]["configuration"]
+    drives = set()
+    for entry in recipe["validation"]:
+        seeds = entry.get("seeds", [])
+        if isinstance(seeds, dict):
+            seeds = range(seeds["first"], seeds["first"] + seeds["count"])
+        drives |= {(entry.get("drive"), seed) for seed in seeds}
+    return drives
+
+
+def read_drives(folder, left_out, rows, device):
+    """Scans x (all rows; with a memory M and W^2 below them) x columns."""
+    scans = []
+    for path in sorted(pathlib.Path(folder).glob("*_*_*.npy")):  # as drive_store.cpp names them
+        name, seed, _ = path.stem.rsplit("_", 2)
+        if (name, int(seed)) not in left_out:
+            scans.append(torch.from_numpy(numpy.load(path)).to(device))
+    if not scans:
+        raise SystemExit(f"{folder}: no drives to train on; hqslam train --drives makes them")
+    scans = torch.cat(scans)
     scans[~(scans.isfinite() & (scans > 0.0))] = 0.0
     if scans.shape[1] == rows:
         scans = torch.nn.functional.pad(scans, (0, 0, 0, 2 * rows))
@@ -118,7 +134,8 @@ def main():
     torch.set_float32_matmul_precision("high")
     torch.manual_seed(options.seed)
     module = DuMix.load(options.weights).float().to(device)
-    scans = read_drives(options.drives, module.rows.count, device)
+    left_out = validation_drives(options.weights)
+    scans = read_drives(options.drives, left_out, module.rows.count, device)
     print(f"{len(scans)} scans on {device}")
     train(module, scans, options, options.scales)
     with numpy.load(options.weights) as arrays:
