@@ -100,6 +100,14 @@ TEST_CASE("methods that share a network share a pass, and all rows come first") 
   }
 }
 
+TEST_CASE("variants share what is interpolated, not a network: its memory has their own poses") {
+  const auto passes = [](std::vector<std::string> methods) {
+    return passes_of(plan_table({.methods = std::move(methods), .out = "out"}).methods).size();
+  };
+  CHECK(passes({"linear", "linear+whole-map"}) == 1);
+  CHECK(passes({"du-mix", "du-mix+whole-map"}) == 2);
+}
+
 TEST_CASE("networks find the weights of the sensor, other methods need none") {
   for (const TableMethod& method : table_methods()) {
     CAPTURE(method.name);
