@@ -29,8 +29,8 @@ constexpr int kWait_ms = 50;
 constexpr int kMostImuAtOnce = 100;
 /// Inertial samples of dropped scans that the next one carries.
 constexpr std::size_t kMostImuSamples = 20'000;
-/// The sensor sends for so long, and nothing of it is understood.
-constexpr std::int64_t kTrouble_ns = 2'000'000'000;
+/// For so long nothing of what the sensor sends is understood, or it sends nothing.
+constexpr std::chrono::nanoseconds kTrouble = std::chrono::seconds(2);
 
 const LiveOptions& checked(const LiveOptions& options) {
   if (options.most_waiting < 1) {
@@ -76,6 +76,7 @@ class LiveSensor::Impl {
  private:
   bool is_sensors(const Packet& packet);
   void judge(std::int64_t arrival_ns);
+  void judge_silence();
   void listen_for_imu();
   void take_imu();
   void run();
@@ -89,7 +90,8 @@ class LiveSensor::Impl {
   PacketRecorder recorder_;
   std::int64_t seen_ = 0;
   bool recognised_ = false;
-  Packet first_;  ///< that is decoded: the one by which the sensor was recognised
+  Clock::time_point heard_;  ///< when the sensor's last packet came
+  Packet first_;             ///< that is decoded: the one by which the sensor was recognised
   std::vector<std::uint8_t> first_payload_;
 
   std::unique_ptr<ScanAssembler> assembler_;
@@ -134,6 +136,7 @@ void LiveSensor::Impl::start(int columns) {
   assembler_->add(first_);
   sender_ = stream_.sender();
   understood_ns_ = first_.capture_time_ns;
+  heard_ = Clock::now();
   listen_for_imu();
   thread_ = std::thread([this] { run(); });
 }
@@ -164,8 +167,11 @@ void LiveSensor::Impl::run() {
   try {
     while (!stop_) {
       const std::optional<Packet> packet = socket_.receive(kWait_ms);
-      if (!packet) continue;
-      if (!is_sensors(*packet)) continue;
+      if (!packet || !is_sensors(*packet)) {
+        judge_silence();
+        continue;
+      }
+      heard_ = Clock::now();
       take_imu();
       recorder_.add(*packet);
       assembler_->add(*packet);
@@ -195,10 +201,17 @@ void LiveSensor::Impl::judge(std::int64_t arrival_ns) {
     understood_ = packets.used + packets.late;
     understood_ns_ = arrival_ns;
     counts_.trouble.clear();
-  } else if (arrival_ns - understood_ns_ > kTrouble_ns) {
+  } else if (arrival_ns - understood_ns_ > kTrouble.count()) {
     counts_.trouble =
         "the sensor sends packets of another form than at first: set its mode back, or start again";
   }
+}
+
+void LiveSensor::Impl::judge_silence() {
+  if (Clock::now() - heard_ < kTrouble) return;
+  const std::lock_guard lock(mutex_);
+  counts_.trouble =
+      "no packet comes from the sensor any more: see to its power, cable and settings";
 }
 
 /// Its inertial samples go to the next one: whoever missed a scan needs them most.

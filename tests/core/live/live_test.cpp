@@ -385,7 +385,7 @@ TEST_CASE("a sensor that starts again in the drive is followed on, however it co
   CHECK(sensor.counts().packets.late == 0);
 }
 
-TEST_CASE("a sensor that was set to another mode in the drive is said to be") {
+TEST_CASE("a sensor that falls silent, or is set to another mode in the drive, is said to") {
   const auto packets = velodyne_capture({.duration_s = 1.0});
   const LiveOptions options = vlp16();
   LiveSensor sensor(options);
@@ -394,6 +394,10 @@ TEST_CASE("a sensor that was set to another mode in the drive is said to be") {
     start(sensor);
   }
   CHECK(sensor.counts().trouble.empty());
+  wait_until([&] { return !sensor.counts().trouble.empty(); });
+  CHECK(one_line_with(sensor.counts().trouble, "no packet", "cable"));
+  replay(packets, options.port, 1.0);
+  wait_until([&] { return sensor.counts().trouble.empty(); });
   const LoopbackSender sender(options.port);
   wait_until([&] {
     sender.send(Payload(1300));

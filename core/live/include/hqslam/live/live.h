@@ -51,7 +51,7 @@ struct LiveCounts {
   std::int64_t lost_scans = 0;       ///< whole turns of which no packet came
   std::string first_left_out;        ///< what was wrong with the first of them
   std::string recording_failure;     ///< why no more packets are recorded; empty: they are
-  std::string trouble;  ///< why the packets that come now make no scans; empty: they do
+  std::string trouble;  ///< why no scans come: no packets, or another form; empty: they do
 };
 
 /// A scan, and when the packet that completed it arrived, since 1970.
