@@ -97,6 +97,8 @@ TEST_CASE("clouds of another sensor with few beams are refused, named or not") {
     CHECK(lifting_refused_with({path, name}, {files.weights}, "os1-64", "'vlp-16' (16 x"));
   }
   CHECK(lifting_refused_with({path, "os1-64"}, {"linear"}, "os1-64", "'vlp-16' (16 x"));
+  CHECK(lifting_refused_with({path, "os1-64"}, {}, "64 rows", "'vlp-16' with 16"));
+  CHECK(lifted_input({path, "os1-16"}, {}).recorded.rows() == 16);
 }
 
 TEST_CASE("the sensor of the measured rows may be named by its own name or by that of all rows") {

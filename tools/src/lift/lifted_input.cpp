@@ -1,5 +1,6 @@
 #include "lift/lifted_input.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <utility>
@@ -72,9 +73,22 @@ std::optional<SensorModel> found_alone(const ScanSource* source, const SensorMod
   return fits(found, measured) ? std::optional(found) : std::nullopt;
 }
 
-/// Points of few beams, taken for those of many, would all lie in wrong rows.
+/// Points of few beams, taken for those of many, would lie in wrong rows: whether the points tell
+/// of other beams than the sensor's, and of less than half as many between their highest and
+/// lowest.
 bool has_few_beams(const ScanSource* source, const SensorModel& taken_for) {
-  return source != nullptr && 2 * source->sensor().rows() <= taken_for.rows();
+  constexpr double kSameBeam_rad = 0.15 / kDegreesPerRadian;
+  if (source == nullptr) return false;
+  const std::vector<double>& found_rad = source->sensor().beam_elevation_rad;
+  const std::vector<double>& rows_rad = taken_for.beam_elevation_rad;
+  const auto between = std::ranges::count_if(rows_rad, [&](double row_rad) {
+    return row_rad <= found_rad.front() && row_rad >= found_rad.back();
+  });
+  const auto is_a_row = [&](double beam_rad) {
+    return std::ranges::any_of(
+        rows_rad, [&](double row_rad) { return std::abs(row_rad - beam_rad) < kSameBeam_rad; });
+  };
+  return 2 * std::ssize(found_rad) < between && !std::ranges::all_of(found_rad, is_a_row);
 }
 
 [[noreturn]] void fail_for_sensor(const Request& request, const SensorModel& found,
@@ -206,6 +220,16 @@ LiftedInput with_interpolation(const Request& request) {
 LiftedInput as_measured(const Request& request) {
   LiftedInput input{{}, required_sensor_of(request)};
   const int rows = input.recorded.rows();
+  if (!request.recording.sensor.empty()) {
+    const auto source = opened_as_points_tell(request);
+    if (has_few_beams(source.get(), input.recorded)) {
+      throw Error(
+          "{}: expected scans of '{}' with {} rows, found beams of '{}' with {}; name the sensor "
+          "that recorded them",
+          request.input(), input.recorded.name, rows, source->sensor().name,
+          source->sensor().rows());
+    }
+  }
   if (request.lifting.rows > 0 && request.lifting.rows != rows) {
     input.rows = selection_for(rows, request.lifting.rows);
   }
