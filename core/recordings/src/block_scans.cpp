@@ -55,6 +55,7 @@ std::unique_ptr<StreamSource> open_robosense(StreamReader reader, const OpenOpti
   const RobosenseUnit unit = robosense_unit(
       settings_of(reader, "the RoboSense", 7788, kRobosenseBytes), said.helios, path);
   RecordingInfo info = info_of(unit, unit.helios ? "RoboSense Helios" : "RoboSense RS-16", options);
+  warn_of_other_beams(info.sensor, unit.sensor, path, info.warnings);
   const TurnDecoderOptions decoding = {options.kept_return, with_points};
   return packet_scans(std::move(reader), std::move(info), [=](const SensorModel& sensor) {
     return point_assembler(sensor, path, RobosenseDecoder(unit, sensor, decoding));

@@ -64,6 +64,7 @@ SensorModel sensor_of(const HesaiPacket& said, const OpenOptions& options, const
         "the angle file of the sensor that recorded them",
         path, said.lasers, name_of(said.lasers), sensor.name, sensor.rows());
   }
+  warn_of_other_beams(sensor, nominal_hesai(said.lasers), path, warnings);
   sensor.scan_period_s = said.scan_period_s;
   set_columns(sensor, options.columns, !wanted.ends_with(".json"));
   validate(sensor);

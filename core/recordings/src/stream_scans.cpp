@@ -7,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "message_packets.h"
 #include "ouster_decoder.h"
@@ -194,6 +195,21 @@ void set_columns(SensorModel& sensor, int wanted, bool is_preset) {
     const double columns = sensor.columns * sensor.scan_period_s / kPresetPeriod_s;
     sensor.columns = std::clamp(static_cast<int>(std::lround(columns / 100.0)) * 100, 100, 10000);
   }
+}
+
+void warn_of_other_beams(const SensorModel& named, const SensorModel& told, const std::string& path,
+                         std::vector<std::string>& warnings) {
+  constexpr double kFarthest_deg = 1.5;
+  double off_deg = 0.0;
+  for (int row = 0; row < std::min(named.rows(), told.rows()); ++row) {
+    const double off_rad = named.beam_elevation_rad[row] - told.beam_elevation_rad[row];
+    off_deg = std::max(off_deg, degrees(std::abs(off_rad)));
+  }
+  if (off_deg <= kFarthest_deg) return;
+  warnings.push_back(fmt::format(
+      "{}: the packets are read with the beams of '{}', as asked for, up to {:.1f} degrees beside "
+      "{}'s",
+      path, named.name, off_deg, told.name));
 }
 
 std::unique_ptr<StreamSource> packet_scans(StreamReader reader, RecordingInfo info,

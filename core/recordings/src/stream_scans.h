@@ -81,6 +81,10 @@ auto first_packet(StreamReader& reader, const char* sender, const Read& read) {
 /// lasers fire in a turn of the sensor's period, others as they are.
 void set_columns(SensorModel& sensor, int wanted, bool is_preset);
 
+/// Where beams of a named sensor look more than 1.5 degrees beside those that the packets' own has.
+void warn_of_other_beams(const SensorModel& named, const SensorModel& told, const std::string& path,
+                         std::vector<std::string>& warnings);
+
 /// Scans of packets. make(sensor): what makes scans of them.
 using MakeAssembler = std::function<std::unique_ptr<ScanAssembler>(const SensorModel& sensor)>;
 std::unique_ptr<StreamSource> packet_scans(StreamReader reader, RecordingInfo info,

@@ -153,7 +153,9 @@ TEST_CASE("a capture and a bag of Hesai packets give the same scans, by the angl
 }
 
 TEST_CASE(
-    "without an angle file the manual's angles are taken, with a warning; a wrong one is refused") {
+    "without an angle file the manual's angles are taken, with a warning; a wrong one is refused, "
+    "and of "
+    "another sensor's angles it is warned") {
   const TemporaryDirectory folder;
   const std::string capture = folder.file("a.pcap");
   write_file(capture, pcap_bytes(hesai_capture(32, 0.15)));
@@ -166,6 +168,10 @@ TEST_CASE(
   write_file(angles, angle_file(32));
   CHECK(open_recording(capture, {.sensor = angles})->warnings().empty());
   CHECK(refused_with([&] { open_recording(capture, {.sensor = "vlp-16"}); }, "32 rows", "vlp-16"));
+  const auto other = open_recording(capture, {.sensor = "hdl-32e"})->warnings();
+  REQUIRE(other.size() == 1);
+  CHECK(other.front().find("'hdl-32e', as asked for, up to 14.7 degrees beside xt32's") !=
+        std::string::npos);
   const std::string good = angle_file(32);
   for (const std::string& wrong :
        {angle_file(16), good.substr(0, good.size() / 2), std::string("Channel\n"), std::string(),

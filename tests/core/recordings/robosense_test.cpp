@@ -137,6 +137,7 @@ TEST_CASE("a capture of a RoboSense is read with the settings that it has, or re
   CHECK(all_scans(*source).size() == 3);
   CHECK(inspect(capture).format == "RoboSense Helios packets, 32 beams, single return");
   CHECK(refused_with([&] { open_recording(capture, {.sensor = "vlp-16"}); }, "16 rows", "32"));
+  CHECK(open_recording(capture, {.sensor = "hdl-32e"})->warnings().size() == 1);
 
   write_file(capture, pcap_bytes({packets.begin() + 1, packets.end()}));
   CHECK(refused_with([&] { open_recording(capture); }, "DIFOP", "7788"));

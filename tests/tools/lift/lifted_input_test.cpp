@@ -86,6 +86,21 @@ TEST_CASE("clouds of the measured rows alone find them by their points, those of
   }
 }
 
+TEST_CASE("clouds of another sensor with few beams are refused, named or not") {
+  const Files files;
+  const SensorModel sensor = sensor_preset("vlp-16");
+  RangeImage image(sensor.rows(), sensor.columns);
+  image.range_m.assign(image.range_m.size(), 10.0F);
+  const std::string path = files.folder.file("cloud.pcd");
+  write_points(points_of(unproject(image, sensor, CaptureTime::kMotionCorrected)), path);
+  for (const char* name : {"", "os1-64"}) {
+    CHECK(lifting_refused_with({path, name}, {files.weights}, "os1-64", "'vlp-16' (16 x"));
+  }
+  CHECK(lifting_refused_with({path, "os1-64"}, {"linear"}, "os1-64", "'vlp-16' (16 x"));
+  CHECK(lifting_refused_with({path, "os1-64"}, {}, "64 rows", "'vlp-16' with 16"));
+  CHECK(lifted_input({path, "os1-16"}, {}).recorded.rows() == 16);
+}
+
 TEST_CASE("the sensor of the measured rows may be named by its own name or by that of all rows") {
   const Files files;
   for (const char* name : {"os1-16", "os1-64"}) {

@@ -1,5 +1,6 @@
 #include "lift/lifted_input.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <utility>
@@ -72,12 +73,31 @@ std::optional<SensorModel> found_alone(const ScanSource* source, const SensorMod
   return fits(found, measured) ? std::optional(found) : std::nullopt;
 }
 
+/// Points of few beams, taken for those of many, would lie in wrong rows: whether the points tell
+/// of other beams than the sensor's, and of less than half as many between their highest and
+/// lowest.
+bool has_few_beams(const ScanSource* source, const SensorModel& taken_for) {
+  constexpr double kSameBeam_rad = 0.15 / kDegreesPerRadian;
+  if (source == nullptr) return false;
+  const std::vector<double>& found_rad = source->sensor().beam_elevation_rad;
+  const std::vector<double>& rows_rad = taken_for.beam_elevation_rad;
+  const auto between = std::ranges::count_if(rows_rad, [&](double row_rad) {
+    return row_rad <= found_rad.front() && row_rad >= found_rad.back();
+  });
+  const auto is_a_row = [&](double beam_rad) {
+    return std::ranges::any_of(
+        rows_rad, [&](double row_rad) { return std::abs(row_rad - beam_rad) < kSameBeam_rad; });
+  };
+  return 2 * std::ssize(found_rad) < between && !std::ranges::all_of(found_rad, is_a_row);
+}
+
 [[noreturn]] void fail_for_sensor(const Request& request, const SensorModel& found,
                                   const SensorModel& full, RowSelection measured_rows) {
   const SensorModel measured = select_rows(full, measured_rows);
   throw Error(
       "{}: expects scans of '{}' ({} x {}) or its rows {}, {}, ... alone ({} x {}), beams within "
-      "{} degrees, but {} is of '{}' ({} x {}); give weights made for that sensor",
+      "{} degrees, but {} is of '{}' ({} x {}); give weights made for that sensor, or name the "
+      "sensor if it is another one",
       request.lifting.upsample, full.name, full.rows(), full.columns, measured_rows.offset,
       measured_rows.offset + measured_rows.stride, measured.rows(), measured.columns,
       kBeamTolerance_deg, request.input(), found.name, found.rows(), found.columns);
@@ -127,6 +147,9 @@ LiftedInput with_network(const Request& request) {
   const bool measured_alone = found || recorded_rows(request) == measured.rows();
   SensorModel recorded =
       sensor_of(request).value_or(measured_alone ? found.value_or(measured) : full);
+  if (!measured_alone && has_few_beams(source.get(), recorded)) {
+    fail_for_sensor(request, source->sensor(), full, measured_rows);
+  }
   if (has_any_columns(request)) {
     check_columns(request, recorded.columns, full.columns);
     recorded.columns = full.columns;
@@ -155,9 +178,14 @@ int recorded_rows_of(const Request& request, const SensorModel& full) {
   if (const auto rows = recorded_rows(request)) return *rows;
   const auto source = opened_as_points_tell(request);
   const int rows = source ? source->sensor().rows() : full.rows();
-  if (full.rows() % rows != 0) return full.rows();
-  const SensorModel measured = select_rows(full, selection_for(full.rows(), rows));
-  return found_alone(source.get(), measured) ? rows : full.rows();
+  const bool may_be_alone = full.rows() % rows == 0;
+  const RowSelection measured_rows =
+      selection_for(full.rows(), may_be_alone ? rows : full.rows() / kInterpolationFactor);
+  if (may_be_alone && found_alone(source.get(), select_rows(full, measured_rows))) return rows;
+  if (has_few_beams(source.get(), full)) {
+    fail_for_sensor(request, source->sensor(), full, measured_rows);
+  }
+  return full.rows();
 }
 
 LiftedInput with_interpolation(const Request& request) {
@@ -192,6 +220,16 @@ LiftedInput with_interpolation(const Request& request) {
 LiftedInput as_measured(const Request& request) {
   LiftedInput input{{}, required_sensor_of(request)};
   const int rows = input.recorded.rows();
+  if (!request.recording.sensor.empty()) {
+    const auto source = opened_as_points_tell(request);
+    if (has_few_beams(source.get(), input.recorded)) {
+      throw Error(
+          "{}: expected scans of '{}' with {} rows, found beams of '{}' with {}; name the sensor "
+          "that recorded them",
+          request.input(), input.recorded.name, rows, source->sensor().name,
+          source->sensor().rows());
+    }
+  }
   if (request.lifting.rows > 0 && request.lifting.rows != rows) {
     input.rows = selection_for(rows, request.lifting.rows);
   }

@@ -39,8 +39,8 @@ void declare_input(Command& command, InputChoice& choice, const std::string& wha
 void declare_imu(Command& command, InputChoice& choice) {
   command.option("--imu", &choice.imu,
                  "Inertial data by the clock of the scans, in the LiDAR's frame: lines of stamp, "
-                 "angular rate x,y,z (rad/s), specific force x,y,z (m/s^2); by default the imu.csv "
-                 "of a simulated drive",
+                 "angular rate x,y,z (rad/s), specific force x,y,z (m/s^2); by default those of "
+                 "the recording",
                  {.given = Given::kFile});
 }
 
