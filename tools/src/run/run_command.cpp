@@ -281,14 +281,13 @@ SlamRun run_and_write(const RunOptions& options, const InterruptGuard& interrupt
   options_of(options.grid);  // refused before the drive, not after it
   LiftedInput input = lifted_input(options, options);
   const std::unique_ptr<ScanSource> source = input.open();
-  print_warnings(*source, options.input);
+  const std::size_t told = print_warnings(*source, options.input);
   const std::optional<TrajectoryFile> reference = reference_of(options, *source);
   RunOutput output(options.out, inputs_of(options));
 
   slam::SlamOptions slam = slam_options(options.slam);
   if (!options.map_file.empty() && !options.extend) slam.loop_closing.enabled = false;
   SlamSession session(input, slam, given_map(options, input.seen(), slam));
-  const std::size_t told = source->warnings().size();
   process_all(*source, session, output, interrupt);
   print_later_warnings(*source, told);
   SlamRun run = session.finished(options.save_map || options.extend);
