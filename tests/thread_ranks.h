@@ -38,7 +38,7 @@ class ThreadRanks : public Ranks {
                   meeting_.brought.begin() + static_cast<std::ptrdiff_t>(own));
     }
     meeting_.all_here.arrive_and_wait();
-    std::copy(meeting_.brought.begin(), meeting_.brought.end(), all.begin());
+    std::ranges::copy(meeting_.brought, all.begin());
     meeting_.all_here.arrive_and_wait();
   }
 

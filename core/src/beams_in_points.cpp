@@ -189,8 +189,8 @@ Beams beams_by_order(const std::vector<RawPoints>& scans) {
     begins.push_back(ring_begins(raw.scan));
     ++scans_of_count[begins.back().size()];
   }
-  const auto most = std::ranges::max_element(
-      scans_of_count, [](const auto& a, const auto& b) { return a.second < b.second; });
+  const auto most =
+      std::ranges::max_element(scans_of_count, {}, [](const auto& of) { return of.second; });
   if (2 * most->second <= scans.size() || most->first > kMostBeams) return {};
   std::map<std::size_t, Sights> groups;
   for (std::size_t s = 0; s < scans.size(); ++s) {

@@ -36,13 +36,6 @@ constexpr double kSameBeam_rad = 0.15 * kDegree_rad;
 constexpr double kDefaultPeriod_s = 0.1;
 constexpr int kDefaultColumns = 1024;
 
-double quantile(std::vector<double>& values, double share) {
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
 /// The way to the nearer neighbour.
 double spacing_rad(const std::vector<Beam>& beams, std::size_t i) {
   double nearest_rad = 2.0 * std::numbers::pi;

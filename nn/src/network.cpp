@@ -15,7 +15,7 @@ namespace {
 
 void require_available(InstructionSet instruction_set) {
   const std::vector<InstructionSet> available = available_instruction_sets();
-  if (std::find(available.begin(), available.end(), instruction_set) != available.end()) return;
+  if (std::ranges::find(available, instruction_set) != available.end()) return;
   std::vector<std::string_view> names;
   for (const InstructionSet one : available) names.push_back(name(one));
   throw Error(

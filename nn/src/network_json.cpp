@@ -26,7 +26,7 @@ SensorModel read_sensor(JsonFields& fields, const std::string& source) {
   if (text.starts_with("\"")) {
     const std::string sensor = fields.text("sensor");
     const std::vector<std::string> presets = sensor_preset_names();
-    if (std::find(presets.begin(), presets.end(), sensor) == presets.end()) {
+    if (std::ranges::find(presets, sensor) == presets.end()) {
       throw Error(
           "{}: sensor '{}' is none of {}; name one of them, or put what a sensor file says in its "
           "place",

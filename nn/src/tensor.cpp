@@ -49,7 +49,7 @@ void Tensor::fill_borders() {
   }
 }
 
-void Tensor::set_zero() { std::fill(values_.begin(), values_.end(), 0.0F); }
+void Tensor::set_zero() { std::ranges::fill(values_, 0.0F); }
 
 void copy_channels(const Tensor& from, int from_channel, int channels, Tensor& to, int to_channel) {
 #pragma omp for schedule(static)

@@ -20,11 +20,11 @@ constexpr std::array<std::string_view, 3> kNames = {"nearest", "linear", "invers
 std::vector<std::string> interpolation_names() { return {kNames.begin(), kNames.end()}; }
 
 bool is_interpolation(std::string_view name) {
-  return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
+  return std::ranges::find(kNames, name) != kNames.end();
 }
 
 Interpolation interpolation_from_name(std::string_view name) {
-  const auto found = std::find(kNames.begin(), kNames.end(), name);
+  const auto found = std::ranges::find(kNames, name);
   if (found != kNames.end()) return static_cast<Interpolation>(found - kNames.begin());
   throw Error("'{}' is no interpolation; choose one of {}", name, fmt::join(kNames, ", "));
 }

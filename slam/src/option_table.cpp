@@ -148,8 +148,7 @@ void require(bool holds, std::string_view name, double value, std::string_view e
 std::span<const NamedOption> option_table() { return kOptions; }
 
 void set_option(SlamOptions& options, std::string_view name, double value) {
-  const auto found = std::find_if(kOptions.begin(), kOptions.end(),
-                                  [&](const NamedOption& option) { return option.name == name; });
+  const auto found = std::ranges::find(kOptions, name, &NamedOption::name);
   if (found == kOptions.end()) {
     throw Error("there is no SLAM option {}; hqslam slam-options lists them", name);
   }

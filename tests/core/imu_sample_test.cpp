@@ -7,6 +7,7 @@
 #include "error_message.h"
 #include "file_contents.h"
 #include "hqslam/core/scan_source.h"
+#include "made_scans.h"
 #include "temporary_directory.h"
 
 using namespace hqslam;
@@ -24,29 +25,6 @@ class CsvFile {
  private:
   TemporaryDirectory directory_;
   std::string path_;
-};
-
-/// Scans at the given times.
-class Scans : public ScanSource {
- public:
-  explicit Scans(std::vector<double> stamps_s) : stamps_s_(std::move(stamps_s)) {
-    sensor_ = sensor_preset("vlp-16");
-  }
-  const SensorModel& sensor() const override { return sensor_; }
-  std::optional<std::int64_t> size() const override { return std::nullopt; }
-  double read_share() const override { return 0.0; }
-  bool has_stamps() const override { return true; }
-  std::optional<RecordedScan> next() override {
-    if (next_ == stamps_s_.size()) return std::nullopt;
-    RecordedScan scan;
-    scan.stamp_s = stamps_s_[next_++];
-    return scan;
-  }
-
- private:
-  SensorModel sensor_;
-  std::vector<double> stamps_s_;
-  std::size_t next_ = 0;
 };
 
 }  // namespace
@@ -80,7 +58,7 @@ TEST_CASE("inertial data that are none are refused, with the line") {
 TEST_CASE("every scan has the samples up to its end, each sample once") {
   std::vector<ImuSample> samples;
   for (int k = 0; k <= 50; ++k) samples.emplace_back().stamp_s = 0.01 * k;
-  const auto source = with_imu(std::make_unique<Scans>(std::vector{0.1, 0.2, 0.4}), samples);
+  const auto source = with_imu(std::make_unique<MadeScans>(scans_at({0.1, 0.2, 0.4})), samples);
   CHECK(source->sensor().name == sensor_preset("vlp-16").name);
   const double half_s = 0.5 * source->sensor().scan_period_s;
   std::size_t given = 0;
@@ -101,7 +79,7 @@ TEST_CASE("samples of another clock than the scans' are named at the end, with b
     std::vector<ImuSample> samples;
     for (double s = first_s; s <= last_s; s += 0.01) samples.emplace_back().stamp_s = s;
     const auto source =
-        with_imu(std::make_unique<Scans>(std::vector{0.1, 0.2, 0.3, 0.4}), samples, "imu.csv");
+        with_imu(std::make_unique<MadeScans>(scans_at({0.1, 0.2, 0.3, 0.4})), samples, "imu.csv");
     CHECK(source->warnings().empty());
     while (source->next()) continue;
     return source->warnings();

@@ -105,7 +105,7 @@ TEST_CASE("damaged copies of every reader's seeds are read or refused, nothing e
          std::filesystem::directory_iterator(directory.path() / "seeds" / reader.name)) {
       seeds.push_back(entry.path());
     }
-    std::sort(seeds.begin(), seeds.end());
+    std::ranges::sort(seeds);
     std::mt19937 random(7);
     int read = 0;
     for (const std::filesystem::path& seed : seeds) {

@@ -195,8 +195,8 @@ TEST_CASE("between none and the largest share of the measured returns is lost, o
   double mean = 0.0;
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     const TrainingSample s = sample(lossy, seed);
-    const auto lost = std::count(s.measured.range_m.begin(), s.measured.range_m.end(), 0.0F);
-    CHECK(std::count(s.truth.range_m.begin(), s.truth.range_m.end(), 0.0F) == 0);
+    const auto lost = std::ranges::count(s.measured.range_m, 0.0F);
+    CHECK(std::ranges::count(s.truth.range_m, 0.0F) == 0);
     const double share = static_cast<double>(lost) / (4 * 64);
     CHECK(share < 0.4 + 0.1);
     mean += share / 200;

@@ -181,7 +181,7 @@ TEST_CASE("dropout and its gradient equal PyTorch's, and another seed drops othe
   fill_random(1, large);
   drop_out(1, 0.25F, large);
   const std::vector<float> values = values_of(large);
-  const auto zeros = std::count(values.begin(), values.end(), 0.0F);
+  const auto zeros = std::ranges::count(values, 0.0F);
   CHECK(static_cast<double>(zeros) / static_cast<double>(values.size()) ==
         doctest::Approx(0.25).epsilon(0.1));
 }

@@ -190,9 +190,8 @@ ColumnPoses ahead(double x_m) { return {pose_from_xyz_rpy({x_m, 0.0, 0.0}, 0.0, 
 /// How many pixels are recalled from the beginning when nothing is measured.
 int recalled_pixels(ScanMemory& memory, const SensorModel& sensor) {
   const RecalledImage recalled = memory.recall(RangeImage(16, sensor.columns), kHere);
-  return static_cast<int>(std::count_if(recalled.image.range_m.begin(),
-                                        recalled.image.range_m.end(),
-                                        [](float range_m) { return range_m > 0.0F; }));
+  return static_cast<int>(
+      std::ranges::count_if(recalled.image.range_m, [](float range_m) { return range_m > 0.0F; }));
 }
 
 }  // namespace

@@ -69,7 +69,7 @@ TEST_CASE("a drive that drifts by metres is closed, smoothly, the same whatever 
   const auto is_closed = [](const slam::ScanReport& report) {
     return report.loop.status == slam::LoopStatus::kClosed;
   };
-  const auto first_closed = std::find_if(reports.begin(), reports.end(), is_closed);
+  const auto first_closed = std::ranges::find_if(reports, is_closed);
   REQUIRE(first_closed < reports.end() - 1);
   const auto at = static_cast<std::size_t>(first_closed - reports.begin());
   CHECK(reports[at].loop.correction_m > 2.0);

@@ -88,7 +88,7 @@ TEST_CASE("a sensor that is covered at first, or later, is recognized when it se
   const test::Village village = test::street(31);
   slam::Slam slam = located_in(driven(village));
   OrganizedCloud nothing = village.scan(street_pose(30.0));
-  std::fill(nothing.range_m.begin(), nothing.range_m.end(), 0.0F);
+  std::ranges::fill(nothing.range_m, 0.0F);
   int scan = 0;
   Pose T_odom_before = Pose::Identity();
   // The odometry's path does not begin again, and nowhere does it jump.

@@ -144,8 +144,7 @@ TEST_CASE("a trace has each feature with its match, and asking for it changes no
   const slam::ScanTrace& trace = drive.trace;
   const slam::ScanReport& report = drive.report;
   CHECK(trace.pixel_class.size() == trace.cloud.range_m.size());
-  CHECK(std::count(trace.pixel_class.begin(), trace.pixel_class.end(), slam::PixelClass::kGround) ==
-        report.ground_points);
+  CHECK(std::ranges::count(trace.pixel_class, slam::PixelClass::kGround) == report.ground_points);
   int edges = 0;
   int planes = 0;
   for (const slam::TracedFeature& feature : trace.features) {

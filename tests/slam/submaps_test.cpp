@@ -16,6 +16,7 @@
 #include "slam/yard_drive.h"
 
 using namespace hqslam;
+using slam::LoopStatus;
 using slam::Status;
 
 namespace {
@@ -79,14 +80,10 @@ TEST_CASE("who is carried to a place passed before, either way, is joined with t
     CHECK(driven.segment_of_scan.back() == 1);
     // The first scans after it was carried were not located: nothing is known about them.
     CHECK(test::worst_error_m(driven.T_map_sensor, driven.T_street_sensor, 90) < 0.15);
-    CHECK(std::count_if(driven.reports.begin(), driven.reports.end(),
-                        [](const slam::ScanReport& report) {
-                          return report.loop.status == slam::LoopStatus::kClosed;
-                        }) +
-              std::count_if(driven.last_reports.begin(), driven.last_reports.end(),
-                            [](const slam::LoopReport& loop) {
-                              return loop.status == slam::LoopStatus::kClosed;
-                            }) ==
+    const auto status_of = [](const slam::ScanReport& report) { return report.loop.status; };
+    CHECK(std::ranges::count(driven.reports, LoopStatus::kClosed, status_of) +
+              std::ranges::count(driven.last_reports, LoopStatus::kClosed,
+                                 &slam::LoopReport::status) ==
           1);
   }
 }
@@ -266,7 +263,7 @@ TEST_CASE("a covariance keeps what was not measured, until a loop takes it away"
     bool is_joined = false;
     for (std::size_t i = seen_again + 7; i < reports.size(); ++i) {
       CAPTURE(i);
-      is_joined = is_joined || reports[i].loop.status == slam::LoopStatus::kClosed;
+      is_joined = is_joined || reports[i].loop.status == LoopStatus::kClosed;
       const double error_m =
           (reports[i].T_map_sensor.translation() - truth(i).translation()).norm();
       CHECK(error_m < 3.0 * sigma_m(reports[i].covariance) + 0.05);

@@ -28,6 +28,8 @@ constexpr std::int64_t kProbed_us = 500'000;
 constexpr std::int64_t kMostProbedPackets = 5000;
 /// How many addresses are told apart; one that sends least makes room for a new one.
 constexpr std::size_t kMostSenders = 16;
+/// Of an address and what came from it.
+constexpr auto packets_of = [](const auto& sender) { return sender.second.packets; };
 /// A sender that gave no metadata is not asked again so soon.
 constexpr std::int64_t kAskAgain_ns = 5'000'000'000;
 /// The sensor may have another address after such a silence, once that has sent for so long.
@@ -70,9 +72,7 @@ bool LiveStream::is_imu(const Packet& packet) const {
 
 LiveStream::Sender& LiveStream::heard(const Packet& packet) {
   if (!senders_.contains(packet.endpoint) && senders_.size() == kMostSenders) {
-    senders_.erase(std::ranges::min_element(senders_, [](const auto& a, const auto& b) {
-      return a.second.packets < b.second.packets;
-    }));
+    senders_.erase(std::ranges::min_element(senders_, {}, packets_of));
   }
   Sender& sender = senders_[packet.endpoint];
   ++sender.packets;
@@ -103,8 +103,7 @@ bool LiveStream::recognise(const Packet& packet) {
 }
 
 std::string LiveStream::complaint() const {
-  const auto most = std::ranges::max_element(
-      senders_, [](const auto& a, const auto& b) { return a.second.packets < b.second.packets; });
+  const auto most = std::ranges::max_element(senders_, {}, packets_of);
   if (most == senders_.end()) return "";
   const auto& [endpoint, sender] = *most;
   if (!sender.complaint.empty()) return sender.complaint;

@@ -81,8 +81,7 @@ std::deque<IpDatagrams::Unfinished>::iterator IpDatagrams::unfinished(Bytes head
   std::array<std::uint8_t, 10> key{};
   std::copy_n(header.data() + 12, 8, key.begin());
   std::copy_n(header.data() + 4, 2, key.begin() + 8);
-  auto found =
-      std::ranges::find_if(unfinished_, [&](const Unfinished& other) { return other.key == key; });
+  auto found = std::ranges::find(unfinished_, key, &Unfinished::key);
   if (found != unfinished_.end() && packets_ - found->last_packet > kMostPacketsBetween) {
     unfinished_.erase(found);
     ++given_up_;

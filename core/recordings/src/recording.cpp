@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "hqslam/core/error.h"
+#include "hqslam/core/left_out.h"
 #include "stream_scans.h"
 
 namespace hqslam::recordings {
@@ -38,22 +39,6 @@ std::unique_ptr<StreamSource> open_stream_of(const std::string& path, const Open
       return open_clouds(std::move(reader), options, with_points);
   }
 }
-
-/// Scans that cannot be understood.
-struct LeftOut {
-  std::int64_t scans = 0;
-  std::string first;  ///< what was wrong with the first one
-
-  void add(const std::string& what) {
-    if (scans++ == 0) first = what;
-  }
-  void say_in(std::vector<std::string>& warnings) const {
-    if (scans == 0) return;
-    warnings.push_back(
-        scans == 1 ? fmt::format("1 scan is left out: {}", first)
-                   : fmt::format("{} scans are left out, the first of them: {}", scans, first));
-  }
-};
 
 /// A folder of captures or bags was meant to be one of them.
 void refuse_folder_of_recordings(const std::string& folder) {
@@ -111,7 +96,7 @@ void look_at_scans(ScanSource& source, RecordingInfo& info) {
     }
   }
   info.warnings = source.warnings();
-  left_out.say_in(info.warnings);
+  if (left_out.scans > 0) info.warnings.push_back(left_out.text());
   if (!end.empty()) {
     info.warnings.push_back(end);
   } else if (info.scans > kMostScans) {
@@ -178,15 +163,9 @@ RecordingInfo inspect(const std::string& path, const OpenOptions& options) {
   if (!is_capture_or_bag(path)) return inspect_files(path, options);
   const auto source = open_stream_of(path, options, false);
   LeftOut left_out;
-  for (bool is_read = false; !is_read;) {
-    try {
-      is_read = !source->next();
-    } catch (const ScanError& error) {
-      left_out.add(error.what());
-    }
-  }
+  while (next_usable(*source, left_out)) continue;
   RecordingInfo info = source->info();
-  left_out.say_in(info.warnings);
+  if (left_out.scans > 0) info.warnings.push_back(left_out.text());
   return info;
 }
 

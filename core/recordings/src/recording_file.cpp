@@ -226,9 +226,7 @@ Paths files_of_bag(const fs::path& folder) {
     if (extension == ".db3" || extension == ".mcap") paths.push_back(entry->path().string());
   }
   // name_2.db3 comes before name_10.db3: numbers are not padded.
-  std::ranges::sort(paths, [](const std::string& a, const std::string& b) {
-    return std::pair(a.size(), a) < std::pair(b.size(), b);
-  });
+  std::ranges::sort(paths, {}, [](const std::string& p) { return std::pair(p.size(), p); });
   return paths;
 }
 

@@ -66,9 +66,8 @@ class RouteMaker {
       const bool between = (room.door_x_m - from_x_m) * (room.door_x_m - to_x_m) < 0.0;
       if (room.storey == storey && between) passed.push_back(room);
     }
-    std::ranges::sort(passed, [&](const Room& a, const Room& b) {
-      return std::abs(a.door_x_m - from_x_m) < std::abs(b.door_x_m - from_x_m);
-    });
+    std::ranges::sort(passed, {},
+                      [&](const Room& room) { return std::abs(room.door_x_m - from_x_m); });
     for (const Room& room : passed) {
       if (random_.chance(0.25)) visit(room);
     }
@@ -117,8 +116,7 @@ class RouteMaker {
       const double away_m = direction * (room.door_x_m - 0.5 * plan_.length_m);
       return room.storey == 0 && away_m > 0.5 ? away_m : plan_.length_m;
     };
-    return *std::ranges::min_element(
-        plan_.rooms, [&](const Room& a, const Room& b) { return ahead_m(a) < ahead_m(b); });
+    return *std::ranges::min_element(plan_.rooms, {}, ahead_m);
   }
 
   const IndoorPlan& plan_;

@@ -175,8 +175,7 @@ constexpr std::array<NamedDrive, 13> kDrives = {{
 }};
 
 const NamedDrive& named_drive(std::string_view name) {
-  const auto found =
-      std::ranges::find_if(kDrives, [&](const NamedDrive& drive) { return drive.name == name; });
+  const auto found = std::ranges::find(kDrives, name, &NamedDrive::name);
   if (found == kDrives.end()) {
     throw Error("unknown drive '{}': expected one of {}", name,
                 fmt::join(drive_preset_names(), ", "));

@@ -78,7 +78,7 @@ Image input_of(const Run& run, const Measured& m, const Image& start, const Reca
   const bool has_memory = run.network["denoiser"].value("scan_memory", false);
   const int first_recalled = tiles.channels + 2 * tile_columns;
   Image input(first_recalled + (has_memory ? 2 * tiles.channels : 0), tiles.rows, tiles.columns);
-  std::copy(tiles.values.begin(), tiles.values.end(), input.values.begin());
+  std::ranges::copy(tiles.values, input.values.begin());
   for (int y = 0; y < tiles.rows; ++y) {
     for (int x = 0; x < run.columns(); ++x) {
       const int channel = tiles.channels + x % tile_columns;

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "scan.h"
@@ -11,8 +12,8 @@ namespace {
 /// Beside each other in one image: a's channels, then b's.
 Image stacked(const Image& a, const Image& b) {
   Image both(a.channels + b.channels, a.rows, a.columns, a.circular);
-  std::copy(a.values.begin(), a.values.end(), both.values.begin());
-  std::copy(b.values.begin(), b.values.end(), both.values.begin() + std::ssize(a.values));
+  std::ranges::copy(a.values, both.values.begin());
+  std::ranges::copy(b.values, both.values.begin() + std::ssize(a.values));
   return both;
 }
 

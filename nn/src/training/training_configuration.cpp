@@ -94,7 +94,7 @@ void check_apart(const ScanSet& training, const ScanSet& validation, const std::
   for (const SimulatedScans& v : validation.simulated) {
     for (const SimulatedScans& t : training.simulated) {
       for (const int seed : v.seeds) {
-        const bool shared = std::find(t.seeds.begin(), t.seeds.end(), seed) != t.seeds.end();
+        const bool shared = std::ranges::find(t.seeds, seed) != t.seeds.end();
         if (family_of(t.drive) == family_of(v.drive) && shared) {
           throw Error("{}: the city of drive {} with seed {} is in both training and validation",
                       source, v.drive, seed);

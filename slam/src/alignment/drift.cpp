@@ -40,8 +40,7 @@ double row_spacing_rad(const SensorModel& sensor) {
   const SensorModel measured =
       sensor.measured_rows ? select_rows(sensor, *sensor.measured_rows) : sensor;
   if (measured.rows() < 2) return kSpacing_rad;
-  const auto [low, high] =
-      std::minmax_element(measured.beam_elevation_rad.begin(), measured.beam_elevation_rad.end());
+  const auto [low, high] = std::ranges::minmax_element(measured.beam_elevation_rad);
   return (*high - *low) / (measured.rows() - 1);
 }
 

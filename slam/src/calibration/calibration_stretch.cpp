@@ -58,8 +58,7 @@ std::vector<PlacedRay> placed_rays(const CalibrationStretch& stretch, const Beam
         ((ray.range_m + beams[2 * ray.beam + 1]) * direction + ray.offset_m);
     result.push_back({voxel_key(point_m), &ray, point_m});
   }
-  std::stable_sort(result.begin(), result.end(),
-                   [](const PlacedRay& a, const PlacedRay& b) { return a.voxel < b.voxel; });
+  std::ranges::stable_sort(result, {}, &PlacedRay::voxel);
   return result;
 }
 
@@ -75,7 +74,7 @@ bool is_plane(std::span<const PlacedRay> rays, Surface& surface) {
   surface.centre_m.setZero();
   for (const PlacedRay& placed : rays) {
     surface.centre_m += placed.point_m / static_cast<double>(rays.size());
-    if (std::find(beams.begin(), beams.end(), placed.ray->beam) == beams.end()) {
+    if (std::ranges::find(beams, placed.ray->beam) == beams.end()) {
       beams.push_back(placed.ray->beam);
     }
   }

@@ -78,10 +78,7 @@ void DenseMap::Implementation::add(const Eigen::Vector3d& point_m, const PointVo
 std::vector<const VoxelBlock*> DenseMap::Implementation::sorted_blocks() const {
   std::vector<const VoxelBlock*> blocks;
   for (const VoxelBlock& block : grid.blocks()) blocks.push_back(&block);
-  std::sort(blocks.begin(), blocks.end(), [](const VoxelBlock* a, const VoxelBlock* b) {
-    return std::lexicographical_compare(a->index().begin(), a->index().end(), b->index().begin(),
-                                        b->index().end());
-  });
+  std::ranges::sort(blocks, std::ranges::lexicographical_compare, &VoxelBlock::index);
   return blocks;
 }
 

@@ -92,8 +92,7 @@ void VirtualScanner::draw(const Surfel& surfel, OrganizedCloud& cloud) const {
   const double reach_rad = surfel.radius_m / range_m;
   const double elevation_rad = std::asin(surfel.point_m.z() / range_m);
   const auto& rows = sensor_.beam_elevation_rad;  // falling
-  const auto from =
-      std::lower_bound(rows.begin(), rows.end(), elevation_rad + reach_rad, std::greater<>());
+  const auto from = std::ranges::lower_bound(rows, elevation_rad + reach_rad, std::greater<>());
   const int middle = sensor_.column_of_azimuth(std::atan2(surfel.point_m.y(), surfel.point_m.x()));
   const double level_rad = reach_rad / std::max(std::cos(elevation_rad), 0.1);
   const int side = std::min(static_cast<int>(std::ceil(level_rad / sensor_.column_step_rad())),

@@ -151,11 +151,11 @@ std::optional<OrganizedCloud> Mounting::level(const OrganizedCloud& cloud) const
   OrganizedCloud result = cloud;
   for (Eigen::Vector3f& point_m : result.points_m) point_m = R * point_m;
   if (is_upside_down_) {
-    std::reverse(result.points_m.begin(), result.points_m.end());
-    std::reverse(result.range_m.begin(), result.range_m.end());
-    std::reverse(result.time_offset_s.begin(), result.time_offset_s.end());
-    std::reverse(result.confidence.begin(), result.confidence.end());
-    std::reverse(result.intensity.begin(), result.intensity.end());
+    std::ranges::reverse(result.points_m);
+    std::ranges::reverse(result.range_m);
+    std::ranges::reverse(result.time_offset_s);
+    std::ranges::reverse(result.confidence);
+    std::ranges::reverse(result.intensity);
   }
   return result;
 }
@@ -181,7 +181,7 @@ std::vector<std::uint8_t> mark_ground_of(const OrganizedCloud& cloud, const Sens
   const std::optional<OrganizedCloud> level = mounting.level(cloud);
   std::vector<std::uint8_t> ground = mark_ground(level ? *level : cloud, mounting.upright_sensor(),
                                                  {}, mounting.up_of_upright_sensor());
-  if (up_of_sensor.z() < 0.0) std::reverse(ground.begin(), ground.end());
+  if (up_of_sensor.z() < 0.0) std::ranges::reverse(ground);
   return ground;
 }
 

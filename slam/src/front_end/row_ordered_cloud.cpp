@@ -124,7 +124,7 @@ std::optional<int> RowOrderedCloud::nearest(const RowQuery& query, double max_di
   };
   const float distance_m = q_m.norm();
   const auto is_above = [&](const Eigen::Vector2f& u) { return u.y() * distance_m > q_m.y(); };
-  const auto first = std::partition_point(lowest_up_to_.begin(), lowest_up_to_.end(), is_above);
+  const auto first = std::ranges::partition_point(lowest_up_to_, is_above);
   const int start = static_cast<int>(first - lowest_up_to_.begin());
   for (int row = start; row < rows(); ++row) {
     const Eigen::Vector2f& u = highest_from_[row];

@@ -72,7 +72,7 @@ void thin_box(const std::vector<FeaturePoint>& points, std::span<const PlacedPoi
     voxel[i] = static_cast<std::uint32_t>(at.x() + side.x() * (at.y() + side.y() * at.z()));
     if (i == 0 || voxel[i] != voxel[i - 1]) runs.push_back(std::uint64_t{voxel[i]} << 32 | i);
   }
-  std::sort(runs.begin(), runs.end());
+  std::ranges::sort(runs);
   const int row = points[box.front().point].row;
   for (auto run = runs.begin(); run != runs.end();) {
     const std::uint64_t here = *run >> 32;

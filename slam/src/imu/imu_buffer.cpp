@@ -51,8 +51,7 @@ std::vector<ImuStep> ImuBuffer::steps(double from_s, double to_s,
   }
   std::vector<ImuStep> result;
   // The last sample that began before from_s.
-  auto sample = std::partition_point(samples_.begin(), samples_.end(),
-                                     [&](const ImuSample& s) { return s.stamp_s <= from_s; });
+  auto sample = std::ranges::upper_bound(samples_, from_s, {}, &ImuSample::stamp_s);
   if (sample != samples_.begin()) --sample;
   for (double time_s = from_s; time_s < to_s; ++sample) {
     const auto next = std::next(sample);

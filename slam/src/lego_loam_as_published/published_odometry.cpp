@@ -158,17 +158,16 @@ LastScan PublishedOdometry::at_end(const PublishedFeatures& features) const {
 }
 
 void PublishedOdometry::add(const PublishedFeatures& features) {
-  if (has_last_) {
-    if (last_.edges.rows.size() >= kMinLastEdges &&
-        last_.surfaces.rows.size() >= kMinLastSurfaces) {
-      match(features.flat, last_.surfaces, true);
-      match(features.sharp, last_.edges, false);
+  if (last_) {
+    if (last_->edges.rows.size() >= kMinLastEdges &&
+        last_->surfaces.rows.size() >= kMinLastSurfaces) {
+      match(features.flat, last_->surfaces, true);
+      match(features.sharp, last_->edges, false);
     }
     T_odom_end_ = orthonormalized(T_odom_end_ * pose_of(motion_));
     has_motion_ = true;
   }
   last_ = at_end(features);
-  has_last_ = true;
 }
 
 }  // namespace hqslam::slam::as_published

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "published_features.h"
@@ -42,7 +43,7 @@ class PublishedOdometry {
   const Parameters& motion() const { return motion_; }
   /// At the end of the last sweep, in the frame of the end of the first.
   const Pose& T_odom_end() const { return T_odom_end_; }
-  const LastScan& last() const { return last_; }
+  const LastScan& last() const { return *last_; }
 
  private:
   Eigen::Vector3d at_start(const FeaturePoint& point) const;
@@ -50,11 +51,10 @@ class PublishedOdometry {
   LastScan at_end(const PublishedFeatures& features) const;
 
   double scan_period_s_;
-  bool has_last_ = false;
   bool has_motion_ = false;
   Parameters motion_ = Parameters::Zero();
   Pose T_odom_end_ = Pose::Identity();
-  LastScan last_;
+  std::optional<LastScan> last_;  ///< from the first scan on
 };
 
 }  // namespace hqslam::slam::as_published

@@ -83,8 +83,7 @@ LoopResult BackgroundLoopClosing::awaited() const {
 LoopResult BackgroundLoopClosing::collected() {
   LoopResult result = awaited();
   work_ = {};
-  const auto lost = std::find_if(waiting_.begin(), waiting_.end(),
-                                 [](const LoopKeyframe& frame) { return frame.begins_segment; });
+  const auto lost = std::ranges::find_if(waiting_, &LoopKeyframe::begins_segment);
   std::optional<MapPoints> back;
   if (lost != waiting_.end()) back = std::exchange(result.recalled, {});
   if (result.drift) {

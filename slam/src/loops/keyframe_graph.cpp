@@ -114,10 +114,7 @@ bool KeyframeGraph::level() {
 }
 
 std::size_t KeyframeGraph::segment_of(std::size_t node) const {
-  const auto begins_after = [](std::size_t i, const Segment& segment) {
-    return i < segment.first_node;
-  };
-  const auto after = std::upper_bound(segments_.begin(), segments_.end(), node, begins_after);
+  const auto after = std::ranges::upper_bound(segments_, node, {}, &Segment::first_node);
   return static_cast<std::size_t>(after - segments_.begin()) - 1;
 }
 

@@ -89,10 +89,8 @@ std::vector<LoopCandidate> loop_candidates(const PoseGraph& graph,
     }
     if (match.distance <= kMaxContextDistance) within_reach.push_back({node, match});
   }
-  std::stable_sort(within_reach.begin(), within_reach.end(),
-                   [](const LoopCandidate& a, const LoopCandidate& b) {
-                     return a.match.distance < b.match.distance;
-                   });
+  std::ranges::stable_sort(within_reach, {},
+                           [](const LoopCandidate& c) { return c.match.distance; });
   std::vector<LoopCandidate> result;
   for (const LoopCandidate& candidate : within_reach) {
     const auto near_candidate = [&](const LoopCandidate& chosen) {
@@ -100,7 +98,7 @@ std::vector<LoopCandidate> loop_candidates(const PoseGraph& graph,
               graph.T_map_node[candidate.node].translation())
                  .norm() < kSameCandidate_m;
     };
-    if (std::any_of(result.begin(), result.end(), near_candidate)) continue;
+    if (std::ranges::any_of(result, near_candidate)) continue;
     result.push_back(candidate);
     if (result.size() == max_candidates) break;
   }

@@ -27,7 +27,7 @@ bool is_plausible(const PoseGraph& graph, const std::vector<double>& edge_drift_
     const Pose strain = disagreement(graph.odometry[i], T_map_node);
     if (!is_within(strain, max_m, kMaxOdometryStrain_rad)) return false;
   }
-  return std::all_of(graph.loops.begin(), graph.loops.end(), [&](const PoseGraphEdge& loop) {
+  return std::ranges::all_of(graph.loops, [&](const PoseGraphEdge& loop) {
     return is_within(disagreement(loop, T_map_node), kMaxLoopStrain_m, kMaxLoopStrain_rad);
   });
 }

@@ -123,8 +123,8 @@ LoopSearchResult search_similar_places(const LoopSearchSpace& space) {
   const auto fits_worse = [](const FoundLoop& a, const FoundLoop& b) {
     return a.overlap < b.overlap;
   };
-  const FoundLoop best = *std::max_element(loops.begin(), loops.end(), fits_worse);
-  const bool ambiguous = std::any_of(loops.begin(), loops.end(), [&](const FoundLoop& other) {
+  const FoundLoop best = *std::ranges::max_element(loops, fits_worse);
+  const bool ambiguous = std::ranges::any_of(loops, [&](const FoundLoop& other) {
     return is_elsewhere(other, best) && other.overlap >= kAmbiguousShare * best.overlap;
   });
   result.status = ambiguous ? LoopStatus::kAmbiguous : LoopStatus::kAwaitsOthers;

@@ -152,7 +152,7 @@ std::vector<Pose> optimized(const PoseGraph& graph) {
     return std::hypot(strain.translation().norm() / loop.translation_sigma_m,
                       rotation_angle_rad(strain) / loop.rotation_sigma_rad) <= kCauchyScale;
   };
-  if (std::all_of(graph.loops.begin(), graph.loops.end(), agrees)) return T_map_node;
+  if (std::ranges::all_of(graph.loops, agrees)) return T_map_node;
   ceres::CauchyLoss robust(kCauchyScale);
   if (!solve(graph, &robust, nodes)) return {};
   return poses_of(nodes);

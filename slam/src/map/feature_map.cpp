@@ -208,8 +208,7 @@ std::vector<MapPoint> FeatureMap::take_near(const Surroundings& place) {
 /// A map that moves along with a sensor would otherwise remember for good where it was.
 void FeatureMap::drop_empty_cubes() {
   const auto is_empty = [](const Cube& cube) { return cube.cells.empty(); };
-  const auto empty =
-      static_cast<std::size_t>(std::count_if(cubes_.begin(), cubes_.end(), is_empty));
+  const auto empty = static_cast<std::size_t>(std::ranges::count_if(cubes_, is_empty));
   if (2 * empty <= cubes_.size()) return;
   std::erase_if(cubes_, is_empty);
   index_.clear();
@@ -273,7 +272,7 @@ std::vector<std::size_t> FeatureMap::cubes_within(const Eigen::Vector3i& first,
     const bool is_within = (cube >= first.array()).all() && (cube <= last.array()).all();
     if (is_within) found.emplace_back(cubes_[i].key, i);
   }
-  std::sort(found.begin(), found.end());  // x, then y, then z: as they are found in a small box
+  std::ranges::sort(found);  // x, then y, then z: as they are found in a small box
   std::vector<std::size_t> result;
   for (const auto& [key, cube] : found) result.push_back(cube);
   return result;

@@ -204,8 +204,7 @@ MapMatches match_with_map(RegisteredScan& scan, const MapSearch& search, const F
     return found;
   };
   const auto count = [](const auto& found) {
-    return std::count_if(found.begin(), found.end(),
-                         [](const auto& match) { return match.has_value(); });
+    return std::ranges::count_if(found, [](const auto& match) { return match.has_value(); });
   };
   MapMatches result;
   result.ground = ground_constraints(scan.ground, search, map.planes, options);

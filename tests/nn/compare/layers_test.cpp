@@ -203,8 +203,7 @@ TEST_CASE("gradients are what small changes of inputs and parameters do") {
 TEST_CASE("batch norm lifts with its running statistics") {
   const Golden golden("network_layers");
   const std::vector<LayerCase> all = layer_cases();
-  const auto c = std::find_if(all.begin(), all.end(),
-                              [](const LayerCase& each) { return each.name == "batch_norm"; });
+  const auto c = std::ranges::find(all, "batch_norm", &LayerCase::name);
   Batch batch = golden_batch(golden, *c, {});
   batch.layer->set_parameters(batch.parameters);
   for (const LayerPass& pass : batch.passes()) batch.layer->forward(pass);

@@ -48,9 +48,8 @@ void insert(DenseMap& map, const OrganizedCloud& cloud) {
 }
 
 std::size_t points_near_x(const std::vector<DenseMapPoint>& points, float x_m) {
-  return static_cast<std::size_t>(std::count_if(points.begin(), points.end(), [&](const auto& p) {
-    return std::abs(p.point_m.x() - x_m) < 0.06F;
-  }));
+  return static_cast<std::size_t>(std::ranges::count_if(
+      points, [&](const auto& p) { return std::abs(p.point_m.x() - x_m) < 0.06F; }));
 }
 
 template <typename Value>
@@ -241,7 +240,7 @@ TEST_CASE("memory is bounded: what is full takes no further voxels and says so")
   CHECK(map.voxels() == 100);
   const auto points = map.points();
   REQUIRE(points.size() == 100);
-  CHECK(std::all_of(points.begin(), points.end(), [](const auto& p) { return p.times_seen == 2; }));
+  CHECK(std::ranges::all_of(points, [](const auto& p) { return p.times_seen == 2; }));
 }
 
 TEST_CASE("points beyond the range, without a return or not finite leave no trace") {

@@ -100,8 +100,7 @@ TEST_CASE("the tip of a wedge is the sharpest edge") {
 
 TEST_CASE("the tip of a wedge in the ground is no edge") {
   OneRow row(wedge_at(100));
-  std::fill(row.segmentation.pixel_class.begin(), row.segmentation.pixel_class.end(),
-            slam::PixelClass::kGround);
+  std::ranges::fill(row.segmentation.pixel_class, slam::PixelClass::kGround);
   CHECK(row.features().edges.empty());
   CHECK_FALSE(row.features().flat_points.empty());
 }

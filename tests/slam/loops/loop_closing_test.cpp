@@ -23,9 +23,7 @@ struct DrivenCircuit {
   std::size_t loops = 0;  ///< that became edges of the pose graph
 
   int count(LoopStatus status) const {
-    return static_cast<int>(
-        std::count_if(reports.begin(), reports.end(),
-                      [&](const slam::LoopReport& report) { return report.status == status; }));
+    return static_cast<int>(std::ranges::count(reports, status, &slam::LoopReport::status));
   }
 };
 

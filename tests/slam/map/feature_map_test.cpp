@@ -38,7 +38,7 @@ TEST_CASE("neighbours are those of a search through all points of the map") {
       const float d2 = (p - query).squaredNorm();
       if (d2 < 1.0F) distances_m2.push_back(d2);
     }
-    std::sort(distances_m2.begin(), distances_m2.end());
+    std::ranges::sort(distances_m2);
     const float sixth_m2 =
         distances_m2.size() > Neighbours::kWanted ? distances_m2[Neighbours::kWanted] : 1.0F;
     distances_m2.resize(std::min<std::size_t>(distances_m2.size(), Neighbours::kWanted));

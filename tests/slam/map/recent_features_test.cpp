@@ -20,7 +20,7 @@ slam::MapFeatures one_edge_at(float x_m) {
 std::vector<float> sorted_x_m(const slam::MapFeatures& features) {
   std::vector<float> result;
   for (const auto& edge : features.edges) result.push_back(edge.point_m.x());
-  std::sort(result.begin(), result.end());
+  std::ranges::sort(result);
   return result;
 }
 

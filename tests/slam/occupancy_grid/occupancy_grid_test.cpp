@@ -138,7 +138,7 @@ TEST_CASE("the same scans give the same map, in any order and with any number of
 TEST_CASE("a sensor that hangs upside down makes the same map") {
   const SensorModel sensor = small_sensor();
   SensorModel hanging = sensor;
-  std::reverse(hanging.beam_elevation_rad.begin(), hanging.beam_elevation_rad.end());
+  std::ranges::reverse(hanging.beam_elevation_rad);
   for (double& elevation_rad : hanging.beam_elevation_rad) elevation_rad = -elevation_rad;
   const Pose turn(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()));
   OccupancyGrid upright({});
@@ -150,8 +150,7 @@ TEST_CASE("a sensor that hangs upside down makes the same map") {
   upside_down.add_ground(Yard().scan(hanging, T_map_sensor * turn), hanging, path);
   upside_down.see_through(Yard().scan(hanging, T_map_sensor * turn), path);
   const auto free_m2 = [](const OccupancyMap& map) {
-    return 0.01 *
-           static_cast<double>(std::count(map.cells.begin(), map.cells.end(), Occupancy::kFree));
+    return 0.01 * static_cast<double>(std::ranges::count(map.cells, Occupancy::kFree));
   };
   CHECK(free_m2(upright.map()) > 100.0);
   CHECK(free_m2(upside_down.map()) == doctest::Approx(free_m2(upright.map())).epsilon(0.02));

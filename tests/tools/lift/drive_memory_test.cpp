@@ -83,8 +83,7 @@ TEST_CASE("without looking ahead a scan recalls those before it, also of a senso
     read.scan.stamp_s = 0.1 * scan;
     const nn::RecalledImage recalled = memory.recall(read, measured);
     const auto remembered =
-        std::count_if(recalled.image.range_m.begin(), recalled.image.range_m.end(),
-                      [](float range_m) { return range_m > 0.0F; });
+        std::ranges::count_if(recalled.image.range_m, [](float range_m) { return range_m > 0.0F; });
     CAPTURE(scan);
     CHECK((remembered > 10000) == (scan > 0));
   }

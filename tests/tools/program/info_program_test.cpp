@@ -87,10 +87,10 @@ TEST_CASE("info counts the scans that cannot be read, and says what is wrong wit
   const std::string bin = folder.file("bin");
   fs::copy(simulated_drive() + "/bin", bin);
   write_file(bin + "/x.bin", "junk");
-  CHECK(holds(succeeds("info '{}'", bin).out, "1 scan is left out: " + bin + "/x.bin"));
+  CHECK(holds(succeeds("info '{}'", bin).out, "1 scan was left out: " + bin + "/x.bin"));
   fs::create_symlink("nowhere", bin + "/link.bin");
   CHECK(holds(succeeds("info '{}'", bin).out,
-              "2 scans are left out, the first of them: " + bin + "/link.bin"));
+              "2 scans were left out, the first of them: " + bin + "/link.bin"));
 
   const std::string path = folder.file("stack.npy");
   NpyStackWriter stack(path, 16, 1024);
@@ -100,7 +100,7 @@ TEST_CASE("info counts the scans that cannot be read, and says what is wrong wit
     for (int i = 0; i < 60; ++i) stack.append(image);
   }
   CHECK(missing(succeeds("info '{}' --sensor os1-16", path).out,
-                {"40 scans are left out, the first of them: " + path + "[60]",
+                {"40 scans were left out, the first of them: " + path + "[60]",
                  "only the first 100 of 120 scans were looked at"}) == "");
 }
 

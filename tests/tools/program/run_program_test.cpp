@@ -106,7 +106,7 @@ TEST_CASE("bad files in mid-drive are left out and named, and the run goes on") 
   const TemporaryDirectory folder;
   fs::copy(simulated_drive() + "/bin", folder.file("bin"));
   std::vector<fs::path> files(fs::directory_iterator(folder.file("bin")), {});
-  std::sort(files.begin(), files.end());
+  std::ranges::sort(files);
   for (const std::size_t bad : {5, 8}) fs::resize_file(files[bad], 1001);
   const ProgramResult result =
       succeeds("run '{0}/bin' --sensor os1-16 --out '{0}/out'", folder.path().string());

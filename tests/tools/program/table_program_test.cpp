@@ -235,7 +235,7 @@ TEST_CASE(
   const std::string bins = folder.file("bin");
   fs::copy(simulated_drive("--sensor os1-64 --scans 6") + "/bin", bins);
   std::vector<fs::path> files(fs::directory_iterator(bins), {});
-  std::sort(files.begin(), files.end());
+  std::ranges::sort(files);
   const std::string arguments =
       fmt::format("table --drives '{}' --sensor os1-64 --methods rows-16,linear --out '{}'", bins,
                   folder.file("out"));

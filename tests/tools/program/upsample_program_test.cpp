@@ -73,8 +73,8 @@ TEST_CASE("the measured rows of the result are those of the recording, the other
   const RangeImage image = NpyStackReader(out.file("scans.npy")).read(2);
   CHECK(select_rows(image, {3, 4}).range_m == select_rows(truth, {3, 4}).range_m);
   CHECK(image.range_m != truth.range_m);
-  const auto returns = std::count_if(image.range_m.begin(), image.range_m.end(),
-                                     [](float range_m) { return range_m > 0.0F; });
+  const auto returns =
+      std::ranges::count_if(image.range_m, [](float range_m) { return range_m > 0.0F; });
   CHECK(read_cloud(out.file("pcd/000002.pcd")).points_m.size() ==
         static_cast<std::size_t>(returns));
   CHECK(fs::file_size(out.file("bin/000002.bin")) == 16 * static_cast<std::uintmax_t>(returns));

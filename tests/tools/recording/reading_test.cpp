@@ -8,31 +8,21 @@
 
 #include "error_message.h"
 #include "hqslam/core/error.h"
+#include "made_scans.h"
 
 namespace hqslam::tools {
 namespace {
 
 /// Scans of which some throw.
-class Scans : public ScanSource {
- public:
-  explicit Scans(std::vector<std::function<void()>> scans) : scans_(std::move(scans)) {}
-  const SensorModel& sensor() const override { return sensor_; }
-  std::optional<std::int64_t> size() const override { return std::ssize(scans_); }
-  double read_share() const override { return 0.0; }
-  bool has_stamps() const override { return false; }
-  std::optional<RecordedScan> next() override {
-    if (next_ == scans_.size()) return std::nullopt;
-    scans_[next_++]();
-    RecordedScan scan;
-    scan.name = "scan " + std::to_string(next_ - 1);
-    return scan;
-  }
-
- private:
-  SensorModel sensor_ = sensor_preset("vlp-16");
-  std::vector<std::function<void()>> scans_;
-  std::size_t next_ = 0;
-};
+test::MadeScans made(std::vector<std::function<void()>> scans) {
+  const std::size_t size = scans.size();
+  return {size, [scans = std::move(scans)](std::size_t i) {
+            scans[i]();
+            RecordedScan scan;
+            scan.name = "scan " + std::to_string(i);
+            return scan;
+          }};
+}
 
 void good() {}
 void not_understood() { throw ScanError("has no points"); }
@@ -40,7 +30,7 @@ void unreadable() { throw Error("a.bin: cannot be read"); }
 
 /// The indices that were used, of scans read to their end.
 std::vector<std::int64_t> used_of(std::vector<std::function<void()>> scans, Reading& reading) {
-  Scans source(std::move(scans));
+  test::MadeScans source = made(std::move(scans));
   const InterruptGuard interrupt;
   std::vector<std::int64_t> used;
   read_scans(source, interrupt, reading, [&](const ReadScan& read) {
@@ -79,7 +69,7 @@ TEST_CASE("a recording of which nothing can be used says why") {
 }
 
 TEST_CASE("whoever uses the scans may leave one out, or have enough") {
-  Scans source({good, good, good, good});
+  test::MadeScans source = made({good, good, good, good});
   const InterruptGuard interrupt;
   Reading reading;
   std::vector<std::int64_t> used;
@@ -94,7 +84,7 @@ TEST_CASE("whoever uses the scans may leave one out, or have enough") {
 }
 
 TEST_CASE("a scan is used when those that it waits for were seen, or none come") {
-  Scans source({good, not_understood, good, good, good, unreadable});
+  test::MadeScans source = made({good, not_understood, good, good, good, unreadable});
   const InterruptGuard interrupt;
   Reading reading;
   std::vector<std::int64_t> order;  // seen: negative, from -1
@@ -112,7 +102,7 @@ TEST_CASE("a scan is used when those that it waits for were seen, or none come")
 }
 
 TEST_CASE("scans that wait for others are not used when Ctrl-C ends the reading") {
-  Scans source({good, good, good, [] { std::raise(SIGINT); }, good});
+  test::MadeScans source = made({good, good, good, [] { std::raise(SIGINT); }, good});
   const InterruptGuard interrupt;
   Reading reading;
   std::vector<std::int64_t> used;

@@ -8,6 +8,7 @@
 
 #include "error_message.h"
 #include "hqslam/core/error.h"
+#include "made_scans.h"
 #include "temporary_directory.h"
 
 namespace hqslam::tools {
@@ -44,29 +45,6 @@ double error_m(const ScanPoses& poses, double stamp_s) {
   return worst_m;
 }
 
-/// Empty scans with these stamps; one that is negative cannot be understood.
-class Stamped : public ScanSource {
- public:
-  explicit Stamped(std::vector<double> stamps_s) : stamps_s_(std::move(stamps_s)) {}
-  const SensorModel& sensor() const override { return sensor_; }
-  std::optional<std::int64_t> size() const override { return std::nullopt; }
-  double read_share() const override { return 0.0; }
-  bool has_stamps() const override { return true; }
-  std::optional<RecordedScan> next() override {
-    if (next_ == stamps_s_.size()) return std::nullopt;
-    const double stamp_s = stamps_s_[next_++];
-    if (stamp_s < 0.0) throw ScanError("is broken");
-    RecordedScan scan;
-    scan.stamp_s = stamp_s;
-    return scan;
-  }
-
- private:
-  SensorModel sensor_ = sensor_preset("vlp-16");
-  std::vector<double> stamps_s_;
-  std::size_t next_ = 0;
-};
-
 }  // namespace
 
 TEST_CASE("a scan is where the sensor was at its stamp, whatever the rate of the poses") {
@@ -96,7 +74,14 @@ TEST_CASE("poses without stamps get those of the scans, whatever lies between th
   for (const double stamp_s : stamps_s) trajectory.push_back({0.0, at(stamp_s)});
   write_kitti_poses(trajectory, folder.file("poses.kitti"));
   const InterruptGuard interrupt;
-  const auto open = [&] { return std::make_unique<Stamped>(stamps_s); };
+  const auto open = [&] {
+    return std::make_unique<test::MadeScans>(stamps_s.size(), [&](std::size_t i) {
+      if (stamps_s[i] < 0.0) throw ScanError("is broken");
+      RecordedScan scan;
+      scan.stamp_s = stamps_s[i];
+      return scan;
+    });
+  };
   const ScanPoses poses = read_scan_poses(folder.file("poses.kitti"), interrupt, open);
   for (const std::int64_t scan : {0, 1, 2, 4}) {
     const double stamp_s = stamps_s[static_cast<std::size_t>(scan)];
@@ -105,7 +90,9 @@ TEST_CASE("poses without stamps get those of the scans, whatever lies between th
     CHECK(path->at(0.04).isApprox(at(stamp_s + 0.04), 1e-6));
   }
   CHECK_FALSE(poses.path_of(3, 1.55, kPeriod_s));
-  const auto open_fewer = [&] { return std::make_unique<Stamped>(std::vector<double>{0.0, 0.1}); };
+  const auto open_fewer = [] {
+    return std::make_unique<test::MadeScans>(test::scans_at({0.0, 0.1}));
+  };
   CHECK(test::refused_with(
       [&] { read_scan_poses(folder.file("poses.kitti"), interrupt, open_fewer); },
       "has 5 poses without stamps, but the recording has 2 scans"));

@@ -101,7 +101,7 @@ hqslam::Scan scan_of(const PointCloud2& message) {
     scan.points_m.push_back(point_m);
   }
   if (scan.points_m.empty()) throw hqslam::Error("a message without points");
-  const auto [first_s, last_s] = std::minmax_element(times_s.begin(), times_s.end());
+  const auto [first_s, last_s] = std::ranges::minmax_element(times_s);
   const double middle_s = (*first_s + *last_s) / 2.0;
   for (const double time_s : times_s) {
     scan.time_offset_s.push_back(static_cast<float>(time_s - middle_s));

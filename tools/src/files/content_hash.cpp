@@ -39,7 +39,7 @@ std::string folder_hash(const std::string& folder) {
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
     if (entry.is_regular_file()) files.push_back(entry.path());
   }
-  std::sort(files.begin(), files.end());
+  std::ranges::sort(files);
   ContentHash hash;
   for (const fs::path& file : files) {
     hash.add(fs::relative(file, folder).string() + " " + content_hash(file.string()) + "\n");

@@ -49,8 +49,7 @@ bool is_numbered_scan(fs::path file, const std::string& extension) {
   if (file.extension() == ".part") file.replace_extension();
   const std::string stem = file.stem().string();
   return file.extension() == "." + extension && stem.size() >= 6 &&
-         std::all_of(stem.begin(), stem.end(),
-                     [](unsigned char c) { return std::isdigit(c) != 0; });
+         std::ranges::all_of(stem, [](unsigned char c) { return std::isdigit(c) != 0; });
 }
 
 /// Removes 000000.EXTENSION, 000001.EXTENSION and so on, and no other file.

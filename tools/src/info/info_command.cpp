@@ -70,7 +70,7 @@ std::string what_is_in(const recordings::Stream& stream) {
 
 /// In quotation marks if the shell would take it apart.
 std::string for_shell(const std::string& word) {
-  const bool plain = std::all_of(word.begin(), word.end(), [](unsigned char c) {
+  const bool plain = std::ranges::all_of(word, [](unsigned char c) {
     return std::isalnum(c) != 0 ||
            std::string("/._-+:[]@%,=").find(static_cast<char>(c)) != std::string::npos;
   });

@@ -103,8 +103,8 @@ void add_matches(Page& page, const slam::ScanTrace& trace) {
 std::string direction_text(const Eigen::Matrix<double, 6, 1>& direction) {
   constexpr std::array<const char*, 6> kAxes = {"x", "y", "z", "about x", "about y", "about z"};
   std::array<int, 6> order = {0, 1, 2, 3, 4, 5};
-  std::sort(order.begin(), order.end(),
-            [&](int a, int b) { return std::abs(direction[a]) > std::abs(direction[b]); });
+  std::ranges::sort(order,
+                    [&](int a, int b) { return std::abs(direction[a]) > std::abs(direction[b]); });
   std::string text;
   for (const int axis : order) {
     if (std::abs(direction[axis]) < 0.1) break;

@@ -156,8 +156,7 @@ int run(const UpsampleOptions& options) {
   require_memory(options.poses, input.lifter());
   const ScanPoses poses = read_scan_poses(options.poses, interrupt, [&] { return input.open(); });
   const std::unique_ptr<ScanSource> source = input.open();
-  print_warnings(*source, options.input);
-  const std::size_t told = source->warnings().size();
+  const std::size_t told = print_warnings(*source, options.input);
   const UpsampleRun run = upsample(*source, input, poses, options, interrupt);
   print_later_warnings(*source, told);
   if (!run.times_s.empty()) print_summary(run, *input.upsampler, options);

@@ -148,9 +148,7 @@ void ViewServer::accept_all(std::vector<Connection>& connections) const {
     FileDescriptor socket(accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
     if (!socket) return;
     if (connections.size() == kMostConnections) {
-      connections.erase(std::min_element(
-          connections.begin(), connections.end(),
-          [](const Connection& a, const Connection& b) { return a.last_byte < b.last_byte; }));
+      connections.erase(std::ranges::min_element(connections, {}, &Connection::last_byte));
     }
     connections.push_back(Connection{std::move(socket)});
   }

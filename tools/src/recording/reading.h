@@ -5,28 +5,12 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
+#include "hqslam/core/left_out.h"
 #include "hqslam/core/scan_source.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {
-
-/// Scans of a recording that could not be understood.
-struct LeftOut {
-  std::int64_t scans = 0;
-  std::string first;              ///< what was wrong with the first one
-  std::vector<std::string> each;  ///< and with all of them, up to kMostNamed
-  static constexpr std::size_t kMostNamed = 1000;
-
-  void add(const std::string& what);
-  /// "2 scans were left out: ..."
-  std::string text() const;
-};
-
-/// The next scan that can be understood, or nothing at the end. Throws Error where the recording
-/// cannot be read on.
-std::optional<RecordedScan> next_usable(ScanSource& source, LeftOut& left_out);
 
 /// Why reading came to its end.
 enum class ReadingEnd { kRunning, kComplete, kInterrupted, kUnreadableScan };

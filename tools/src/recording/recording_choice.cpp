@@ -244,7 +244,7 @@ std::int64_t scans_in(const InputChoice& choice, const ScanSource& source) {
   return recordings::inspect(choice.input, open_options(choice)).scans;
 }
 
-void print_warnings(const ScanSource& source, const std::string& input) {
+std::size_t print_warnings(const ScanSource& source, const std::string& input) {
   const std::int64_t size = source.size().value_or(std::numeric_limits<std::int64_t>::max());
   const auto warn_if_stopped = [&](const char* what, std::int64_t planned, const char* mends) {
     if (size >= planned) return;
@@ -254,6 +254,7 @@ void print_warnings(const ScanSource& source, const std::string& input) {
   warn_if_stopped("the simulation", planned_scans(input), "hqslam simulate");
   warn_if_stopped("hqslam upsample", scans_to_lift(input), "command");
   print_later_warnings(source, 0);
+  return source.warnings().size();
 }
 
 void print_later_warnings(const ScanSource& source, std::size_t told) {

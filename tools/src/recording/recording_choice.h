@@ -96,7 +96,8 @@ std::unique_ptr<ScanSource> with_imu_of(const InputChoice& choice,
 std::int64_t scans_in(const InputChoice& choice, const ScanSource& source);
 
 /// Prints what a user should know of the recording to stderr, a line each. `input` is its path.
-void print_warnings(const ScanSource& source, const std::string& input);
+/// Returns how many of the source's warnings there are so far.
+std::size_t print_warnings(const ScanSource& source, const std::string& input);
 /// The same of what was found since the first `told` warnings, as it was read.
 void print_later_warnings(const ScanSource& source, std::size_t told);
 

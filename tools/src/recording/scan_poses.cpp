@@ -14,28 +14,20 @@ namespace {
 
 /// The pose whose stamp is nearest, nothing if it is too far.
 std::optional<std::size_t> pose_at(const Trajectory& trajectory, double stamp_s) {
-  const auto later =
-      std::lower_bound(trajectory.begin(), trajectory.end(), stamp_s - kMaxStampDifference_s,
-                       [](const StampedPose& a, double limit_s) { return a.stamp_s < limit_s; });
-  const auto nearest =
-      std::min_element(later,
-                       std::find_if(later, trajectory.end(),
-                                    [&](const StampedPose& candidate) {
-                                      return candidate.stamp_s > stamp_s + kMaxStampDifference_s;
-                                    }),
-                       [&](const StampedPose& a, const StampedPose& b) {
-                         return std::abs(a.stamp_s - stamp_s) < std::abs(b.stamp_s - stamp_s);
-                       });
-  const bool is_near =
-      nearest != trajectory.end() && std::abs(nearest->stamp_s - stamp_s) <= kMaxStampDifference_s;
-  if (!is_near) return std::nullopt;
+  const auto first = std::ranges::lower_bound(trajectory, stamp_s - kMaxStampDifference_s, {},
+                                              &StampedPose::stamp_s);
+  const auto end = std::ranges::upper_bound(
+      first, trajectory.end(), stamp_s + kMaxStampDifference_s, {}, &StampedPose::stamp_s);
+  const auto off_s = [&](const StampedPose& pose) { return std::abs(pose.stamp_s - stamp_s); };
+  const auto nearest = std::ranges::min_element(first, end, {}, off_s);
+  if (nearest == end || off_s(*nearest) > kMaxStampDifference_s) return std::nullopt;
   return static_cast<std::size_t>(nearest - trajectory.begin());
 }
 
 /// The pose of a scan of the recording, nothing if it has none.
 std::optional<std::size_t> pose_of_scan(const std::vector<std::int64_t>& scan_of_pose,
                                         std::int64_t scan) {
-  const auto found = std::lower_bound(scan_of_pose.begin(), scan_of_pose.end(), scan);
+  const auto found = std::ranges::lower_bound(scan_of_pose, scan);
   if (found == scan_of_pose.end() || *found != scan) return std::nullopt;
   return static_cast<std::size_t>(found - scan_of_pose.begin());
 }

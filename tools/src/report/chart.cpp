@@ -36,8 +36,7 @@ std::vector<std::vector<double>> heights_of(const Chart& chart) {
     heights.push_back(series.y);
     if (chart.stacked && heights.size() > 1) {
       const std::vector<double>& below = heights[heights.size() - 2];
-      std::transform(below.begin(), below.end(), series.y.begin(), heights.back().begin(),
-                     std::plus<>());
+      std::ranges::transform(below, series.y, heights.back().begin(), std::plus());
     }
   }
   return heights;
@@ -53,8 +52,7 @@ PlotBox box_of(const Chart& chart, const std::vector<std::vector<double>>& heigh
       lowest = std::min(lowest, value);
     }
   }
-  const auto [x_min, x_max] =
-      std::minmax_element(chart.x.begin(), chart.x.end());  // clocks may fall
+  const auto [x_min, x_max] = std::ranges::minmax_element(chart.x);  // clocks may fall
   box.x_min = *x_min;
   box.x_max = *x_max > *x_min ? *x_max : *x_min + 1.0;
   box.y_min = 1.08 * lowest;

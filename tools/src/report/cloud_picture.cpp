@@ -5,6 +5,8 @@
 #include <limits>
 #include <string_view>
 
+#include "hqslam/core/median.h"
+
 namespace hqslam::tools {
 namespace {
 
@@ -137,11 +139,8 @@ std::vector<int> counts_from_above(const std::vector<Eigen::Vector3f>& points_m,
 
 /// A count that few pixels exceed: the darkest grey stands for it.
 int dark_count(std::vector<int> counts) {
-  counts.erase(std::remove(counts.begin(), counts.end(), 0), counts.end());
-  if (counts.empty()) return 1;
-  const auto rank = static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(counts.size() - 1));
-  std::nth_element(counts.begin(), counts.begin() + rank, counts.end());
-  return std::max(1, counts[static_cast<std::size_t>(rank)]);
+  std::erase(counts, 0);
+  return counts.empty() ? 1 : quantile(counts, 0.99);
 }
 
 }  // namespace
@@ -153,14 +152,8 @@ std::array<double, 2> range_of(const std::vector<Eigen::Vector3f>& points_m, int
     if (point_m.allFinite()) values.push_back(point_m[axis]);
   }
   if (values.empty()) return {0.0, 1.0};
-  const auto at = [&](double rank) {
-    const auto place =
-        values.begin() + static_cast<std::ptrdiff_t>(rank * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), place, values.end());
-    return static_cast<double>(*place);
-  };
-  const double low = at(share);
-  return {low, at(1.0 - share)};
+  const double low = quantile(values, share);
+  return {low, quantile(values, 1.0 - share)};
 }
 
 std::array<double, 2> range_of_heights(const std::vector<Eigen::Vector3f>& points_m) {

@@ -74,8 +74,7 @@ std::string no_pairs_message(const SlamRun& run, const TrajectoryFile& reference
   };
   return fmt::format(
       "{}: fewer than 3 of its poses{} are within 0.02 s of a located scan, of {}: not compared "
-      "with it; "
-      "give the stamps of trajectory.tum",
+      "with it; give the stamps of trajectory.tum",
       reference.path, reference.has_stamps ? ", of " + span(reference.poses) + "," : "",
       span(run.trajectory));
 }
@@ -138,9 +137,7 @@ Pose start_on_path(const std::vector<slam::SavedPlace>& places, const std::vecto
   const auto distance_m = [&](const slam::SavedPlace& place) {
     return (place.T_map_sensor.translation().head<2>() - start_m).norm();
   };
-  const auto nearest =
-      std::min_element(places.begin(), places.end(),
-                       [&](const auto& a, const auto& b) { return distance_m(a) < distance_m(b); });
+  const auto nearest = std::ranges::min_element(places, {}, distance_m);
   const Eigen::Vector3d rpy_rad = roll_pitch_yaw_rad(nearest->T_map_sensor);
   return pose_from_xyz_rpy({start[0], start[1], nearest->T_map_sensor.translation().z()},
                            rpy_rad.x(), rpy_rad.y(), radians(start[2]));
@@ -284,14 +281,13 @@ SlamRun run_and_write(const RunOptions& options, const InterruptGuard& interrupt
   options_of(options.grid);  // refused before the drive, not after it
   LiftedInput input = lifted_input(options, options);
   const std::unique_ptr<ScanSource> source = input.open();
-  print_warnings(*source, options.input);
+  const std::size_t told = print_warnings(*source, options.input);
   const std::optional<TrajectoryFile> reference = reference_of(options, *source);
   RunOutput output(options.out, inputs_of(options));
 
   slam::SlamOptions slam = slam_options(options.slam);
   if (!options.map_file.empty() && !options.extend) slam.loop_closing.enabled = false;
   SlamSession session(input, slam, given_map(options, input.seen(), slam));
-  const std::size_t told = source->warnings().size();
   process_all(*source, session, output, interrupt);
   print_later_warnings(*source, told);
   SlamRun run = session.finished(options.save_map || options.extend);

@@ -82,7 +82,7 @@ std::vector<ScanTimes> durations_of(const SlamRun& run) {
         run, "latency", [](const ScanRecord& scan) { return scan.latency_s.value_or(0.0); }));
   }
   for (ScanTimes& stage : durations) {
-    std::transform(stage.times_ms.begin(), stage.times_ms.end(), stage.times_ms.begin(), rounded);
+    std::ranges::transform(stage.times_ms, stage.times_ms.begin(), rounded);
   }
   return durations;
 }

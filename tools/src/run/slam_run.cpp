@@ -24,8 +24,8 @@ slam::Slam slam_of(const SensorModel& sensor, const slam::SlamOptions& options,
 
 std::size_t largest_part(const SlamRun& run) {
   const std::map<std::size_t, std::int64_t> parts = scans_of_parts(run);
-  const auto largest = std::max_element(
-      parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  const auto largest =
+      std::ranges::max_element(parts, {}, [](const auto& part) { return part.second; });
   return largest == parts.end() ? 0 : largest->first;
 }
 
@@ -146,17 +146,15 @@ std::vector<std::pair<slam::Status, std::int64_t>> status_counts(
   for (const slam::Status kind :
        {slam::Status::kOk, slam::Status::kTooFewFeatures, slam::Status::kDegenerate,
         slam::Status::kNotConverged, slam::Status::kAfterGap, slam::Status::kNotRecognized}) {
-    counts.emplace_back(
-        kind, std::count_if(run.scans.begin(), run.scans.end(),
-                            [&](const ScanRecord& scan) { return scan.report.*status == kind; }));
+    counts.emplace_back(kind, std::ranges::count(run.scans, kind, [&](const ScanRecord& scan) {
+                          return scan.report.*status;
+                        }));
   }
   return counts;
 }
 
 std::int64_t loops_closed(const SlamRun& run) {
-  return std::count_if(run.loops.begin(), run.loops.end(), [](const slam::LoopReport& loop) {
-    return loop.status == slam::LoopStatus::kClosed;
-  });
+  return std::ranges::count(run.loops, slam::LoopStatus::kClosed, &slam::LoopReport::status);
 }
 
 bool is_way_known(const SlamRun& run, std::size_t scan) {
@@ -278,7 +276,7 @@ std::string run_summary(const SlamRun& run) {
   summary += mounting_summary(run);
   summary += ground_summary(run);
   if (!run.located_in.empty()) {
-    const bool found = std::any_of(run.scans.begin(), run.scans.end(), [](const ScanRecord& scan) {
+    const bool found = std::ranges::any_of(run.scans, [](const ScanRecord& scan) {
       return scan.report.mapping_status != slam::Status::kNotRecognized;
     });
     summary += found ? fmt::format("located in the map of {}\n", run.located_in)

@@ -10,7 +10,7 @@ Distribution distribution_of(std::vector<double> values) {
   if (values.empty()) {
     return {};
   }
-  std::sort(values.begin(), values.end());
+  std::ranges::sort(values);
   const std::size_t count = values.size();
   const auto rank_95 = static_cast<std::size_t>(std::ceil(0.95 * static_cast<double>(count)));
   Distribution result;

@@ -14,8 +14,7 @@ namespace hqslam::tools {
 namespace {
 
 const auto found = [](const TablePlan& plan, const std::string& name) {
-  return std::find_if(plan.shown.begin(), plan.shown.end(),
-                      [&](const TableMethod& method) { return method.name == name; });
+  return std::ranges::find(plan.shown, name, &TableMethod::name);
 };
 
 }  // namespace
@@ -72,8 +71,8 @@ TEST_CASE("over seeds others are paired with what is named, with linear, or with
 }
 
 TEST_CASE("a variant of SLAM is a row behind its method, never without being asked for") {
-  CHECK(std::none_of(table_methods().begin(), table_methods().end(),
-                     [](const TableMethod& method) { return method.variant != nullptr; }));
+  CHECK(std::ranges::none_of(table_methods(),
+                             [](const TableMethod& method) { return method.variant != nullptr; }));
   const TablePlan plan =
       plan_table({.methods = {"du-or+whole-map", "rows-64+16-rows"}, .out = "out"});
   REQUIRE(plan.methods.size() == 2);

@@ -204,8 +204,7 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
   };
   LookAheadMemory memory(upsampler, poses, remembered, !options.no_look_ahead);
   const auto source = open_input(options, sensor);
-  print_warnings(*source, options.input);
-  const std::size_t told = source->warnings().size();
+  const std::size_t told = print_warnings(*source, options.input);
   Progress progress("compare", source->size());
   std::int64_t used = 0;
   std::int64_t looked_at = 0;

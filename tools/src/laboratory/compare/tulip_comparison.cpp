@@ -72,7 +72,7 @@ std::vector<fs::path> scans_of(const CompareOptions& options) {
         "points",
         options.input);
   }
-  std::sort(all.begin(), all.end());
+  std::ranges::sort(all);
   std::vector<fs::path> scans;
   for (std::size_t i = 0; i < all.size(); i += static_cast<std::size_t>(options.every)) {
     scans.push_back(all[i]);

@@ -55,7 +55,7 @@ RangeImage median_of_true_neighbours(const RangeImage& truth, RowSelection measu
           around.push_back(truth.at(r, (column + c + truth.columns) % truth.columns));
         }
       }
-      std::sort(around.begin(), around.end());
+      std::ranges::sort(around);
       const std::size_t count = around.size();
       image.at(row, column) = 0.5F * (around[(count - 1) / 2] + around[count / 2]);
     }

@@ -167,11 +167,11 @@ ErrorScale error_scale(const ErrorMap& map) {
   std::vector<double> largest_m;
   for (const ErrorPanel& panel : map.panels) {
     if (!panel.error_m.empty()) {
-      largest_m.push_back(*std::max_element(panel.error_m.begin(), panel.error_m.end()));
+      largest_m.push_back(*std::ranges::max_element(panel.error_m));
     }
   }
   if (largest_m.empty()) return {};
-  std::sort(largest_m.begin(), largest_m.end());
+  std::ranges::sort(largest_m);
   const double limit_m = kMostOverMedian * largest_m[(largest_m.size() - 1) / 2];
   return {std::min(largest_m.back(), limit_m), largest_m.back() > limit_m};
 }
@@ -182,8 +182,7 @@ std::string top_text(const ErrorScale& scale) {
 }
 
 std::string error_text(const ErrorPanel& panel) {
-  const double largest_m =
-      panel.error_m.empty() ? 0.0 : *std::max_element(panel.error_m.begin(), panel.error_m.end());
+  const double largest_m = panel.error_m.empty() ? 0.0 : *std::ranges::max_element(panel.error_m);
   return fmt::format("RMSE {:.3f}, largest {:.2f} m", panel.rmse_m, largest_m);
 }
 

@@ -81,7 +81,7 @@ PlotBox box_of(const Methods& methods) {
       if (std::isfinite(value)) sizes.push_back(std::abs(value));
     }
   }
-  std::sort(sizes.begin(), sizes.end());
+  std::ranges::sort(sizes);
   if (!sizes.empty()) widest = sizes[(sizes.size() - 1) * 9 / 10];
   for (const MethodStatistics& method : methods) {
     for (const double value :
@@ -122,8 +122,8 @@ std::string row_html(const PlotBox& box, const MethodStatistics& method, double 
 /// Drift beside that of the method that the others are paired with.
 std::string pairs_html(const Methods& all) {
   Methods methods;
-  std::copy_if(all.begin(), all.end(), std::back_inserter(methods),
-               [](const MethodStatistics& method) { return !method.is_paired_with; });
+  std::ranges::copy_if(all, std::back_inserter(methods),
+                       [](const MethodStatistics& method) { return !method.is_paired_with; });
   if (methods.empty()) return "";
   const PlotBox box = box_of(methods);
   const PlotGrid grid =

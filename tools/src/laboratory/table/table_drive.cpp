@@ -84,7 +84,7 @@ std::string difference_of(const TableDrive& drive) {
     if (stack.images() != scans)
       return fmt::format("scans.npy has {} of {} scans", stack.images(), scans);
     const RangeImage last = stack.read(scans - 1);
-    if (std::all_of(last.range_m.begin(), last.range_m.end(), [](float r) { return r == 0.0F; })) {
+    if (std::ranges::all_of(last.range_m, [](float r) { return r == 0.0F; })) {
       return "scans.npy ends with scans without a return, as after a crash of the machine";
     }
     if (std::ssize(read_tum(folder + "/truth.tum")) != scans) return "truth.tum is damaged";

@@ -79,7 +79,7 @@ TableMethod method_named(const std::string& name) {
 
 bool is_preset(const std::string& drive) {
   const std::vector<std::string> presets = sim::drive_preset_names();
-  return std::find(presets.begin(), presets.end(), drive) != presets.end();
+  return std::ranges::find(presets, drive) != presets.end();
 }
 
 /// A recording is named after its file or folder; one of KITTI's, whose scans all lie in a folder
@@ -141,8 +141,8 @@ void require_different_names(const std::vector<Named>& all, const char* option) 
 }
 
 void require_one_recording(const TablePlan& plan, const TableOptions& options) {
-  const auto recordings = std::count_if(plan.drives.begin(), plan.drives.end(),
-                                        [](const TableDrive& d) { return !d.simulated; });
+  const auto recordings =
+      std::ranges::count_if(plan.drives, [](const TableDrive& d) { return !d.simulated; });
   if (!options.reference.empty() && recordings != 1) {
     throw Error("--reference: is of one recording, but --drives names {}; give one", recordings);
   }
@@ -151,8 +151,7 @@ void require_one_recording(const TablePlan& plan, const TableOptions& options) {
 /// Throws Error for a name that is none of the methods.
 std::size_t paired_with(const std::vector<TableMethod>& methods, const std::string& against) {
   const std::string& name = against.empty() ? "linear" : against;
-  const auto found = std::find_if(methods.begin(), methods.end(),
-                                  [&](const TableMethod& method) { return method.name == name; });
+  const auto found = std::ranges::find(methods, name, &TableMethod::name);
   if (found != methods.end()) return static_cast<std::size_t>(found - methods.begin());
   if (against.empty()) return 0;
   throw Error(
@@ -251,17 +250,16 @@ bool shares_pass(const TableMethod& method, const TableMethod& other) {
 std::vector<std::vector<TableMethod>> passes_of(const std::vector<TableMethod>& methods) {
   std::vector<std::vector<TableMethod>> passes;
   for (const TableMethod& method : methods) {
-    const auto same = std::find_if(passes.begin(), passes.end(), [&](const auto& pass) {
-      return shares_pass(pass.front(), method);
-    });
+    const auto same = std::ranges::find_if(
+        passes, [&](const auto& pass) { return shares_pass(pass.front(), method); });
     if (same != passes.end()) {
       same->push_back(method);
     } else {
       passes.push_back({method});
     }
   }
-  std::stable_partition(passes.begin(), passes.end(),
-                        [](const auto& pass) { return pass.front().rows == kTableAllRows; });
+  std::ranges::stable_partition(
+      passes, [](const auto& pass) { return pass.front().rows == kTableAllRows; });
   return passes;
 }
 
@@ -280,7 +278,7 @@ TablePlan plan_table(const TableOptions& options) {
   plan.shown = known_methods();
   for (const std::string& weights : options.weights) {
     plan.methods.push_back(method_of_weights(weights));
-    plan.shown.insert(std::find_if(plan.shown.begin(), plan.shown.end(), is_reference),
+    plan.shown.insert(std::ranges::find_if(plan.shown, is_reference),
                       plan.methods.back());  // all rows stay the last
   }
   require_different_names(plan.drives, "--drives");

@@ -91,7 +91,7 @@ std::vector<double> distances_m(const Trajectory& reference, const PosePairs& pa
 /// One class per method, the same on every drive.
 std::string class_of(const TableMethod& method, std::size_t position) {
   const std::vector<std::string> known = table_method_names();
-  const auto found = std::find(known.begin(), known.end(), method.name);
+  const auto found = std::ranges::find(known, method.name);
   const std::size_t index =
       found != known.end() ? static_cast<std::size_t>(found - known.begin()) : position;
   return fmt::format("m{}", index % kMethodColors.size());

@@ -20,13 +20,16 @@ struct nlohmann::adl_serializer<std::optional<Value>> {
   }
 };
 
+namespace hqslam {
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(LeftOut, scans, first)
+}  // namespace hqslam
+
 namespace hqslam::tools {
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TableSettings, build, recording, sensor, scans, loop_closing,
                                    method, weights, weights_hash)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ImageScores, scans, mae_all_m, mae_valid_m, outlier_share)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(NetworkSize, parameters, multiply_adds)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(LeftOut, scans, first)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SlamTimings, total_s, first_ms, last_ms)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TableTimings, threads, processor, instruction_set, upsampling_s,
                                    upsampling_ms, points_s, slam)

@@ -139,7 +139,7 @@ Estimate bootstrap(std::size_t n, const SampleFigure& figure) {
     if (std::isfinite(value)) figures.push_back(value);
   }
   if (figures.size() < kResamples / 2) return estimate;
-  std::sort(figures.begin(), figures.end());
+  std::ranges::sort(figures);
   estimate.low = percentile(figures, kBelow);
   estimate.high = percentile(figures, 1.0 - kBelow);
   return estimate;
@@ -164,7 +164,7 @@ std::optional<DriveSample> drive_sample(const DriveFigures& drive,
 std::vector<std::string> drive_names(const TableSample& sample) {
   std::vector<std::string> names;
   for (const DriveSample& drive : sample.drives) {
-    if (std::find(names.begin(), names.end(), drive.drive) == names.end()) {
+    if (std::ranges::find(names, drive.drive) == names.end()) {
       names.push_back(drive.drive);
     }
   }
@@ -173,8 +173,8 @@ std::vector<std::string> drive_names(const TableSample& sample) {
 
 TableSample of_drive(const TableSample& sample, const std::string& name) {
   TableSample part{sample.methods, sample.against, {}};
-  std::copy_if(sample.drives.begin(), sample.drives.end(), std::back_inserter(part.drives),
-               [&](const DriveSample& drive) { return drive.drive == name; });
+  std::ranges::copy_if(sample.drives, std::back_inserter(part.drives),
+                       [&](const DriveSample& drive) { return drive.drive == name; });
   return part;
 }
 

@@ -81,10 +81,8 @@ std::vector<TableMethod> methods_of(const std::vector<DriveFigures>& drives) {
   std::vector<TableMethod> methods;
   for (const DriveFigures& drive : drives) {
     for (const MethodFigures& figures : drive.methods) {
-      const bool known = std::any_of(methods.begin(), methods.end(), [&](const TableMethod& m) {
-        return m.name == figures.method.name;
-      });
-      if (!known) methods.push_back(figures.method);
+      const auto found = std::ranges::find(methods, figures.method.name, &TableMethod::name);
+      if (found == methods.end()) methods.push_back(figures.method);
     }
   }
   return methods;

@@ -175,7 +175,7 @@ void keep_own_passes(std::vector<DriveWork>& works, const TablePlan& plan, const
   const std::vector<std::vector<TableMethod>> kinds = passes_of(plan.methods);
   for (std::size_t drive = 0; drive < works.size(); ++drive) {
     std::erase_if(works[drive].passes, [&](const TablePass& pass) {
-      const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& methods) {
+      const auto kind = std::ranges::find_if(kinds, [&](const auto& methods) {
         return shares_pass(methods.front(), pass.methods.front());
       });
       const auto place = static_cast<std::size_t>(kind - kinds.begin());

@@ -78,7 +78,7 @@ void require_returns(const std::string& path, const SensorModel& sensor) {
   const std::int64_t last = reader.images() - 1;
   for (std::int64_t k = 0; k < kTried && last >= 0; ++k) {
     const RangeImage image = reader.read(last * k / (kTried - 1));
-    const bool any = std::any_of(image.range_m.begin(), image.range_m.end(), [&](float r) {
+    const bool any = std::ranges::any_of(image.range_m, [&](float r) {
       return r >= sensor.min_range_m && r > 0.0F && r <= sensor.max_range_m;
     });
     if (any) return;
@@ -110,8 +110,7 @@ nn::TrainingScan StoredScans::read(std::int64_t i) const {
   if (i < 0 || i >= size()) {
     throw Error("training: scan {}, expected 0 to {}", i, size() - 1);
   }
-  const auto file = std::upper_bound(files_.begin(), files_.end(), i,
-                                     [](std::int64_t scan, const File& f) { return scan < f.end; });
+  const auto file = std::ranges::upper_bound(files_, i, {}, &File::end);
   RangeImage image = NpyStackReader(file->path).read(i - file->begin);
   const bool recalls = image.rows == 3 * rows_;
   if ((image.rows != rows_ && !recalls) || image.columns != columns_) {
