@@ -119,8 +119,7 @@ std::string directions_html(const slam::ScanTrace& trace) {
       "<h2>Directions of motion</h2>\n<p class=\"quiet\">How much of the matches' weight each "
       "direction moves, the least known first; in axes of the map about the sensor, rotations "
       "times 10 m: a match 20 m away they move twice as far, and it counts four times, so that "
-      "they "
-      "can exceed 100 %. Below 0.3 % a direction is degenerate (red): there the prediction "
+      "they can exceed 100 %. Below 0.3 % a direction is degenerate (red): there the prediction "
       "stands.</p>\n"
       "<table><tr><th>direction</th><th>of the weight</th><th></th></tr>\n";
   if (trace.direction_share.sum() <= 0.0) return "<p>Nothing was matched with a map.</p>\n";
