@@ -274,7 +274,7 @@ def make_network_layers():
     # Three scans' distance to the batch's statistics, which a momentum of 1 leaves in `running`.
     mean.grad, variance.grad = 3.0 * (mean - running[0]), 3.0 * (variance - running[1])
     arrays["batch_norm.d_parameters"][8:] = torch.cat([mean.grad, variance.grad])
-    arrays["batch_norm.lifted"] = functional.leaky_relu(
+    arrays["batch_norm.upsampled"] = functional.leaky_relu(
         functional.batch_norm(x, mean.detach(), variance.detach(), weight, bias, False, 0.0, 1e-3),
         0.125)
 
@@ -534,7 +534,7 @@ def direct(name, module, seed):
     measured_m = truth_m[:, FIRST_ROW::ROW_STRIDE]
     layers.save_arrays(GOLDEN / f"exported_{name}.npz", module.eval(), measured_m[0])
     assert module.self_test(measured_m[0]).std() > 1.0, "a dull result"
-    lifted = passes_of(module, measured_m[0]) if hasattr(module, "passes") else {}
+    upsampled = passes_of(module, measured_m[0]) if hasattr(module, "passes") else {}
     before = {key: value.clone() for key, value in state.items()}
     seeds = (5, 7000)
 
@@ -546,7 +546,7 @@ def direct(name, module, seed):
     loss = module.loss(measured_m, truth_m).sum()
     loss.backward()
     arrays = {"truth_m": truth_m.reshape(-1, COLUMNS), "seeds": numpy.array(seeds, "<i8"),
-              "loss": loss.reshape(1), **lifted}
+              "loss": loss.reshape(1), **upsampled}
     for key, value in module.named_parameters():
         arrays["d." + key] = value.grad
     for key, value in module.named_buffers():

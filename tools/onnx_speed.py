@@ -57,7 +57,7 @@ class Image(torch.nn.Module):
         return self.network.image(measured_m)
 
 
-class Lifted(torch.nn.Module):
+class Upsampled(torch.nn.Module):
     """What is exported of DU-OR and DU-Mix: measured rows, metres, to all that a frame needs, before
     pixels are emptied."""
 
@@ -74,10 +74,10 @@ class Lifted(torch.nn.Module):
 def unrolled(path):
     """DU-OR or DU-Mix of a weights file, without DU-OR's filter."""
     if describe(path)[0]["kind"] == "du-mix":
-        return Lifted(DuMix.load(path))
+        return Upsampled(DuMix.load(path))
     network = DuOr.load(path, lambda h: h)
     network.find_outliers = None
-    return Lifted(network)
+    return Upsampled(network)
 
 
 def main():
@@ -95,7 +95,7 @@ def main():
     if options.network.endswith(".npz"):
         name, module = pathlib.Path(options.network).stem, unrolled(options.network)
         scan = 50.0 * torch.rand(16, 1024)
-        measure = f"hqslam bench --weights {options.network}"
+        measure = f"hqslam-lab bench --weights {options.network}"
     else:
         name = options.network
         network, published = described(name)
@@ -105,7 +105,7 @@ def main():
         module, scan = Image(published.float()), measured_m.float()[None]
         stem = out / name
         measure = (f"hqslam weights pack {stem}_arrays.npz {stem}.json --out {stem}.npz && "
-                   f"hqslam bench --weights {stem}.npz")
+                   f"hqslam-lab bench --weights {stem}.npz")
     path = str(out / f"{name}.onnx")
     torch.onnx.export(module.eval(), (scan,), path, input_names=["measured_m"], dynamo=True,
                       external_data=False)

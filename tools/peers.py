@@ -4,10 +4,10 @@
     tools/peers.py DRIVE... [--rows 16,64] [--scans N] [--peers kiss-icp,...] [--hqslam PROGRAM]
                    [--out FOLDER]
 
-DRIVE is a folder written by `hqslam simulate` (or kept by `hqslam table` under drives/). Every scan
+DRIVE is a folder written by `hqslam-lab simulate` (or kept by `hqslam-lab table` under drives/). Every scan
 is made into points as hqslam does it, of all rows or of 16, with the time of each point within the
 sweep. Each peer's trajectory is written as TUM and evaluated by `hqslam evaluate` against the
-drive's truth; the table has the columns of `hqslam table --seeds`. Nothing in the build or the tests
+drive's truth; the table has the columns of `hqslam-lab table --seeds`. Nothing in the build or the tests
 needs this script. It needs numpy and whichever peers are wanted:
 
     pip install numpy kiss-icp kiss-slam genz-icp small_gicp

@@ -59,9 +59,9 @@ chroot "$root" env -i HOME=/root PATH=/usr/bin:/bin bash -euc '
   cd
   python3 -m venv venv
   venv/bin/pip install -q --no-index --find-links wheels hqslam
-  venv/bin/hqslam simulate --drive block --sensor os1-16 --scans 12 --out drive >/dev/null
+  venv/bin/hqslam-lab simulate --drive block --sensor os1-16 --scans 12 --out drive >/dev/null
   venv/bin/python python/module_test.py
-  venv/bin/python examples/01_lift_a_scan.py
+  venv/bin/python examples/01_upsample_a_scan.py
   venv/bin/python examples/02_slam_on_a_recording.py drive os1-16 drive/truth.tum | tail -1
   venv/bin/python examples/03_look_inside_a_layer.py | tail -4
   venv/bin/python examples/04_train_for_your_sensor.py 2 | tail -1'

@@ -52,8 +52,8 @@ inside "hqslam --version && test -s /usr/share/man/man1/hqslam.1"
 step "simulate, upsample, run"
 inside "
   weights=/usr/share/hqslam/weights/du-mix_os1_16to64.npz
-  hqslam simulate --drive block --sensor os1-16 --scans 24 --out drive
-  hqslam upsample drive --weights \$weights --out lifted
+  hqslam-lab simulate --drive block --sensor os1-16 --scans 24 --out drive
+  hqslam upsample drive --weights \$weights --out upsampled
   hqslam run drive --upsample \$weights --out results
   test \$(wc -l <results/trajectory.tum) = 24"
 

@@ -30,8 +30,8 @@ std::vector<int> read_first_columns(const std::string& path, int columns) {
     const auto column = number_from<int>(line);
     if (!column || *column < 0 || *column >= columns) {
       throw Error(
-          "{}: line {}: expected a column from 0 to {}, found '{}'; lift the recording again", path,
-          first.size() + 1, columns - 1, excerpt(line));
+          "{}: line {}: expected a column from 0 to {}, found '{}'; upsample the recording again",
+          path, first.size() + 1, columns - 1, excerpt(line));
     }
     first.push_back(*column);
   }
@@ -76,8 +76,9 @@ class ImageStackSource : public ScanSource {
     if (!std::filesystem::exists(columns, error)) return;
     first_columns_ = read_first_columns(columns.string(), sensor.columns);
     if (std::ssize(first_columns_) < reader_.images()) {
-      throw Error("{}: expected a line for each of {} images, found {}; lift the recording again",
-                  columns.string(), reader_.images(), first_columns_.size());
+      throw Error(
+          "{}: expected a line for each of {} images, found {}; upsample the recording again",
+          columns.string(), reader_.images(), first_columns_.size());
     }
   }
 
@@ -145,8 +146,9 @@ class ImageStackSource : public ScanSource {
     return std::move(values.range_m);
   }
 
-  /// Stamps that lie in the folder may be more than the images: lifting was interrupted. They may
-  /// be one fewer: simulation was, between a scan and its truth. Those that were asked for may not.
+  /// Stamps that lie in the folder may be more than the images: upsampling was interrupted. They
+  /// may be one fewer: simulation was, between a scan and its truth. Those that were asked for may
+  /// not.
   void complete_stamps(bool asked_for) {
     if (stamps_s_.empty()) return;
     const auto images = static_cast<std::size_t>(reader_.images());

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 constexpr const char* kKnownRecordings =
     "a capture (.pcap, .pcapng) or bag (.db3, .mcap, .bag) of a sensor, a folder of .bin, .pcd, "
     ".ply, .las, .txt or .csv files, one such file, an .npy stack of range images or a folder "
-    "written by 'hqslam simulate'";
+    "written by 'hqslam-lab simulate'";
 
 /// KITTI's file of stamps, and no scan.
 bool is_timestamps(const std::string& path) {

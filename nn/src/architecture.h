@@ -40,7 +40,7 @@ class Architecture {
                                                 InstructionSet instruction_set,
                                                 int threads) const = 0;
 
-  /// Whether Network::lift says how sure it is.
+  /// Whether Network::upsample says how sure it is.
   virtual bool has_confidence() const { return false; }
   /// Whether it looks at what earlier scans measured (Observation::recalled).
   virtual bool has_scan_memory() const { return false; }

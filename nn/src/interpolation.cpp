@@ -55,7 +55,7 @@ RowsBetween rows_between(int row, RowSelection measured_rows,
 
 void interpolate_row(const float* above, const float* below, float part_down,
                      Interpolation interpolation, int columns, float* row) {
-  if (interpolation == Interpolation::kLinear) {  // what every lifting begins with
+  if (interpolation == Interpolation::kLinear) {  // what every upsampling begins with
     const float* nearest = part_down < 0.5F ? above : below;
 #pragma omp simd
     for (int x = 0; x < columns; ++x) {

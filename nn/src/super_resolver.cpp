@@ -50,10 +50,10 @@ struct SuperResolver::Implementation {
   }
 
   RangeImage measured_rows(const RangeImage& image) const;
-  void empty_doubtful(LiftedImage& lifted) const;
-  void empty_rejected(LiftedImage& lifted);
+  void empty_doubtful(UpsampledImage& upsampled) const;
+  void empty_rejected(UpsampledImage& upsampled);
   void trace(const Observation& seen, const std::vector<float>& confidence,
-             const LiftedImage& lifted, Trace& trace);
+             const UpsampledImage& upsampled, Trace& trace);
 
   NetworkDescription description;
   int threads;
@@ -83,18 +83,18 @@ RangeImage SuperResolver::Implementation::measured_rows(const RangeImage& image)
   return result;
 }
 
-void SuperResolver::Implementation::empty_doubtful(LiftedImage& lifted) const {
-  for (std::size_t i = 0; i < lifted.confidence.size(); ++i) {
-    if (lifted.confidence[i] < description.least_confidence) {
-      lifted.image.range_m[i] = lifted.confidence[i] = 0.0F;
+void SuperResolver::Implementation::empty_doubtful(UpsampledImage& upsampled) const {
+  for (std::size_t i = 0; i < upsampled.confidence.size(); ++i) {
+    if (upsampled.confidence[i] < description.least_confidence) {
+      upsampled.image.range_m[i] = upsampled.confidence[i] = 0.0F;
     }
   }
 }
 
-void SuperResolver::Implementation::empty_rejected(LiftedImage& lifted) {
+void SuperResolver::Implementation::empty_rejected(UpsampledImage& upsampled) {
   if (!filter) return;
-  filter->find(lifted.image.range_m.data(), rejected.data(), threads);
-  for (std::vector<float>* values : {&lifted.image.range_m, &lifted.confidence}) {
+  filter->find(upsampled.image.range_m.data(), rejected.data(), threads);
+  for (std::vector<float>* values : {&upsampled.image.range_m, &upsampled.confidence}) {
     float* value = values->data();
 #pragma omp simd
     for (std::size_t i = 0; i < values->size(); ++i) value[i] = rejected[i] == 0 ? value[i] : 0.0F;
@@ -104,9 +104,9 @@ void SuperResolver::Implementation::empty_rejected(LiftedImage& lifted) {
 /// `confidence` as the network says it: that of pixels that are emptied afterwards too.
 void SuperResolver::Implementation::trace(const Observation& seen,
                                           const std::vector<float>& confidence,
-                                          const LiftedImage& lifted, Trace& trace) {
+                                          const UpsampledImage& upsampled, Trace& trace) {
   trace = network->trace(seen);
-  RangeImage image = lifted.image;
+  RangeImage image = upsampled.image;
   if (filter) {
     image.range_m.assign(rejected.begin(), rejected.end());
     trace.add(traced_image("rejected", image, ""));
@@ -115,7 +115,7 @@ void SuperResolver::Implementation::trace(const Observation& seen,
     image.range_m = confidence;
     trace.add(traced_image("confidence", image, ""));
   }
-  trace.add(traced_image("result", lifted.image));
+  trace.add(traced_image("result", upsampled.image));
 }
 
 SuperResolver SuperResolver::load(const std::string& path, const SuperResolverOptions& options) {
@@ -138,17 +138,17 @@ std::int64_t SuperResolver::multiply_adds() const {
   return implementation_->network->multiply_adds();
 }
 
-LiftedImage SuperResolver::run(const RangeImage& image, const RecalledImage& recalled,
-                               Trace* trace) {
+UpsampledImage SuperResolver::run(const RangeImage& image, const RecalledImage& recalled,
+                                  Trace* trace) {
   Implementation& self = *implementation_;
   const RangeImage measured = self.measured_rows(image);
-  LiftedImage lifted = self.network->lift({measured, recalled}, self.tolerance_m);
+  UpsampledImage upsampled = self.network->upsample({measured, recalled}, self.tolerance_m);
   std::vector<float> confidence;
-  if (trace != nullptr) confidence = lifted.confidence;
-  self.empty_doubtful(lifted);
-  self.empty_rejected(lifted);
-  if (trace != nullptr) self.trace({measured, recalled}, confidence, lifted, *trace);
-  return lifted;
+  if (trace != nullptr) confidence = upsampled.confidence;
+  self.empty_doubtful(upsampled);
+  self.empty_rejected(upsampled);
+  if (trace != nullptr) self.trace({measured, recalled}, confidence, upsampled, *trace);
+  return upsampled;
 }
 
 }  // namespace hqslam::nn

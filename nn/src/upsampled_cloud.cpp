@@ -160,14 +160,14 @@ void copy_row(const OrganizedCloud& measured, int from, OrganizedCloud& cloud, i
 
 }  // namespace
 
-OrganizedCloud upsampled_cloud(const LiftedImage& lifted, const OrganizedCloud& measured,
+OrganizedCloud upsampled_cloud(const UpsampledImage& upsampled, const OrganizedCloud& measured,
                                RowSelection measured_rows, const SensorModel& sensor) {
-  check_shapes(lifted.image, measured, measured_rows, sensor);
+  check_shapes(upsampled.image, measured, measured_rows, sensor);
   OrganizedCloud cloud = unproject(
-      lifted.image, sensor,
+      upsampled.image, sensor,
       measured.time_offset_s.empty() ? CaptureTime::kMotionCorrected : CaptureTime::kRolling,
       first_column(measured, select_rows(sensor, measured_rows)));
-  cloud.confidence = lifted.confidence;
+  cloud.confidence = upsampled.confidence;
   if (!measured.intensity.empty()) cloud.intensity.assign(cloud.range_m.size(), 0.0F);
   const std::vector<Deviation> deviations = deviations_of(measured, measured_rows, sensor, cloud);
 #pragma omp parallel for schedule(static)

@@ -49,7 +49,7 @@ std::string Upsampler::name() const {
   return std::string(kNames[static_cast<std::size_t>(std::get<Interpolation>(method_))]);
 }
 
-LiftedImage Upsampler::run(const RangeImage& measured, const RecalledImage& recalled) {
+UpsampledImage Upsampler::run(const RangeImage& measured, const RecalledImage& recalled) {
   if (auto* resolver = std::get_if<SuperResolver>(&method_)) {
     return resolver->run(measured, recalled);
   }

@@ -22,12 +22,12 @@ only() {
 
 for folder in core/include core/internal core/src; do only $folder hqslam/ core; done
 only core/evaluation hqslam/ core evaluation
-only core/sim hqslam/ core sim
+only tools/lab/simulator hqslam/ core sim
 only core/recordings hqslam/ core recordings
 only core/live hqslam/ core recordings live
 only nn hqslam/ core nn
 only slam hqslam/ core slam
-only python hqslam/ core evaluation nn recordings sim slam
+only tools/python hqslam/ core evaluation nn recordings sim slam
 
 # Within nn: kernels know neither graphs nor networks, graphs no networks, and nobody the compared ones.
 for pair in kernels:'graph|hqs|training' graph:'hqs|training' hqs:training training:hqs; do
@@ -40,7 +40,7 @@ done
 
 # Heavy parents stay with those who need them, and out of every installed header.
 for header in ceres; do
-  users=$(grep -rlE "#include <$header/" --include='*.h' --include='*.cpp' core nn slam tools python | grep -v '^slam/src/' || true)
+  users=$(grep -rlE "#include <$header/" --include='*.h' --include='*.cpp' core nn slam tools | grep -v '^slam/src/' || true)
   if [[ -n "$users" ]]; then
     printf 'only slam/src may include %s:\n%s\n' "$header" "$users"
     wrong=1

@@ -57,7 +57,7 @@ TEST_CASE("the scans of a drive have the stamps of its truth, also where it was 
     for (int i = 0; i < poses; ++i) truth.push_back({0.05 + 0.1 * i, Pose::Identity()});
     write_tum(truth, directory.file("truth.tum"));
   };
-  // Of a whole drive, of one that was lifted in part, of one whose last pose is missing.
+  // Of a whole drive, of one that was upsampled in part, of one whose last pose is missing.
   for (const int poses : {3, 5, 2}) {
     CAPTURE(poses);
     with_truth_of(poses);

@@ -204,19 +204,19 @@ TEST_CASE("a simulated drive is opened with the sensor it was made with and no o
 TEST_CASE("what a folder's sensor file says of its images holds whatever the sensor is called") {
   const TemporaryDirectory directory;
   const SensorModel preset = sensor_preset("hdl-32e");
-  SensorModel lifted = preset;
-  lifted.measured_rows = RowSelection{3, 4};
-  lifted.motion_corrected = true;
-  write_sensor_json(lifted, directory.file("sensor.json"));
+  SensorModel upsampled = preset;
+  upsampled.measured_rows = RowSelection{3, 4};
+  upsampled.motion_corrected = true;
+  write_sensor_json(upsampled, directory.file("sensor.json"));
   NpyStackWriter(directory.file("scans.npy"), 32, preset.columns).append(an_image(preset));
   const std::string path = directory.path().string();
   const auto source = open_recording(path, preset);
-  CHECK(source->sensor() == lifted);
+  CHECK(source->sensor() == upsampled);
   CHECK(source->next()->cloud.time_offset_s.empty());
 
   // The same stack alone is taken as the caller says.
   CHECK_FALSE(open_recording(path + "/scans.npy", preset)->next()->cloud.time_offset_s.empty());
-  CHECK(open_recording(path + "/scans.npy", lifted)->next()->cloud.time_offset_s.empty());
+  CHECK(open_recording(path + "/scans.npy", upsampled)->next()->cloud.time_offset_s.empty());
   write_sensor_json(preset, directory.file("sensor.json"));
   const RecordingOptions corrected{RowOrder::kHighestFirst, CaptureTime::kMotionCorrected};
   CHECK(open_recording(path, preset, corrected)->next()->cloud.time_offset_s.empty());

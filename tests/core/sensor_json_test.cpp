@@ -49,9 +49,9 @@ TEST_CASE("a sensor file in degrees is read field by field") {
 
 TEST_CASE("a sensor file may name the measured rows, and they come back from it") {
   CHECK(!sensor_of(kOwn).measured_rows);
-  const std::string lifted = replaced_in(
+  const std::string upsampled = replaced_in(
       kOwn, "\"columns\"", "\"measured_rows\": {\"offset\": 1, \"stride\": 4}, \"columns\"");
-  const SensorModel sensor = sensor_of(lifted);
+  const SensorModel sensor = sensor_of(upsampled);
   CHECK(sensor.measured_rows == RowSelection{1, 4});
   CHECK(sensor_of(sensor_json(sensor)) == sensor);
 }

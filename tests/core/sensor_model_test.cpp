@@ -72,10 +72,10 @@ TEST_CASE("a stride beyond the last row leaves one row") {
 }
 
 TEST_CASE("a selection of rows keeps in mind which of them were measured") {
-  SensorModel lifted = sensor_preset("os1-64");
-  lifted.measured_rows = RowSelection{3, 4};
+  SensorModel upsampled = sensor_preset("os1-64");
+  upsampled.measured_rows = RowSelection{3, 4};
   const auto measured_of = [&](int offset, int stride) {
-    return select_rows(lifted, {offset, stride}).measured_rows;
+    return select_rows(upsampled, {offset, stride}).measured_rows;
   };
   CHECK(measured_of(3, 4) == std::nullopt);  // all of them
   CHECK(measured_of(7, 8) == std::nullopt);
@@ -83,7 +83,7 @@ TEST_CASE("a selection of rows keeps in mind which of them were measured") {
   CHECK(measured_of(0, 1) == RowSelection{3, 4});
   CHECK(measured_of(0, 3) == RowSelection{1, 4});
   CHECK(measured_of(0, 63) == RowSelection{1, 2});  // rows 0 and 63
-  CHECK_THROWS_AS(select_rows(lifted, {2, 4}), Error);
+  CHECK_THROWS_AS(select_rows(upsampled, {2, 4}), Error);
 }
 
 TEST_CASE("column 0 looks backwards, the middle column forward, azimuth falls with the column") {

@@ -24,7 +24,7 @@ struct DriverCallback {
       scan.time_offset_s.push_back(static_cast<float>(point.time_s - scan.stamp_s));
     }
     const auto measured = hqslam::project(scan, sensor).cloud;
-    const auto lifted = hqslam::nn::upsampled_cloud(upsampler, measured);
-    return slam.process(lifted, scan.stamp_s).T_map_sensor;
+    const auto upsampled = hqslam::nn::upsampled_cloud(upsampler, measured);
+    return slam.process(upsampled, scan.stamp_s).T_map_sensor;
   }
 };

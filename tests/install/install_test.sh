@@ -11,7 +11,7 @@ program=${4:-}
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
-for component in core evaluation recordings live nn slam sim; do
+for component in core evaluation recordings live nn slam; do
   cmake --install "$build_folder" --prefix "$folder/prefix" --component "$component" >/dev/null
 done
 
@@ -22,13 +22,13 @@ cmake -S "$source_folder" -B "$folder/build" -G Ninja -DCMAKE_BUILD_TYPE=Release
 cmake --build "$folder/build" >"$folder/log" 2>&1 || { cat "$folder/log"; exit 1; }
 
 # They run: without arguments they say 2.
-for consumer in drive_to_poses driver_to_poses lift_scans; do
+for consumer in drive_to_poses driver_to_poses upsample_scans; do
   status=0
   "$folder/build/$consumer" || status=$?
   [[ $status == 2 ]] || { echo "$consumer ended with $status instead of 2"; exit 1; }
 done
 
-# They read a recording, lift and locate: after ten scans as far
+# They read a recording, upsample and locate: after ten scans as far
 # from the start as the truth, to 0.1 m.
 if [[ -n "$program" ]]; then
   weights="$source_folder/../../weights/du-mix_os1_16to64.npz"

@@ -30,11 +30,11 @@ RangeImage repeated_scan(int columns, int times) {
   return image;
 }
 
-LiftedImage lifted(NetworkDescription description, const RangeImage& measured) {
+UpsampledImage upsampled(NetworkDescription description, const RangeImage& measured) {
   description.sensor.columns = 26 * 8;  // of which these are some, or all
   return made(description, initial_parameters(description, 5), 1, chosen_instruction_set(),
               measured.columns)
-      ->lift(measured, 0.5F);
+      ->upsample(measured, 0.5F);
 }
 
 }  // namespace
@@ -62,12 +62,12 @@ TEST_CASE("images may have any number of columns that the strides divide, down t
     for (const int columns : {multiple, 3 * multiple, 5 * multiple, 13 * multiple}) {
       CAPTURE(name(description));
       CAPTURE(columns);
-      const LiftedImage once = lifted(description, repeated_scan(columns, 1));
+      const UpsampledImage once = upsampled(description, repeated_scan(columns, 1));
       REQUIRE(once.image.columns == columns);
       for (const float range_m : once.image.range_m) REQUIRE(std::isfinite(range_m));
       if (multiple == 1) continue;  // it does not go round
-      // A scan that stands twice on a circle is lifted to what stands there twice.
-      const LiftedImage twice = lifted(description, repeated_scan(columns, 2));
+      // A scan that stands twice on a circle is upsampled to what stands there twice.
+      const UpsampledImage twice = upsampled(description, repeated_scan(columns, 2));
       for (int row = 0; row < 16; ++row) {
         for (int column = 0; column < 2 * columns; ++column) {
           REQUIRE(twice.image.at(row, column) ==
@@ -80,7 +80,7 @@ TEST_CASE("images may have any number of columns that the strides divide, down t
     other.sensor.columns = 60;
     CHECK(test::refused_with([&] { validate(other); }, "60", "multiple"));
     for (const int columns : {multiple - 1, multiple + 1, 3 * multiple + multiple / 2}) {
-      CHECK(test::refused_with([&] { lifted(description, RangeImage(4, columns)); },
+      CHECK(test::refused_with([&] { upsampled(description, RangeImage(4, columns)); },
                                std::to_string(columns), "multiple"));
     }
   }
@@ -161,7 +161,7 @@ TEST_CASE("the steps of a network are all that it multiplies, and running them c
     constexpr int kThreads = 2;
     const auto network = made(description, initial_parameters(description, 5), kThreads);
     const RangeImage measured = measured_scene(description);
-    const LiftedImage expected = network->lift(measured, 0.5F);
+    const UpsampledImage expected = network->upsample(measured, 0.5F);
     std::int64_t multiply_adds = 0;
     int references = 0;
     for (const NetworkStep& step : network->steps(measured)) {
@@ -175,7 +175,7 @@ TEST_CASE("the steps of a network are all that it multiplies, and running them c
     }
     CHECK(multiply_adds == network->multiply_adds());
     CHECK(references > 0);
-    const LiftedImage& again = network->lift(measured, 0.5F);
+    const UpsampledImage& again = network->upsample(measured, 0.5F);
     CHECK(again.image.range_m == expected.image.range_m);
     CHECK(again.confidence == expected.confidence);
   }

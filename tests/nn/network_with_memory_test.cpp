@@ -60,13 +60,13 @@ TEST_CASE("what is recalled changes computed pixels alone, the same with any num
   const RangeImage measured = measured_scene(description);
   const RecalledImage recalled = recalled_scene();
   const auto network = made(description, parameters);
-  const LiftedImage without = network->lift(measured, 0.5F);
-  const LiftedImage with = network->lift({measured, recalled}, 0.5F);
+  const UpsampledImage without = network->upsample(measured, 0.5F);
+  const UpsampledImage with = network->upsample({measured, recalled}, 0.5F);
   CHECK(with.image.range_m != without.image.range_m);
   CHECK(select_rows(with.image, description.measured_rows).range_m == measured.range_m);
-  CHECK(made(description, parameters, 3)->lift({measured, recalled}, 0.5F).image.range_m ==
+  CHECK(made(description, parameters, 3)->upsample({measured, recalled}, 0.5F).image.range_m ==
         with.image.range_m);
-  CHECK(network->lift(measured, 0.5F).image.range_m == without.image.range_m);
+  CHECK(network->upsample(measured, 0.5F).image.range_m == without.image.range_m);
 }
 
 TEST_CASE("a memory that begins with another network's weights begins as that network") {
@@ -75,10 +75,10 @@ TEST_CASE("a memory that begins with another network's weights begins as that ne
   const Weights weights = small_weights(plain);
   const std::vector<float> parameters = parameters_to_start_from(weights, description, "file");
   const RangeImage measured = measured_scene(plain);
-  const LiftedImage expected = made(plain, weights.parameters)->lift(measured, 0.5F);
-  const LiftedImage lifted = made(description, parameters)->lift(measured, 0.5F);
+  const UpsampledImage expected = made(plain, weights.parameters)->upsample(measured, 0.5F);
+  const UpsampledImage upsampled = made(description, parameters)->upsample(measured, 0.5F);
   for (std::size_t i = 0; i < expected.image.range_m.size(); ++i) {
-    REQUIRE(lifted.image.range_m[i] == doctest::Approx(expected.image.range_m[i]).epsilon(1e-5));
+    REQUIRE(upsampled.image.range_m[i] == doctest::Approx(expected.image.range_m[i]).epsilon(1e-5));
   }
   CHECK(parameters_to_start_from(weights, plain, "file") == weights.parameters);
   const auto refuses = [&](const Weights& from, const NetworkDescription& to) {

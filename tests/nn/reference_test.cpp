@@ -53,11 +53,11 @@ TEST_CASE("the reference's breadth-first search rejects what the fast filter rej
 TEST_CASE("DU-Mix's confidence is the reference's") {
   const NetworkDescription description = small_du_mix();
   const auto network = made(description, large_parameters(description, 9));
-  const LiftedImage& lifted = network->lift(measured_scene(description), 0.5F);
+  const UpsampledImage& upsampled = network->upsample(measured_scene(description), 0.5F);
   const ReferenceTrace reference = reference_of(description);
   const std::vector<double>& expected = reference.tensor("confidence").values;
   for (std::size_t i = 0; i < expected.size(); ++i) {
-    REQUIRE(lifted.confidence[i] == doctest::Approx(expected[i]).epsilon(1e-3));
+    REQUIRE(upsampled.confidence[i] == doctest::Approx(expected[i]).epsilon(1e-3));
   }
 }
 

@@ -48,14 +48,14 @@ TEST_CASE(
     SuperResolver resolver(weights, {});
     RangeImage scene = select_rows(small_scene(), weights.description.measured_rows);
     scene.at(2, 30) = 0.0F;
-    const LiftedImage expected = resolver.run(scene);
+    const UpsampledImage expected = resolver.run(scene);
     constexpr float kInfinity = std::numeric_limits<float>::infinity();
     for (const float range_m : {1e6F, 3e38F, kInfinity, std::nanf(""), -5.0F}) {
       CAPTURE(range_m);
       scene.at(2, 30) = range_m;
-      const LiftedImage lifted = resolver.run(scene);
-      CHECK(lifted.image.range_m == expected.image.range_m);
-      CHECK(lifted.confidence == expected.confidence);
+      const UpsampledImage upsampled = resolver.run(scene);
+      CHECK(upsampled.image.range_m == expected.image.range_m);
+      CHECK(upsampled.confidence == expected.confidence);
     }
   }
 }
@@ -69,22 +69,22 @@ TEST_CASE("inside a parallel region of the caller's each object works as it does
     const RangeImage scene = small_scene();
     SuperResolver alone = SuperResolver::load(path, {.threads = 2});
     Trace expected_trace;
-    const LiftedImage expected = alone.run(scene, &expected_trace);
+    const UpsampledImage expected = alone.run(scene, &expected_trace);
     constexpr int kCallers = 3;
     std::array<std::string, kCallers> complaints;
-    std::array<LiftedImage, kCallers> lifted;
+    std::array<UpsampledImage, kCallers> upsampled;
     std::array<Trace, kCallers> traces;
 #pragma omp parallel for num_threads(kCallers) schedule(static, 1)
     for (int i = 0; i < kCallers; ++i) {
       complaints[i] = test::error_message([&] {
         SuperResolver own = SuperResolver::load(path, {.threads = 2});
-        lifted[i] = own.run(scene, &traces[i]);
+        upsampled[i] = own.run(scene, &traces[i]);
       });
     }
     for (int i = 0; i < kCallers; ++i) {
       CHECK(complaints[i] == "no Error");
-      CHECK(lifted[i].image.range_m == expected.image.range_m);
-      CHECK(lifted[i].confidence == expected.confidence);
+      CHECK(upsampled[i].image.range_m == expected.image.range_m);
+      CHECK(upsampled[i].confidence == expected.confidence);
       REQUIRE(traces[i].tensors().size() == expected_trace.tensors().size());
       for (std::size_t n = 0; n < expected_trace.tensors().size(); ++n) {
         CHECK(traces[i].tensors()[n].values == expected_trace.tensors()[n].values);

@@ -11,15 +11,15 @@ namespace {
 
 /// What SuperResolver makes of the small scene, and its trace.
 struct Traced {
-  LiftedImage lifted;
+  UpsampledImage upsampled;
   Trace trace;
 };
 
 Traced traced_run(const NetworkDescription& description, const RangeImage& scene = small_scene()) {
   SuperResolver resolver(small_weights(description), {});
   Traced traced;
-  traced.lifted = resolver.run(scene, &traced.trace);
-  CHECK(resolver.run(scene).image.range_m == traced.lifted.image.range_m);
+  traced.upsampled = resolver.run(scene, &traced.trace);
+  CHECK(resolver.run(scene).image.range_m == traced.upsampled.image.range_m);
   return traced;
 }
 
@@ -59,7 +59,7 @@ TEST_CASE("DU-OR's trace has every inner tensor by name, in its order") {
   CHECK(lower.columns == 8);
   CHECK(lower.unit.empty());
   CHECK(traced.trace.tensor("layers.1.h").unit == "m");
-  CHECK(traced.trace.image("result").range_m == traced.lifted.image.range_m);
+  CHECK(traced.trace.image("result").range_m == traced.upsampled.image.range_m);
   // The weights of a choice are a softmax, and Z is what they choose.
   const auto value = [&](const char* name, std::size_t i) {
     return traced.trace.tensor(name).values[i];

@@ -33,10 +33,10 @@ void check_against_pytorch(NetworkDescription description, const std::string& fi
     const RangeImage measured = golden.image("measured_m");
     RecalledImage recalled;
     if (golden.has("weight")) recalled = {golden.image("recalled_m"), golden.values("weight")};
-    const LiftedImage& lifted = network->lift({measured, recalled}, 0.5F);
-    CHECK(relative_error(computed_pixels(lifted.image.range_m), golden.values("range_m")) <
+    const UpsampledImage& upsampled = network->upsample({measured, recalled}, 0.5F);
+    CHECK(relative_error(computed_pixels(upsampled.image.range_m), golden.values("range_m")) <
           kPriorTolerance);
-    CHECK(relative_error(computed_pixels(lifted.confidence), golden.values("confidence")) <
+    CHECK(relative_error(computed_pixels(upsampled.confidence), golden.values("confidence")) <
           kPriorTolerance);
     const std::vector<float> expected = golden.values("d_parameters");
     std::vector<float> d_parameters(expected.size());
@@ -82,12 +82,12 @@ TEST_CASE("any number of threads gives the same bytes") {
   const std::vector<float> parameters = initial_parameters(description, 3);
   const RangeImage measured = measured_scene(description);
   const auto one = made(description, parameters);
-  const LiftedImage expected = one->lift(measured, 0.5F);
+  const UpsampledImage expected = one->upsample(measured, 0.5F);
   for (const int threads : {2, 3, 5}) {
     const auto several = made(description, parameters, threads);
-    const LiftedImage& lifted = several->lift(measured, 0.5F);
-    CHECK(lifted.image.range_m == expected.image.range_m);
-    CHECK(lifted.confidence == expected.confidence);
+    const UpsampledImage& upsampled = several->upsample(measured, 0.5F);
+    CHECK(upsampled.image.range_m == expected.image.range_m);
+    CHECK(upsampled.confidence == expected.confidence);
   }
 }
 
@@ -100,20 +100,20 @@ TEST_CASE(
   measured.at(2, 10) = std::numeric_limits<float>::infinity();
   measured.at(3, 11) = -4.0F;
   const auto network = made(description, initial_parameters(description, 3));
-  const LiftedImage& lifted = network->lift(measured, 0.5F);
+  const UpsampledImage& upsampled = network->upsample(measured, 0.5F);
   for (int row = 0; row < measured.rows; ++row) {
     for (int column = 0; column < 64; ++column) {
       const float range_m = measured.at(row, column);
       const bool there = range_m > 0.0F && std::isfinite(range_m);
-      const std::size_t pixel = lifted.image.index(3 + 4 * row, column);
-      REQUIRE(lifted.image.range_m[pixel] == (there ? range_m : 0.0F));
-      REQUIRE(lifted.confidence[pixel] == (there ? 1.0F : 0.0F));
+      const std::size_t pixel = upsampled.image.index(3 + 4 * row, column);
+      REQUIRE(upsampled.image.range_m[pixel] == (there ? range_m : 0.0F));
+      REQUIRE(upsampled.confidence[pixel] == (there ? 1.0F : 0.0F));
     }
   }
-  for (std::size_t i = 0; i < lifted.confidence.size(); ++i) {
-    REQUIRE(std::isfinite(lifted.image.range_m[i]));
-    REQUIRE(lifted.confidence[i] >= 0.0F);
-    REQUIRE(lifted.confidence[i] <= 1.0F);
+  for (std::size_t i = 0; i < upsampled.confidence.size(); ++i) {
+    REQUIRE(std::isfinite(upsampled.image.range_m[i]));
+    REQUIRE(upsampled.confidence[i] >= 0.0F);
+    REQUIRE(upsampled.confidence[i] <= 1.0F);
   }
 }
 
@@ -121,8 +121,8 @@ TEST_CASE("the confidence grows with the tolerance") {
   const NetworkDescription description = small_du_mix();
   const RangeImage measured = measured_scene(description);
   const auto network = made(description, initial_parameters(description, 3));
-  const std::vector<float> narrow = network->lift(measured, 0.05F).confidence;
-  const std::vector<float> wide = network->lift(measured, 0.5F).confidence;
+  const std::vector<float> narrow = network->upsample(measured, 0.05F).confidence;
+  const std::vector<float> wide = network->upsample(measured, 0.5F).confidence;
   double gain = 0.0;
   for (std::size_t i = 0; i < narrow.size(); ++i) {
     REQUIRE(wide[i] >= narrow[i] - 1e-6F);
@@ -142,8 +142,8 @@ TEST_CASE("a scan that is turned comes out turned, by a whole number of tiles") 
     }
   }
   const auto network = made(description, initial_parameters(description, 3));
-  const LiftedImage first = network->lift(measured, 0.5F);
-  const LiftedImage& second = network->lift(turned, 0.5F);
+  const UpsampledImage first = network->upsample(measured, 0.5F);
+  const UpsampledImage& second = network->upsample(turned, 0.5F);
   for (int row = 0; row < first.image.rows; ++row) {
     for (int column = 0; column < 64; ++column) {
       REQUIRE(second.image.at(row, column) ==
@@ -168,7 +168,7 @@ TEST_CASE("a DU-Mix that cannot be is refused with the field") {
   const auto network = make_network(small_du_mix(), 64, InstructionSet::kPortable, 1);
   CHECK(
       test::refused_with([&] { network->set_parameters(std::vector<float>(7)); }, "7 parameters"));
-  CHECK(test::refused_with([&] { network->lift(RangeImage(4, 32), 0.5F); }, "4 x 32"));
+  CHECK(test::refused_with([&] { network->upsample(RangeImage(4, 32), 0.5F); }, "4 x 32"));
 }
 
 }  // namespace hqslam::nn

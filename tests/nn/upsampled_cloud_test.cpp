@@ -63,15 +63,15 @@ Eigen::Vector3f point_at(const SensorModel& sensor, int row, int column, double 
 
 TEST_CASE("what was measured is sure, also where a network takes it for too far") {
   const SensorModel sensor = six_row_sensor();
-  RangeImage lifted = flat(10.0F);
-  lifted.at(1, 3) = 0.0F;
+  RangeImage upsampled = flat(10.0F);
+  upsampled.at(1, 3) = 0.0F;
   const OrganizedCloud measured =
       unproject(select_rows(flat(10.0F), kMeasuredRows), select_rows(sensor, kMeasuredRows),
                 CaptureTime::kMotionCorrected);
-  std::vector<float> confidence(lifted.range_m.size(), 0.5F);
-  confidence[lifted.index(1, 3)] = 0.0F;
+  std::vector<float> confidence(upsampled.range_m.size(), 0.5F);
+  confidence[upsampled.index(1, 3)] = 0.0F;
   const OrganizedCloud cloud =
-      upsampled_cloud({lifted, confidence}, measured, kMeasuredRows, sensor);
+      upsampled_cloud({upsampled, confidence}, measured, kMeasuredRows, sensor);
   CHECK(cloud.range_m[cloud.index(1, 3)] == doctest::Approx(10.0));
   CHECK(cloud.confidence[cloud.index(1, 3)] == 1.0F);
   CHECK(cloud.confidence[cloud.index(2, 3)] == 0.5F);
@@ -136,7 +136,7 @@ TEST_CASE("the scans of a sensor that keeps to its beam table become what unproj
 
 TEST_CASE("a computed point deviates from its beam as the measured ones above and below do") {
   const SensorModel sensor = six_row_sensor();
-  const RangeImage lifted = flat(20.0F);
+  const RangeImage upsampled = flat(20.0F);
   OrganizedCloud measured(3, 16);
   const auto measure = [&](int measured_row, int column, double deviation_deg) {
     const int row = kMeasuredRows.offset + measured_row * kMeasuredRows.stride;
@@ -150,7 +150,7 @@ TEST_CASE("a computed point deviates from its beam as the measured ones above an
   measure(1, 5, 0.4);   // row 2 of column 5 has only the one below
   measure(0, 6, -0.3);  // row 0 lies above the first measured row
 
-  const OrganizedCloud cloud = upsampled_cloud({lifted, {}}, measured, kMeasuredRows, sensor);
+  const OrganizedCloud cloud = upsampled_cloud({upsampled, {}}, measured, kMeasuredRows, sensor);
   const auto deviation_deg = [&](int row, int column) {
     return (elevation_rad(cloud.points_m[cloud.index(row, column)]) -
             sensor.beam_elevation_rad[row]) /
@@ -219,9 +219,9 @@ TEST_CASE("a computed point is as late as the nearer one of the rows above and b
 
 TEST_CASE("images that are not of the sensor are refused in one line") {
   const SensorModel sensor = six_row_sensor();
-  const auto message = [&](int lifted_rows, int measured_rows) {
+  const auto message = [&](int upsampled_rows, int measured_rows) {
     return error_message([&] {
-      upsampled_cloud({RangeImage(lifted_rows, 16), {}}, OrganizedCloud(measured_rows, 16),
+      upsampled_cloud({RangeImage(upsampled_rows, 16), {}}, OrganizedCloud(measured_rows, 16),
                       kMeasuredRows, sensor);
     });
   };
@@ -249,14 +249,14 @@ TEST_CASE(
   CHECK(joined_sum_m < 0.6 * table_sum_m);
 }
 
-TEST_CASE("the confidence of a lifted image is that of its cloud") {
+TEST_CASE("the confidence of a upsampled image is that of its cloud") {
   const SensorModel sensor = six_row_sensor();
   const RangeImage image = image_of(sensor);
   const OrganizedCloud measured =
       select_rows(unproject(image, sensor, CaptureTime::kMotionCorrected), kMeasuredRows);
-  LiftedImage lifted{image, std::vector<float>(image.range_m.size(), 0.25F)};
-  lifted.confidence[33] = 0.75F;  // row 2, which is computed
-  const OrganizedCloud cloud = upsampled_cloud(lifted, measured, kMeasuredRows, sensor);
+  UpsampledImage upsampled{image, std::vector<float>(image.range_m.size(), 0.25F)};
+  upsampled.confidence[33] = 0.75F;  // row 2, which is computed
+  const OrganizedCloud cloud = upsampled_cloud(upsampled, measured, kMeasuredRows, sensor);
   CHECK(select_rows(cloud, {0, 2}).confidence == std::vector<float>([&] {
           std::vector<float> computed(std::size_t{3} * 16, 0.25F);
           computed[17] = 0.75F;

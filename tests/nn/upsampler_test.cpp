@@ -31,7 +31,7 @@ TEST_CASE("an upsampler of a network alone is one for the network's own sensor")
   CHECK(upsampler.measured_rows() == RowSelection{3, 4});
   CHECK(upsampler.run(measured).image.range_m == same.run(measured).image.range_m);
 
-  // What it lifts: rows 3, 7, 11, 15 of 16, all of them measured.
+  // What it upsamples: rows 3, 7, 11, 15 of 16, all of them measured.
   const SensorModel four = upsampler.measured_sensor();
   CHECK(four.rows() == 4);
   CHECK(four.columns == 64);

@@ -10,11 +10,11 @@ namespace {
 /// Says the same image and confidence of every scan.
 class FixedNetwork final : public Network {
  public:
-  explicit FixedNetwork(LiftedImage lifted)
-      : Network(small_du_or(), 64), lifted_(std::move(lifted)) {}
+  explicit FixedNetwork(UpsampledImage upsampled)
+      : Network(small_du_or(), 64), upsampled_(std::move(upsampled)) {}
   std::int64_t multiply_adds() const override { return 0; }
   void set_parameters(std::span<const float>) override {}
-  const LiftedImage& lift(const Observation&, float) override { return lifted_; }
+  const UpsampledImage& upsample(const Observation&, float) override { return upsampled_; }
   Trace trace(const Observation&) override { return {}; }
 
  private:
@@ -23,7 +23,7 @@ class FixedNetwork final : public Network {
     return 0.0;
   }
 
-  LiftedImage lifted_;
+  UpsampledImage upsampled_;
 };
 
 /// Walls 10 m away.
@@ -47,18 +47,18 @@ RangeImage truth() {
 }  // namespace
 
 TEST_CASE("validation empties the least sure pixels until as much is missing as linearly") {
-  LiftedImage lifted{truth(), std::vector<float>(16 * 64, 0.9F)};
+  UpsampledImage upsampled{truth(), std::vector<float>(16 * 64, 0.9F)};
   for (int column = 0; column < 16; ++column) {
-    lifted.image.at(6, column) = 30.0F;  // invented, and hardly believed
-    lifted.confidence[lifted.image.index(6, column)] = 0.105F;
+    upsampled.image.at(6, column) = 30.0F;  // invented, and hardly believed
+    upsampled.confidence[upsampled.image.index(6, column)] = 0.105F;
   }
   for (int row = 8; row < 11;
        ++row) {  // true returns that are hardly believed: as many as linear's
     for (int column = 40; column < 44; ++column) {
-      lifted.confidence[lifted.image.index(row, column)] = 0.205F;
+      upsampled.confidence[upsampled.image.index(row, column)] = 0.205F;
     }
   }
-  FixedNetwork network(lifted);
+  FixedNetwork network(upsampled);
   const NetworkDescription description = small_du_or();
   const Validation validation = validation_of({validated_scan(network, description, {truth()})});
   // Of 12 x 64 computed pixels 16 have no true return; 12 + 2 x 8 lie beside empty measured rows.
@@ -86,12 +86,12 @@ TEST_CASE("linear interpolation's figures are over the pixels of all scans, as t
 }
 
 TEST_CASE("what says nothing of its confidence is taken as it is") {
-  LiftedImage lifted{truth(), {}};
-  lifted.image.at(1, 5) = 10.4F;
-  lifted.image.at(1, 6) = 12.0F;
-  lifted.image.at(6, 3) = 7.0F;  // where truth has nothing
-  lifted.image.at(2, 9) = 0.0F;
-  FixedNetwork network(lifted);
+  UpsampledImage upsampled{truth(), {}};
+  upsampled.image.at(1, 5) = 10.4F;
+  upsampled.image.at(1, 6) = 12.0F;
+  upsampled.image.at(6, 3) = 7.0F;  // where truth has nothing
+  upsampled.image.at(2, 9) = 0.0F;
+  FixedNetwork network(upsampled);
   const Validation validation = validation_of({validated_scan(network, small_du_or(), {truth()})});
   CHECK(validation.network.wrong_share == doctest::Approx(2.0 / (12 * 64 - 16)));
   CHECK(validation.network.missing_share == doctest::Approx(1.0 / (12 * 64 - 16)));
@@ -100,15 +100,15 @@ TEST_CASE("what says nothing of its confidence is taken as it is") {
 
 TEST_CASE("the exponent of the confidence makes it the share that is right") {
   // Said with 0.5, right with 0.25; said with 0.25, right with 0.0625: squares.
-  LiftedImage lifted{truth(), std::vector<float>(16 * 64)};
+  UpsampledImage upsampled{truth(), std::vector<float>(16 * 64)};
   int number = 0;
-  for (std::size_t i = 0; i < lifted.confidence.size(); ++i) {
+  for (std::size_t i = 0; i < upsampled.confidence.size(); ++i) {
     const bool often = i / 64 % 2 == 0;
-    lifted.confidence[i] = often ? 0.5F : 0.25F;
+    upsampled.confidence[i] = often ? 0.5F : 0.25F;
     const bool right = number++ % 16 < (often ? 4 : 1);
-    lifted.image.range_m[i] = right ? 10.0F : 20.0F;
+    upsampled.image.range_m[i] = right ? 10.0F : 20.0F;
   }
-  FixedNetwork network(lifted);
+  FixedNetwork network(upsampled);
   const Validation validation = validation_of({validated_scan(network, small_du_or(), {walls()})});
   CHECK(validation.confidence_exponent == doctest::Approx(2.0).epsilon(0.02));
 }

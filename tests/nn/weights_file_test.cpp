@@ -113,7 +113,7 @@ TEST_CASE("missing, unknown, misshapen and non-finite arrays are refused by name
   CHECK(one_line_with(message_after([](NpzArrays& a) { a.erase("self_test.measured"); }),
                       "self_test.measured", "found none"));
   CHECK(one_line_with(message_after([](NpzArrays& a) { a.erase("description"); }), "description",
-                      "hqslam train"));
+                      "hqslam-lab train"));
 }
 
 TEST_CASE("a description that does not fit is refused with field, expected and found") {

@@ -111,8 +111,8 @@ class Recordings(unittest.TestCase):
         samples = np.concatenate([scan.imu for scan in scans])
         self.assertEqual(samples.shape[1], 7)
         self.assertGreater(len(samples), 15)  # a hundred a second
-        lifted = hqslam.Upsampler(WEIGHTS).upsampled_cloud(scans[1].cloud)
-        self.assertEqual(lifted.intensity.shape, (64, 1024))
+        upsampled = hqslam.Upsampler(WEIGHTS).upsampled_cloud(scans[1].cloud)
+        self.assertEqual(upsampled.intensity.shape, (64, 1024))
         slam = hqslam.Slam(SENSOR)
         slam.process(scans[1].cloud, 0.0)
         map_intensity = slam.map_intensity()
@@ -203,13 +203,13 @@ class Slam(unittest.TestCase):
         self.assertLess(gap_m, 0.1)
 
 
-class Lifting(unittest.TestCase):
+class Upsampling(unittest.TestCase):
     def test_keeps_measured_rows_and_says_how_sure_it_is(self):
         upsampler = hqslam.Upsampler(WEIGHTS)
-        lifted = upsampler.run(DRIVE[0].range_m)
+        upsampled = upsampler.run(DRIVE[0].range_m)
         rows = upsampler.sensor.measured_rows
-        np.testing.assert_array_equal(lifted.range_m[rows], DRIVE[0].range_m)
-        self.assertEqual(lifted.confidence.shape, (64, 1024))
+        np.testing.assert_array_equal(upsampled.range_m[rows], DRIVE[0].range_m)
+        self.assertEqual(upsampled.confidence.shape, (64, 1024))
         cloud = hqslam.unproject(DRIVE[0].range_m, upsampler.measured_sensor)
         self.assertEqual(upsampler.upsampled_cloud(cloud).points_m.shape, (64, 1024, 3))
 
@@ -246,19 +246,19 @@ class Lifting(unittest.TestCase):
         both = (recalled.range_m > 0) & (scan.range_m > 0) & (recalled.weight > 0)
         self.assertGreater(both.sum(), 10000)
         self.assertLess(np.median(np.abs(recalled.range_m - scan.range_m)[both]), 0.05)
-        lifted = upsampler.run(measured_m, recalled)
+        upsampled = upsampler.run(measured_m, recalled)
         error_m = [
             np.abs(image.range_m - scan.range_m)[scan.range_m > 0].mean()
-            for image in (lifted, upsampler.run(measured_m))
+            for image in (upsampled, upsampler.run(measured_m))
         ]
         self.assertLess(error_m[0], error_m[1])
         inside = {}
         resolver = hqslam.SuperResolver(hqslam.weights("du-mix-memory_os1_16to64"))
         traced = resolver.run(measured_m, trace=inside, recalled=recalled)
-        np.testing.assert_array_equal(traced.range_m, lifted.range_m)
+        np.testing.assert_array_equal(traced.range_m, upsampled.range_m)
         np.testing.assert_array_equal(inside["recalled"][0], recalled.range_m)
         with_memory = upsampler.upsampled_cloud(cloud, recalled)
-        np.testing.assert_array_equal(with_memory.range_m > 0, lifted.range_m > 0)
+        np.testing.assert_array_equal(with_memory.range_m > 0, upsampled.range_m > 0)
         memory.clear()
         nothing = memory.recall(measured_m, np.eye(4)).range_m
         self.assertEqual(nothing.size, 0)

@@ -16,7 +16,7 @@ cd "$folder"
 
 "$python" "$source_folder/tests/python/module_test.py"
 
-examples=$source_folder/python/examples
+examples=$source_folder/examples/python
 if "$python" -m mypy --version >/dev/null 2>&1; then
   "$python" -m mypy --strict -p hqslam
   "$python" -m mypy --strict "$examples"
@@ -26,7 +26,7 @@ fi
 
 bin=$(dirname "$("$python" -c 'import sys; print(sys.executable)')")
 "$bin/hqslam" simulate --drive block --sensor os1-16 --scans 12 --out drive >/dev/null
-"$python" "$examples/01_lift_a_scan.py"
+"$python" "$examples/01_upsample_a_scan.py"
 "$python" "$examples/02_slam_on_a_recording.py" drive os1-16 drive/truth.tum | tail -1
 "$python" "$examples/03_look_inside_a_layer.py" | tail -4
 "$python" "$examples/04_train_for_your_sensor.py" 2 | tail -1

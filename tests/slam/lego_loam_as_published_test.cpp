@@ -90,9 +90,9 @@ double ape_m(const Trajectory& estimate, const Trajectory& truth) {
 
 // Every step takes 5 % of what is left: 0.95^25 = 0.28 of it stays.
 TEST_CASE("as published, 25 steps of five percent leave 28 percent of the motion") {
-  PublishedFeatures lifted;
-  lifted.flat = rings(2, 20, 0.1F);
-  const Parameters motion = motion_to(lifted);
+  PublishedFeatures upsampled;
+  upsampled.flat = rings(2, 20, 0.1F);
+  const Parameters motion = motion_to(upsampled);
   CHECK(motion(5) == doctest::Approx(-0.1 * (1.0 - std::pow(0.95, 25))).epsilon(1e-3));
   CHECK(motion.head<5>().norm() < 1e-4);
 }

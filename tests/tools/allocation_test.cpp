@@ -1,5 +1,5 @@
-// What lifting and SLAM allocate per scan once they run. Counted is operator new; Eigen goes past
-// it for some more.
+// What upsampling and SLAM allocate per scan once they run. Counted is operator new; Eigen goes
+// past it for some more.
 
 #include <doctest/doctest.h>
 
@@ -67,7 +67,7 @@ Allocations allocations_of(const Call& call) {
 
 constexpr std::int64_t kFloatBytes = 4;
 
-Allocations of_lifting(const char* weights) {
+Allocations of_upsampling(const char* weights) {
   auto resolver =
       nn::SuperResolver::load(golden_folder() + "/../../weights/" + weights, {.threads = 2});
   RangeImage image(64, 1024);
@@ -111,12 +111,12 @@ Allocations of_slam(const char* sensor_name) {
 
 // The result (two images), the measured rows, taken out and copied while they grow, and ten small
 // pieces: the networks keep the memory that they work in.
-TEST_CASE("lifting a scan allocates what it returns, the measured rows and 10 kB") {
+TEST_CASE("upsampling a scan allocates what it returns, the measured rows and 10 kB") {
   constexpr std::int64_t kResultBytes = 2 * 64 * 1024 * kFloatBytes;
   constexpr std::int64_t kMeasuredBytes = 16 * 1024 * kFloatBytes;
   for (const char* weights : {"du-mix_os1_16to64.npz", "du-or_os1_16to64.npz"}) {
     CAPTURE(weights);
-    const Allocations allocations = of_lifting(weights);
+    const Allocations allocations = of_upsampling(weights);
     CHECK(allocations.count <= 20);  // 12
     CHECK(allocations.bytes <= kResultBytes + 2 * kMeasuredBytes + 10'000);
   }

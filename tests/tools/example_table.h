@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "laboratory/table/table_figures.h"
+#include "table/table_figures.h"
 
 namespace hqslam::test {
 

@@ -32,7 +32,7 @@ are_parts_of() {
   done
 }
 are_parts_of cpp "$source_folder"/tests/install/*.{cpp,h}
-are_parts_of python "$source_folder"/python/examples/*.py
+are_parts_of python "$source_folder"/examples/python/*.py
 
 # anchors DOCUMENT: what its headings are called in links.
 anchors() {
@@ -55,9 +55,9 @@ done < <(find "$source_folder" \( -name build -o -name .git -o -name third_party
 hqslam() { "$program" "$@"; }
 # Fails with what a command says on stderr; its stdout goes where the line sends it.
 quietly() { "$@" 2>log || { echo "failed: $*" >&2; cat log >&2; exit 1; }; }
-quietly hqslam simulate --drive block --sensor hdl-64e --scans 3 --bin --out kitti >stdout
-quietly hqslam simulate --drive block --sensor os1-64 --scans 3 --pcd --out ouster >stdout
-quietly hqslam simulate --drive block --sensor os1-16 --scans 3 --out ouster16 >stdout
+quietly hqslam-lab simulate --drive block --sensor hdl-64e --scans 3 --bin --out kitti >stdout
+quietly hqslam-lab simulate --drive block --sensor os1-64 --scans 3 --pcd --out ouster >stdout
+quietly hqslam-lab simulate --drive block --sensor os1-16 --scans 3 --out ouster16 >stdout
 mv ouster16/scans.npy ranges16.npy
 mkdir velodyne_points
 mv kitti/bin velodyne_points/data

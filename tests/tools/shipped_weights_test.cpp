@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "compare/upsampling_comparison.h"
 #include "golden_folder.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/nn/compare/compared_networks.h"
 #include "hqslam/nn/scan_memory.h"
 #include "hqslam/sim/drive.h"
-#include "laboratory/compare/upsampling_comparison.h"
 
 namespace hqslam::tools {
 namespace {

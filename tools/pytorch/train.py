@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Trains DU-Mix with PyTorch, on an accelerator if there is one, on the drives that `hqslam train` has
+"""Trains DU-Mix with PyTorch, on an accelerator if there is one, on the drives that `hqslam-lab train` has
 simulated: the loss, augmentation and schedule of hqslam, in larger batches.
 
     tools/pytorch/train.py WEIGHTS.npz DRIVES OUT.npz [--steps N] [--batch N] [--learning-rate R] [--seed N]
 
-WEIGHTS: what it begins with, of `hqslam train` (after a single step: random ones). DRIVES: the folder
+WEIGHTS: what it begins with, of `hqslam-lab train` (after a single step: random ones). DRIVES: the folder
 of its --drives; all of it is held in the device's memory, 0.8 MB for each scan that recalls.
 """
 
@@ -45,7 +45,7 @@ def read_drives(folder, left_out, rows, device):
         if (name, int(seed)) not in left_out:
             scans.append(torch.from_numpy(numpy.load(path)).to(device))
     if not scans:
-        raise SystemExit(f"{folder}: no drives to train on; hqslam train --drives makes them")
+        raise SystemExit(f"{folder}: no drives to train on; hqslam-lab train --drives makes them")
     scans = torch.cat(scans)
     scans[~(scans.isfinite() & (scans > 0.0))] = 0.0
     if scans.shape[1] == rows:

@@ -105,7 +105,7 @@ void look_at_scans(ScanSource& source, RecordingInfo& info) {
   }
 }
 
-/// That hqslam simulate wrote; empty where it did not.
+/// That hqslam-lab simulate wrote; empty where it did not.
 std::vector<ImuSample> imu_of_drive(const std::string& path) {
   const fs::path samples = fs::path(path) / "imu.csv";
   std::error_code error;

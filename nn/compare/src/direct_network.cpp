@@ -34,12 +34,12 @@ DirectNetwork::DirectNetwork(const DirectArchitecture& architecture,
       architecture_(architecture),
       description_(description),
       plan_(architecture.plan()),
-      graph_(architecture.graph(description, columns, Purpose::kLifting, engine)),
+      graph_(architecture.graph(description, columns, Purpose::kUpsampling, engine)),
       values_(graph_.make_values()) {
   const TensorShape& output = graph_.output_shape();
   sum_.resize(static_cast<std::size_t>(output.values()));
   squares_.resize(sum_.size());
-  lifted_.image = RangeImage(output.rows, output.columns);
+  upsampled_.image = RangeImage(output.rows, output.columns);
 }
 
 std::int64_t DirectNetwork::multiply_adds() const {
@@ -76,7 +76,7 @@ void DirectNetwork::add_pass(bool first) {
 #pragma omp for schedule(static)
   for (int y = 0; y < output.rows(); ++y) {
     for (int x = 0; x < output.columns(); ++x) {
-      const std::size_t pixel = lifted_.image.index(y, x);
+      const std::size_t pixel = upsampled_.image.index(y, x);
       const double value = output.at(0, y, x);
       sum_[pixel] = (first ? 0.0 : sum_[pixel]) + value;
       squares_[pixel] = (first ? 0.0 : squares_[pixel]) + value * value;
@@ -118,7 +118,7 @@ void DirectNetwork::restore(const RangeImage& measured, RangeImage& image) const
   }
 }
 
-const LiftedImage& DirectNetwork::lift(const Observation& seen, float /*tolerance_m*/) {
+const UpsampledImage& DirectNetwork::upsample(const Observation& seen, float /*tolerance_m*/) {
   check(seen);
   const RangeImage& measured = seen.measured;
   run_passes(measured, plan_.passes);
@@ -128,17 +128,17 @@ const LiftedImage& DirectNetwork::lift(const Observation& seen, float /*toleranc
   for (std::size_t pixel = 0; pixel < sum_.size(); ++pixel) {
     const float range_m = to_metres(mean(pixel));
     const bool there = range_m >= nearest_m && range_m <= farthest_m && agreed(pixel);
-    lifted_.image.range_m[pixel] = there ? range_m : 0.0F;
+    upsampled_.image.range_m[pixel] = there ? range_m : 0.0F;
   }
-  restore(measured, lifted_.image);
-  return lifted_;
+  restore(measured, upsampled_.image);
+  return upsampled_;
 }
 
 /// One pass without dropout.
 RangeImage DirectNetwork::estimate(const RangeImage& measured) {
   check(measured);
   run_passes(measured, 1);
-  RangeImage image(lifted_.image.rows, lifted_.image.columns);
+  RangeImage image(upsampled_.image.rows, upsampled_.image.columns);
   for (std::size_t i = 0; i < sum_.size(); ++i) {
     image.range_m[i] = to_metres(static_cast<float>(sum_[i]));
   }
@@ -146,9 +146,9 @@ RangeImage DirectNetwork::estimate(const RangeImage& measured) {
 }
 
 Trace DirectNetwork::trace(const Observation& seen) {
-  const RangeImage lifted = lift(seen, 0.5F).image;
-  RangeImage said = lifted;
-  RangeImage disagreed = lifted;
+  const RangeImage upsampled = upsample(seen, 0.5F).image;
+  RangeImage said = upsampled;
+  RangeImage disagreed = upsampled;
   for (std::size_t pixel = 0; pixel < sum_.size(); ++pixel) {
     said.range_m[pixel] = to_metres(mean(pixel));
     disagreed.range_m[pixel] = agreed(pixel) ? 0.0F : 1.0F;
@@ -157,12 +157,12 @@ Trace DirectNetwork::trace(const Observation& seen) {
   trace.add(traced_image("measured", seen.measured));
   trace.add(traced_image("layers.0.z", std::move(said)));
   trace.add(traced_image("layers.0.rejected", std::move(disagreed), ""));
-  trace.add(traced_image("layers.0.y", lifted));
+  trace.add(traced_image("layers.0.y", upsampled));
   return trace;
 }
 
 std::vector<NetworkStep> DirectNetwork::steps(const RangeImage& measured) {
-  lift(measured, 0.5F);
+  upsample(measured, 0.5F);
   return graph_.steps(values_, plan_.passes);
 }
 

@@ -17,12 +17,12 @@ struct DirectPlan {
   float largest_deviation = 0.0F;  ///< of the passes, as a share of their mean
 };
 
-enum class Purpose { kLifting, kTraining };
+enum class Purpose { kUpsampling, kTraining };
 
 /// A kind of such networks.
 class DirectArchitecture : public Architecture {
  public:
-  /// One channel of measured rows in, one of all rows out. Graphs for lifting need no gradients;
+  /// One channel of measured rows in, one of all rows out. Graphs for upsampling need no gradients;
   /// the arrays are the same.
   virtual LayerGraph graph(const NetworkDescription& description, int columns, Purpose purpose,
                            const Engine& engine) const = 0;
@@ -45,7 +45,7 @@ class DirectNetwork final : public Network {
 
   std::int64_t multiply_adds() const override;  ///< of all passes
   void set_parameters(std::span<const float> parameters) override;
-  const LiftedImage& lift(const Observation& seen, float tolerance_m) override;
+  const UpsampledImage& upsample(const Observation& seen, float tolerance_m) override;
   RangeImage estimate(const RangeImage& measured) override;
   Trace trace(const Observation& seen) override;
   std::vector<NetworkStep> steps(const RangeImage& measured) override;
@@ -81,7 +81,7 @@ class DirectNetwork final : public Network {
   std::vector<float> parameters_;
   std::vector<double> sum_;      ///< over the passes, of every pixel
   std::vector<double> squares_;  ///< and of the squares
-  LiftedImage lifted_;
+  UpsampledImage upsampled_;
   std::optional<Training> training_;
 };
 

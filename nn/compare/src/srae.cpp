@@ -28,7 +28,7 @@ struct SraeBuilder {
     const auto taps = static_cast<float>(9 * graph.shape(from).channels);
     // He et al., 2015
     options.start_limit = std::numbers::sqrt3_v<float> * std::sqrt(2.0F / taps);
-    if (purpose == Purpose::kLifting) {
+    if (purpose == Purpose::kUpsampling) {
       options.negative_slope = 0.0F;
       return graph.add(name,
                        make_normalised_convolution(options, kBatchNormEpsilon, graph.shape(from),

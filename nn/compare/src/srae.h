@@ -28,7 +28,7 @@ struct SraeShape {
 /// Of the encoder: rows and columns of the whole image are multiples of it.
 inline constexpr int kSraeStride = 16;
 
-/// "srae". Its graph for lifting has batch norm worked into the convolutions, and no gradients.
+/// "srae". Its graph for upsampling has batch norm worked into the convolutions, and no gradients.
 class Srae final : public DirectArchitecture {
  public:
   /// Throws Error with field, value and constraint.

@@ -13,30 +13,30 @@ HqsNetwork::HqsNetwork(const NetworkDescription& description, int columns,
       hqs_(description, columns, {instruction_set, threads}),
       threads_(threads),
       state_(hqs_.make_state(false)) {
-  lifted_.image = RangeImage(description.sensor.rows(), columns);
-  if (hqs_.preset.says_confidence) lifted_.confidence.resize(lifted_.image.range_m.size());
+  upsampled_.image = RangeImage(description.sensor.rows(), columns);
+  if (hqs_.preset.says_confidence) upsampled_.confidence.resize(upsampled_.image.range_m.size());
 }
 
 std::int64_t HqsNetwork::multiply_adds() const {
   return hqs_.prior(0).multiply_adds() * hqs_.layers;
 }
 
-const LiftedImage& HqsNetwork::lift(const Observation& seen, float tolerance_m) {
+const UpsampledImage& HqsNetwork::upsample(const Observation& seen, float tolerance_m) {
   check(seen);
-  const PriorPass pass{.tolerance_m = tolerance_m, .lifted = &lifted_};
+  const PriorPass pass{.tolerance_m = tolerance_m, .upsampled = &upsampled_};
 #pragma omp parallel num_threads(threads_)
   {
     hqs_loop(hqs_, seen, state_, pass);
     if (!hqs_.preset.says_confidence) {
-      restore_rows(description_, hqs_.prior(0).tile(), last_z(), seen.measured, lifted_.image);
+      restore_rows(description_, hqs_.prior(0).tile(), last_z(), seen.measured, upsampled_.image);
     }
   }
-  return lifted_;
+  return upsampled_;
 }
 
 RangeImage HqsNetwork::estimate(const RangeImage& measured) {
-  lift(measured, 0.5F);
-  return hqs_.preset.says_confidence ? lifted_.image : hqs_.measurement.in_metres(last_z());
+  upsample(measured, 0.5F);
+  return hqs_.preset.says_confidence ? upsampled_.image : hqs_.measurement.in_metres(last_z());
 }
 
 Trace HqsNetwork::trace(const Observation& seen) {
@@ -67,7 +67,7 @@ Trace HqsNetwork::trace(const Observation& seen) {
     hqs_.prior(k).add_inner(hqs_.measurement, layer.prior, prefix, trace);
     image(prefix + "z", layer.prior.z);
     if (!hqs_.preset.filters) continue;
-    RangeImage rejected(lifted_.image.rows, lifted_.image.columns);
+    RangeImage rejected(upsampled_.image.rows, upsampled_.image.columns);
     rejected.range_m.assign(layer.rejected.begin(), layer.rejected.end());
     trace.add(traced_image(prefix + "rejected", std::move(rejected), ""));
     image(prefix + "y", layer.y);
@@ -76,13 +76,13 @@ Trace HqsNetwork::trace(const Observation& seen) {
 }
 
 std::vector<NetworkStep> HqsNetwork::steps(const RangeImage& measured) {
-  lift(measured, 0.5F);
+  upsample(measured, 0.5F);
   const int last = hqs_.layers - 1;
   std::vector<NetworkStep> steps;
   steps.push_back(
       {"data consistency", hqs_.layers, 0, [this, last] { data_step(hqs_, last, state_); }});
-  for (NetworkStep& step : hqs_.prior(last).steps(hqs_.measurement.candidates(),
-                                                  state_.layer(last).prior, {.lifted = &lifted_})) {
+  for (NetworkStep& step : hqs_.prior(last).steps(
+           hqs_.measurement.candidates(), state_.layer(last).prior, {.upsampled = &upsampled_})) {
     step.calls = hqs_.layers;
     steps.push_back(std::move(step));
   }

@@ -8,8 +8,8 @@
 
 namespace hqslam::nn {
 
-/// The loop of eq. 10 as what lifts scans and is trained. The result is the last Z, or what a prior
-/// says that knows how sure it is.
+/// The loop of eq. 10 as what upsamples scans and is trained. The result is the last Z, or what a
+/// prior says that knows how sure it is.
 class HqsNetwork final : public Network {
  public:
   HqsNetwork(const NetworkDescription& description, int columns, InstructionSet instruction_set,
@@ -19,7 +19,7 @@ class HqsNetwork final : public Network {
   void set_parameters(std::span<const float> parameters) override {
     hqs_.set_parameters(parameters);
   }
-  const LiftedImage& lift(const Observation& seen, float tolerance_m) override;
+  const UpsampledImage& upsample(const Observation& seen, float tolerance_m) override;
   RangeImage estimate(const RangeImage& measured) override;
   Trace trace(const Observation& seen) override;
   std::vector<NetworkStep> steps(const RangeImage& measured) override;
@@ -43,7 +43,7 @@ class HqsNetwork final : public Network {
   Hqs hqs_;
   int threads_;
   HqsState state_;
-  LiftedImage lifted_;
+  UpsampledImage upsampled_;
   std::optional<Training> training_;  ///< made when first needed
 };
 

@@ -50,7 +50,7 @@ struct PriorPass {
 
   std::optional<std::uint64_t> dropout_seed = std::nullopt;  ///< training only: what to drop
   float tolerance_m = 0.5F;                                  ///< of the confidence
-  LiftedImage* lifted = nullptr;  ///< for the result of a prior that says how sure it is
+  UpsampledImage* upsampled = nullptr;  ///< for the result of a prior that says how sure it is
 };
 
 /// What the loss compares Z with.

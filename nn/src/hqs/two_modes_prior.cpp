@@ -90,7 +90,7 @@ class TwoModesPrior final : public Prior {
                                      const float* outputs, std::int64_t channel_stride) const;
   void say_modes(PriorState& state, const PriorPass& pass);
   void finish_image_row(int row, const float* ranges, const float* confidences,
-                        LiftedImage& lifted) const;
+                        UpsampledImage& upsampled) const;
 
   NetworkDescription description_;
   const kernels::RowKernels& kernels_;
@@ -179,18 +179,18 @@ void TwoModesPrior::say_modes(PriorState& state, const PriorPass& pass) {
                           .confidence_exponent = description_.confidence_exponent,
                           .log_range = state.z.row(channel, row),
                           .probability = state.probability.row(channel, row),
-                          .range_m = pass.lifted ? ranges + pixel * stride_ : nullptr,
-                          .confidence = pass.lifted ? confidences + pixel * stride_ : nullptr});
+                          .range_m = pass.upsampled ? ranges + pixel * stride_ : nullptr,
+                          .confidence = pass.upsampled ? confidences + pixel * stride_ : nullptr});
     }
-    if (pass.lifted != nullptr) finish_image_row(row, ranges, confidences, *pass.lifted);
+    if (pass.upsampled != nullptr) finish_image_row(row, ranges, confidences, *pass.upsampled);
   }
 }
 
 /// One row of tiles of the result: measured pixels as they were, computed ones within the sensor's
 /// limits.
 void TwoModesPrior::finish_image_row(int row, const float* ranges, const float* confidences,
-                                     LiftedImage& lifted) const {
-  RangeImage& image = lifted.image;
+                                     UpsampledImage& upsampled) const {
+  RangeImage& image = upsampled.image;
   const auto nearest_m = static_cast<float>(description_.sensor.min_range_m);
   const auto farthest_m = static_cast<float>(description_.sensor.max_range_m);
   const int step = tile().columns;
@@ -198,7 +198,7 @@ void TwoModesPrior::finish_image_row(int row, const float* ranges, const float* 
     const int channel = ranges_.computed()[pixel].channel;
     const std::size_t first = image.index(row * tile().rows + channel / step, channel % step);
     float* range_m = &image.range_m[first];
-    float* confidence = &lifted.confidence[first];
+    float* confidence = &upsampled.confidence[first];
     const float* range = ranges + pixel * stride_;
     const float* sure = confidences + pixel * stride_;
     for (int x = 0; x < ranges_.columns(); ++x) {
@@ -211,7 +211,7 @@ void TwoModesPrior::finish_image_row(int row, const float* ranges, const float* 
   for (int column = 0; column < image.columns; ++column) {
     const bool valid = ranges_.valid_row(column % step, row)[column / step] > 0.0F;
     image.range_m[first + column] = valid ? ranges_.measured_m().at(row, column) : 0.0F;
-    lifted.confidence[first + column] = valid ? 1.0F : 0.0F;
+    upsampled.confidence[first + column] = valid ? 1.0F : 0.0F;
   }
 }
 

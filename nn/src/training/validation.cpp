@@ -32,7 +32,8 @@ void add_pixel(float range_m, float truth_m, float confidence, ValidatedScan& sc
   bin.truth_found_sum_m += truth_m;
 }
 
-ValidatedScan compared(const LiftedImage& lifted, const RangeImage& truth, RowSelection measured) {
+ValidatedScan compared(const UpsampledImage& upsampled, const RangeImage& truth,
+                       RowSelection measured) {
   ValidatedScan scan;
   scan.pixels = static_cast<std::int64_t>(truth.range_m.size());
   for (int row = 0; row < truth.rows; ++row) {
@@ -42,8 +43,8 @@ ValidatedScan compared(const LiftedImage& lifted, const RangeImage& truth, RowSe
         if (truth.range_m[i] > 0.0F) ++scan.measured_found;
         continue;
       }
-      add_pixel(lifted.image.range_m[i], truth.range_m[i],
-                lifted.confidence.empty() ? 1.0F : lifted.confidence[i], scan);
+      add_pixel(upsampled.image.range_m[i], truth.range_m[i],
+                upsampled.confidence.empty() ? 1.0F : upsampled.confidence[i], scan);
     }
   }
   return scan;
@@ -124,10 +125,12 @@ ValidatedScan validated_scan(Network& network, const NetworkDescription& descrip
   const RowSelection rows = description.measured_rows;
   const RangeImage& truth = seen.truth;
   const RangeImage measured = select_rows(truth, rows);
-  ValidatedScan scan = compared(network.lift({measured, seen.recalled}, kTolerance_m), truth, rows);
-  const LiftedImage linear{interpolate_rows(measured, rows, description.sensor.beam_elevation_rad,
-                                            Interpolation::kLinear),
-                           {}};
+  ValidatedScan scan =
+      compared(network.upsample({measured, seen.recalled}, kTolerance_m), truth, rows);
+  const UpsampledImage linear{
+      interpolate_rows(measured, rows, description.sensor.beam_elevation_rad,
+                       Interpolation::kLinear),
+      {}};
   const ValidatedScan of_linear = compared(linear, truth, rows);
   scan.linear = of_linear.bins.back();  // it says nothing of its confidence
   scan.linear_missed_sum_m = of_linear.missed_sum_m;

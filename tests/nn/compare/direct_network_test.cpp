@@ -104,17 +104,18 @@ TEST_CASE("SRAE's result is the mean of passes with dropout, empty where they do
   const auto network = network_of(small_srae());
   const RangeImage expected = golden.image("passes.range_m");
   const RangeImage measured = select_rows(expected, {3, 4});
-  const RangeImage lifted = network->lift(measured, 0.5F).image;
-  CHECK(relative_error(std::span<const float>(lifted.range_m), expected.range_m) < 1e-4);
-  CHECK(network->trace(measured).image("layers.0.y").range_m == lifted.range_m);
+  const RangeImage upsampled = network->upsample(measured, 0.5F).image;
+  CHECK(relative_error(std::span<const float>(upsampled.range_m), expected.range_m) < 1e-4);
+  CHECK(network->trace(measured).image("layers.0.y").range_m == upsampled.range_m);
 }
 
-TEST_CASE("one and two threads lift to the same bits") {
+TEST_CASE("one and two threads upsample to the same bits") {
   const RangeImage measured = select_rows(small_scene(), {3, 4});
   for (const NetworkCase& c : network_cases()) {
     const auto one = network_of(c, 1);
     const auto two = network_of(c, 2);
-    CHECK(one->lift(measured, 0.5F).image.range_m == two->lift(measured, 0.5F).image.range_m);
+    CHECK(one->upsample(measured, 0.5F).image.range_m ==
+          two->upsample(measured, 0.5F).image.range_m);
   }
 }
 
@@ -122,11 +123,11 @@ TEST_CASE("the published sizes have the published numbers of parameters and mult
   NetworkDescription os1;
   os1.sensor = sensor_preset("os1-64");
   os1.measured_rows = {3, 4};
-  const LayerGraph srae = Srae({.filters = 64}).graph(os1, 1024, Purpose::kLifting, {});
+  const LayerGraph srae = Srae({.filters = 64}).graph(os1, 1024, Purpose::kUpsampling, {});
   CHECK(elements(srae.parameter_shapes()) == 34'600'001 + 13'952);
   CHECK(static_cast<double>(srae.multiply_adds()) == doctest::Approx(54.4e9).epsilon(0.001));
   const LayerGraph tulip =
-      Tulip({.channels = 96, .heads = {3, 6, 12, 24}}).graph(os1, 1024, Purpose::kLifting, {});
+      Tulip({.channels = 96, .heads = {3, 6, 12, 24}}).graph(os1, 1024, Purpose::kUpsampling, {});
   CHECK(elements(tulip.parameter_shapes()) == 27'149'076);
   CHECK(static_cast<double>(tulip.multiply_adds()) == doctest::Approx(7.73e9).epsilon(0.02));
 }
@@ -166,7 +167,7 @@ TEST_CASE("rows and sizes that do not fit are refused with what would") {
 
 TEST_CASE("an image of another size is refused") {
   const auto network = network_of(small_tulip());
-  CHECK_THROWS_AS(network->lift(RangeImage(4, 32), 0.5F), Error);
+  CHECK_THROWS_AS(network->upsample(RangeImage(4, 32), 0.5F), Error);
 }
 
 }  // namespace hqslam::nn

@@ -200,7 +200,7 @@ TEST_CASE("gradients are what small changes of inputs and parameters do") {
   }
 }
 
-TEST_CASE("batch norm lifts with its running statistics") {
+TEST_CASE("batch norm upsamples with its running statistics") {
   const Golden golden("network_layers");
   const std::vector<LayerCase> all = layer_cases();
   const auto c = std::ranges::find(all, "batch_norm", &LayerCase::name);
@@ -208,7 +208,7 @@ TEST_CASE("batch norm lifts with its running statistics") {
   batch.layer->set_parameters(batch.parameters);
   for (const LayerPass& pass : batch.passes()) batch.layer->forward(pass);
   CHECK(relative_error(std::span<const float>(values_of(batch.output)),
-                       golden.values("batch_norm.lifted")) < kTolerance);
+                       golden.values("batch_norm.upsampled")) < kTolerance);
 }
 
 TEST_CASE("a convolution with the batch norm behind it worked into its weights gives the same") {

@@ -264,7 +264,7 @@ TEST_CASE("a turn on the spot makes a keyframe, a short step does not") {
   CHECK(mapping.is_keyframe(pose_from_xyz_rpy({0.31, 0, 0}, 0, 0, 0)));
 }
 
-TEST_CASE("surfaces that lean to one side do not lift the sensor") {
+TEST_CASE("surfaces that lean to one side do not upsample the sensor") {
   // A floor and walls, and before one wall a bank whose slope the map has a little too high.
   const MappedYard mapped;
   const Pose T_yard_sensor = test::yard_pose(0.3, 0.0, 0.0);

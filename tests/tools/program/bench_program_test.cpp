@@ -8,7 +8,7 @@
 
 namespace hqslam::test {
 
-TEST_CASE("bench measures every stage with 64, 16 and 16 lifted rows, with one thread and two") {
+TEST_CASE("bench measures every stage with 64, 16 and 16 upsampled rows, with one thread and two") {
   const TemporaryDirectory folder;
   write_untrained_weights(folder.file("weights.npz"), sensor_preset("os1-64"));
   const ProgramResult result =
@@ -17,9 +17,9 @@ TEST_CASE("bench measures every stage with 64, 16 and 16 lifted rows, with one t
   REQUIRE(json["slam"].size() == 6);
   for (const nlohmann::json& timing : json["slam"]) {
     CHECK(timing["scans"] == 12);
-    const bool is_lifted = timing["upsampled_by"] == "du-or";
-    CHECK(is_lifted == timing["upsampling_ms"].is_object());
-    if (is_lifted) {
+    const bool is_upsampled = timing["upsampled_by"] == "du-or";
+    CHECK(is_upsampled == timing["upsampling_ms"].is_object());
+    if (is_upsampled) {
       CHECK(timing["rows"] == 16);
       CHECK(timing["stages_ms"]["total"]["median"] > timing["upsampling_ms"]["median"]);
     }

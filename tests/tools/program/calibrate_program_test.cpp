@@ -81,10 +81,10 @@ TEST_CASE("calibrate replaces no foreign file, and asks for a drive") {
     return result.error;
   };
   CHECK(holds(error_of(standing), "expected at least 20 m"));
-  const std::string lifted = lying.folder.file("lifted");
+  const std::string upsampled = lying.folder.file("upsampled");
   succeeds("upsample '{}' --sensor os1-64 --method linear --out '{}'",
-           simulated_drive("--sensor os1-16 --scans 3"), lifted);
-  CHECK(holds(error_of(lifted), "computed rows tell nothing of beams"));
+           simulated_drive("--sensor os1-16 --scans 3"), upsampled);
+  CHECK(holds(error_of(upsampled), "computed rows tell nothing of beams"));
 }
 
 }  // namespace hqslam::test

@@ -39,7 +39,8 @@ std::vector<MapRow> rows_of(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("a lifted drive's dense map is more complete than a measured one's, and nearly as true") {
+TEST_CASE(
+    "a upsampled drive's dense map is more complete than a measured one's, and nearly as true") {
   const TemporaryDirectory out;
   const std::string folder = out.path().string();
   const auto run = [&](const char* options, const char* name) {
@@ -48,28 +49,29 @@ TEST_CASE("a lifted drive's dense map is more complete than a measured one's, an
     CHECK(holds(result.out, "dense map: "));
   };
   run("--rows 16", "rows16");
-  run("--upsample inverse", "lifted");
+  run("--upsample inverse", "upsampled");
   run("", "rows64");
   const ProgramResult map = succeeds("map '{0}' --rows 16 --poses '{0}/truth.tum' --out '{1}/true'",
                                      drive_of_64(), folder);
   const ProgramResult result = succeeds(
-      "evaluate-map '{0}/rows16' '{0}/lifted' '{0}/rows64' '{0}/true/dense_map.ply' --drive '{1}'",
+      "evaluate-map '{0}/rows16' '{0}/upsampled' '{0}/rows64' '{0}/true/dense_map.ply' --drive "
+      "'{1}'",
       folder, drive_of_64());
   const std::vector<MapRow> rows = rows_of(result.out);
   REQUIRE(rows.size() == 4);
   const MapRow& measured = rows[0];
-  const MapRow& lifted = rows[1];
+  const MapRow& upsampled = rows[1];
   const MapRow& full = rows[2];
   CHECK(measured.accuracy_01 > 95.0);
   CHECK(measured.far < 1.0);
   CHECK(full.complete_01 > 75.0);  // 81 when this was written
   CHECK(full.f1_01 > measured.f1_01 + 0.15);
-  CHECK(lifted.complete_01 > measured.complete_01 + 5.0);
+  CHECK(upsampled.complete_01 > measured.complete_01 + 5.0);
   // Interpolation from true poses: 86.4 and 9.2. Most of these scans were taken standing, where
   // a wrong guess is made again and again.
-  CHECK(lifted.accuracy_02 > 80.0);
-  CHECK(lifted.far < 12.0);
-  CHECK(lifted.f1_02 > measured.f1_02 + 0.02);
+  CHECK(upsampled.accuracy_02 > 80.0);
+  CHECK(upsampled.far < 12.0);
+  CHECK(upsampled.f1_02 > measured.f1_02 + 0.02);
   // The same map from true poses: SLAM costs next to nothing here.
   CHECK(std::abs(rows[3].f1_01 - measured.f1_01) < 0.05);
   CHECK(holds(measured.rest, "aligned"));

@@ -220,7 +220,7 @@ TEST_CASE("no command replaces what it reads") {
   const std::string out = folder.file("out");
   const std::string drive_of_64 = command_inputs().paths.at("drive64");
   succeeds(run_arguments(out));
-  const std::string options = folder.file("lifted");
+  const std::string options = folder.file("upsampled");
   succeeds(upsample_arguments(options));
   const std::string arrays = folder.file("arrays.npz");
   fs::copy_file(command_inputs().paths.at("weights"), arrays);  // weights are arrays too

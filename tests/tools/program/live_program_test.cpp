@@ -182,7 +182,7 @@ TEST_CASE("live that can write no results says so before it waits for the sensor
               "/proc/hqslam"));
 }
 
-TEST_CASE("live lifts scans, serves the page, and ends with SIGTERM as with Ctrl-C") {
+TEST_CASE("live upsamples scans, serves the page, and ends with SIGTERM as with Ctrl-C") {
   LiveProgram live("--rows 8 --upsample linear --view 0");
   REQUIRE(live.says("page: http://127.0.0.1:"));
   std::smatch url;
@@ -218,14 +218,14 @@ TEST_CASE("captures are opened by upsample, compare, inspect, bench and table as
   write_untrained_weights(folder.file("w.npz"), sensor_preset("os1-64"));
   const std::string in = folder.path().string();
   for (const char* arguments :
-       {"upsample '{0}/a.pcap' --method linear --return last --out '{0}/lifted'",
+       {"upsample '{0}/a.pcap' --method linear --return last --out '{0}/upsampled'",
         "compare '{0}/a.pcap' --return last",
         "inspect '{0}/a.pcap' --weights '{0}/w.npz' --scan 2 --out '{0}/layers.html'",
         "bench --input '{0}/a.pcap' --stream 7502 --weights '{0}/w.npz'",
         "table --drives '{0}/a.pcap' --methods linear,rows-64 --stream 7502 --out '{0}/table'"}) {
     succeeds(fmt::format(fmt::runtime(arguments), in));
   }
-  const nlohmann::json origin = json_of(folder.file("lifted/upsample.json"));
+  const nlohmann::json origin = json_of(folder.file("upsampled/upsample.json"));
   CHECK(origin["input"] == in + "/a.pcap");
   CHECK(origin["scans_in_recording"] == 6);
   const ProgramResult none =

@@ -29,10 +29,10 @@ TEST_CASE("results are not written among the scans that they are made from") {
 TEST_CASE("no command writes among the scans, also where they lie in a folder below as KITTI's") {
   const TemporaryDirectory folder;
   fs::copy(simulated_drive() + "/bin", folder.file("velodyne"));
-  const std::string lifted = "upsample '{0}' --sensor os1-64 --method linear --out '{0}/{1}'";
+  const std::string upsampled = "upsample '{0}' --sensor os1-64 --method linear --out '{0}/{1}'";
   const std::string mapped = "map '{0}' --sensor os1-16 --poses '{2}/truth.kitti' --out '{0}/{1}'";
   for (const std::string& command :
-       {std::string("run '{0}' --sensor os1-16 --out '{0}/{1}'"), lifted, mapped}) {
+       {std::string("run '{0}' --sensor os1-16 --out '{0}/{1}'"), upsampled, mapped}) {
     for (const char* out : {".", "velodyne"}) {
       const ProgramResult result = refused(
           fmt::format(fmt::runtime(command), folder.path().string(), out, simulated_drive()));
@@ -87,7 +87,7 @@ TEST_CASE("options that would do nothing are refused with what they need") {
 TEST_CASE("compare refuses what cannot be compared or written before it begins") {
   const TemporaryDirectory folder;
   NpyStackWriter(folder.file("scans.npy"), 64, 1024).append(RangeImage(64, 1024));
-  write_file(folder.file("notes.json"), R"({"todo": "hqslam compare", "sensor": "os1-64"})");
+  write_file(folder.file("notes.json"), R"({"todo": "hqslam-lab compare", "sensor": "os1-64"})");
   for (const auto& [arguments, with] :
        {std::pair("'{1}'", "16 rows"),
         std::pair("'{0}/scans.npy' --sensor os1-64 --json '{0}/notes.json'", "was not written by"),

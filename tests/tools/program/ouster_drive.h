@@ -13,7 +13,7 @@ struct OusterDrive {
   std::vector<Captured> packets;  ///< captured at the times of their columns, from 0 on
 };
 
-/// folder: written by `hqslam simulate` for an os1-16 or os1-64.
+/// folder: written by `hqslam-lab simulate` for an os1-16 or os1-64.
 OusterDrive ouster_drive(const std::string& folder);
 
 }  // namespace hqslam::test

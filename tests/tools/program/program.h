@@ -38,9 +38,19 @@ inline ProgramResult run_shell(const std::string& commands) {
   return result;
 }
 
-/// Runs the built program with these arguments, as a shell understands them.
+/// The built program that has the subcommand with which the arguments begin.
+inline std::string program_of(const std::string& arguments) {
+  const std::string command = arguments.substr(0, arguments.find(' '));
+  for (const char* lab :
+       {"simulate", "train", "table", "compare", "bench", "demo", "evaluate-map"}) {
+    if (command == lab) return HQSLAM_LAB_PROGRAM;
+  }
+  return HQSLAM_PROGRAM;
+}
+
+/// Runs it with these arguments, as a shell understands them.
 inline ProgramResult run_hqslam(const std::string& arguments) {
-  return run_shell(fmt::format("'{}' {}", HQSLAM_PROGRAM, arguments));
+  return run_shell(fmt::format("'{}' {}", program_of(arguments), arguments));
 }
 
 inline nlohmann::json json_of(const std::string& path) {

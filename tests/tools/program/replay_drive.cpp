@@ -1,4 +1,4 @@
-// Sends a drive of `hqslam simulate` to a UDP port of this computer as an Ouster would, in real
+// Sends a drive of `hqslam-lab simulate` to a UDP port of this computer as an Ouster would, in real
 // time or SPEED times as fast: what measurements of `hqslam live` are made with; no test by itself.
 //   replay_drive FOLDER METADATA.json PORT [SPEED]
 // METADATA.json is written first: it goes to `hqslam live --sensor`, which is started within ten

@@ -77,7 +77,7 @@ TEST_CASE("a run says that it is running until it has ended") {
   CHECK(holds(file_contents(out + "/timings.json"), "\"end\": \"complete\""));
 }
 
-TEST_CASE("a lifting that was stopped is used, and said to be one") {
+TEST_CASE("a upsampling that was stopped is used, and said to be one") {
   const TemporaryDirectory folder;
   const std::string out = folder.file("out");
   {

@@ -214,10 +214,10 @@ TEST_CASE("compare refuses weights of a sensor with as many rows whose beams loo
   write_untrained_weights(weights, sensor_preset("os1-64"));
   const ProgramResult result = refused("compare '{}' --weights '{}'",
                                        simulated_drive("--sensor hdl-64e --scans 1"), weights);
-  CHECK(holds(result.error, "lifts scans of 'os1-64'"));
+  CHECK(holds(result.error, "upsamples scans of 'os1-64'"));
 }
 
-TEST_CASE("a network of two modes is trained, lifts with a confidence, and shows its curve") {
+TEST_CASE("a network of two modes is trained, upsamples with a confidence, and shows its curve") {
   const TemporaryDirectory folder;
   const std::string recipe = small_configuration(
       R"("kind": "du-or", "layers": 2, "sensor": "os1-64", "measured_rows": 16,
@@ -231,7 +231,7 @@ TEST_CASE("a network of two modes is trained, lifts with a confidence, and shows
   CHECK(description.confidence_exponent != 1.0F);
   const std::string drive = simulated_drive("--sensor os1-64 --scans 2 --seed 9");
 
-  const auto lifted_returns = [&](const std::string& out, const std::string& option) {
+  const auto upsampled_returns = [&](const std::string& out, const std::string& option) {
     succeeds("upsample '{}' --weights '{}' --out '{}' --pcd {}", drive, weights, folder.file(out),
              option);
     const auto scan = open_recording(folder.file(out), sensor_preset("os1-64"))->next();
@@ -249,9 +249,9 @@ TEST_CASE("a network of two modes is trained, lifts with a confidence, and shows
     CHECK(holds(pcd, "FIELDS x y z intensity ring timestamp confidence\n"));
     return computed;
   };
-  const int all = lifted_returns("all", "--confidence 0");
+  const int all = upsampled_returns("all", "--confidence 0");
   CHECK(all > 40'000);
-  CHECK(lifted_returns("none", "--confidence 1") < 100);
+  CHECK(upsampled_returns("none", "--confidence 1") < 100);
 
   const ProgramResult compared = succeeds("compare '{}' --weights '{}' --curve '{}'", drive,
                                           weights, folder.file("curve.html"));

@@ -119,18 +119,18 @@ TEST_CASE("what calibration found is put into ranges once, and computed rows lie
   write_sensor_json(sensor, calibrated);
   const std::string stack = files.drive + "/scans.npy";
   succeeds("upsample '{}' --sensor '{}' --method linear --out '{}'", stack, calibrated,
-           folder.file("lifted"));
+           folder.file("upsampled"));
   const RangeImage recorded = NpyStackReader(stack).read(0);
-  const RangeImage image = NpyStackReader(folder.file("lifted/scans.npy")).read(0);
+  const RangeImage image = NpyStackReader(folder.file("upsampled/scans.npy")).read(0);
   for (int column = 0; column < recorded.columns; ++column) {
     if (recorded.at(31, column) <= 0.0F) continue;
     CHECK(image.at(31, column) == doctest::Approx(recorded.at(31, column) + 0.1F));
   }
-  const SensorModel lifted = read_sensor_json(folder.file("lifted/sensor.json"));
-  CHECK(lifted.range_correction_m == std::vector<double>(64, 0.0));
-  CHECK(lifted.elevation_correction_rad[7] == doctest::Approx(0.004));
-  CHECK(lifted.elevation_correction_rad[8] == doctest::Approx(0.003));
-  CHECK(lifted.elevation_correction_rad[11] == 0.0);
+  const SensorModel upsampled = read_sensor_json(folder.file("upsampled/sensor.json"));
+  CHECK(upsampled.range_correction_m == std::vector<double>(64, 0.0));
+  CHECK(upsampled.elevation_correction_rad[7] == doctest::Approx(0.004));
+  CHECK(upsampled.elevation_correction_rad[8] == doctest::Approx(0.003));
+  CHECK(upsampled.elevation_correction_rad[11] == 0.0);
 
   const ProgramResult as_recorded = succeeds("compare '{}' --sensor os1-64", stack);
   CHECK(as_recorded.out != succeeds("compare '{}' --sensor '{}'", stack, calibrated).out);
@@ -141,13 +141,13 @@ TEST_CASE("where the poses are known a network with a memory recalls the scans a
   const TemporaryDirectory folder;
   const std::string weights = folder.file("memory.npz");
   write_weights(weights, untrained_weights(sensor_preset("os1-64"), "du-mix", true));
-  const auto lifted = [&](const std::string& poses, const std::string& out) {
+  const auto upsampled = [&](const std::string& poses, const std::string& out) {
     succeeds("upsample '{}' --weights '{}' {} --confidence 0 --out '{}'", files.drive, weights,
              poses, folder.file(out));
     return folder.file(out + "/scans.npy");
   };
-  NpyStackReader without(lifted("", "without"));
-  NpyStackReader with(lifted("--poses '" + files.drive + "/truth.tum'", "with"));
+  NpyStackReader without(upsampled("", "without"));
+  NpyStackReader with(upsampled("--poses '" + files.drive + "/truth.tum'", "with"));
   REQUIRE(with.images() == without.images());
   for (int scan = 0; scan < 3; ++scan) {  // the first too, by later ones; the car stands
     CHECK(with.read(scan).range_m != without.read(scan).range_m);
@@ -201,7 +201,7 @@ TEST_CASE("where the poses are known a network with a memory recalls the scans a
   CHECK(fs::exists(folder.file("run/dense_map.ply")));
 }
 
-TEST_CASE("a lifted recording says whether it was corrected for motion, as its scans were") {
+TEST_CASE("a upsampled recording says whether it was corrected for motion, as its scans were") {
   const Material& files = material();
   for (const auto& [part, corrected] : {std::pair("scans.npy", false), std::pair("bin", true)}) {
     CAPTURE(part);
@@ -246,7 +246,7 @@ TEST_CASE("a bad file in mid-drive is left out of the stack and named") {
   CHECK(NpyStackReader(folder.file("out/scans.npy")).images() == files - 1);
 }
 
-TEST_CASE("a lifted recording keeps the stamps that its scans had") {
+TEST_CASE("a upsampled recording keeps the stamps that its scans had") {
   const TemporaryDirectory folder;
   fs::copy(material().drive + "/pcd", folder.file("pcd"));
   const auto files = std::distance(fs::directory_iterator(folder.file("pcd")), {});
@@ -264,7 +264,7 @@ TEST_CASE("a lifted recording keeps the stamps that its scans had") {
   CHECK(trajectory[2].stamp_s == doctest::Approx(105.2));
 }
 
-TEST_CASE("a recording's intensities come through lifting into clouds and into the dense map") {
+TEST_CASE("a recording's intensities come through upsampling into clouds and into the dense map") {
   const TemporaryDirectory folder;
   fs::create_directory(folder.file("in"));
   const SensorModel sensor = sensor_preset("os1-64");
@@ -280,35 +280,35 @@ TEST_CASE("a recording's intensities come through lifting into clouds and into t
   }
   write_file(folder.file("in/timestamps.txt"), stamps);
   const std::string in = folder.path().string();
-  const std::string lift = fmt::format("--upsample '{}'", material().weights);
+  const std::string upsample = fmt::format("--upsample '{}'", material().weights);
   succeeds("upsample '{0}/in' --weights '{1}' --pcd --las --bin --out '{0}/up'", in,
            material().weights);
-  const RawPoints lifted = read_point_file(folder.file("up/pcd/000001.pcd"));
-  REQUIRE(lifted.scan.intensity.size() == lifted.scan.points_m.size());
+  const RawPoints upsampled = read_point_file(folder.file("up/pcd/000001.pcd"));
+  REQUIRE(upsampled.scan.intensity.size() == upsampled.scan.points_m.size());
   std::size_t computed = 0;
-  for (std::size_t i = 0; i < lifted.ring.size(); ++i) {
-    const float intensity = lifted.scan.intensity[i];
-    const bool measured = static_cast<int>(lifted.ring[i]) % 4 == 3;
-    if (measured) CHECK(intensity == 2.0F * static_cast<float>(lifted.ring[i]));
+  for (std::size_t i = 0; i < upsampled.ring.size(); ++i) {
+    const float intensity = upsampled.scan.intensity[i];
+    const bool measured = static_cast<int>(upsampled.ring[i]) % 4 == 3;
+    if (measured) CHECK(intensity == 2.0F * static_cast<float>(upsampled.ring[i]));
     if (measured || std::isnan(intensity)) continue;
-    CHECK(std::abs(intensity - 2.0F * static_cast<float>(lifted.ring[i])) <= 6.0F);
+    CHECK(std::abs(intensity - 2.0F * static_cast<float>(upsampled.ring[i])) <= 6.0F);
     ++computed;
   }
   CHECK(computed > 1000);
-  CHECK(scan_of(lifted, &sensor, "").time_offset_s.size() == lifted.scan.points_m.size());
+  CHECK(scan_of(upsampled, &sensor, "").time_offset_s.size() == upsampled.scan.points_m.size());
   const auto images = open_recording(folder.file("up"), std::nullopt);
   images->next();
   const std::vector<float> of_image = returns_of(images->next()->cloud).intensity;
-  CHECK(std::ranges::equal(of_image, lifted.scan.intensity, [](float a, float b) {
+  CHECK(std::ranges::equal(of_image, upsampled.scan.intensity, [](float a, float b) {
     return a == b || (std::isnan(a) && std::isnan(b));
   }));
   const Scan las = read_point_file(folder.file("up/las/000001.las")).scan;
-  CHECK(las.confidence == lifted.scan.confidence);
-  CHECK(las.intensity.front() == 257.0F * lifted.scan.intensity.front());
+  CHECK(las.confidence == upsampled.scan.confidence);
+  CHECK(las.intensity.front() == 257.0F * upsampled.scan.intensity.front());
   CHECK(read_point_file(folder.file("up/bin/000001.bin")).scan.intensity.size() ==
         las.points_m.size());
 
-  succeeds("map '{0}/in' {1} --poses '{2}/truth.tum' --las --out '{0}/map'", in, lift,
+  succeeds("map '{0}/in' {1} --poses '{2}/truth.tum' --las --out '{0}/map'", in, upsample,
            material().drive);
   const Scan map = read_point_file(folder.file("map/dense_map.las")).scan;
   CHECK(map.intensity.size() ==
@@ -320,7 +320,7 @@ TEST_CASE("a recording's intensities come through lifting into clouds and into t
   CHECK(count(page, "\"brightness\":\"") == 2);
 }
 
-TEST_CASE("a recording of which nothing can be used is not lifted and not compared") {
+TEST_CASE("a recording of which nothing can be used is not upsampled and not compared") {
   const TemporaryDirectory folder;
   fs::copy(material().drive + "/pcd", folder.file("pcd"));
   for (const fs::path& file : fs::directory_iterator(folder.file("pcd"))) {

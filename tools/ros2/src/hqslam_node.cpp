@@ -1,5 +1,5 @@
-// The node: points of a LiDAR in; where the robot is, the map and lifted points out. README.md says
-// what it subscribes to and publishes, config/hqslam.yaml what its parameters mean.
+// The node: points of a LiDAR in; where the robot is, the map and upsampled points out. README.md
+// says what it subscribes to and publishes, config/hqslam.yaml what its parameters mean.
 //
 // Here, where there is no ROS, it is built and tested with stand-ins for what it includes of it
 // (tests/ros2).
@@ -79,7 +79,7 @@ class HqslamNode : public rclcpp::Node {
     declare_slam();
     odometry_ = create_publisher<nav_msgs::msg::Odometry>("odometry", 10);
     pose_ = create_publisher<geometry_msgs::msg::PoseWithCovarianceStamped>("pose", 10);
-    lifted_ = create_publisher<PointCloud2>("lifted", rclcpp::SensorDataQoS());
+    upsampled_ = create_publisher<PointCloud2>("upsampled", rclcpp::SensorDataQoS());
     map_points_ = create_publisher<PointCloud2>("map_points", rclcpp::QoS(1).transient_local());
     // One message waits: who is too slow loses whole scans.
     points_ = create_subscription<PointCloud2>(
@@ -226,9 +226,9 @@ class HqslamNode : public rclcpp::Node {
     if (upsampler_) cloud = hqslam::nn::upsampled_cloud(*upsampler_, cloud);
     const hqslam::slam::ScanReport report = slam_->process(cloud, scan.stamp_s);
     publish(frames_->next(report, slam_->trajectory()), report);
-    if (upsampler_ && lifted_->get_subscription_count() > 0) {
+    if (upsampler_ && upsampled_->get_subscription_count() > 0) {
       const Header header = header_of(lidar_frame_, scan.stamp_s);
-      lifted_->publish(message_of(hqslam::points_of(cloud), header));
+      upsampled_->publish(message_of(hqslam::points_of(cloud), header));
     }
     publish_map(scan.stamp_s);
   }
@@ -318,7 +318,7 @@ class HqslamNode : public rclcpp::Node {
   tf2_ros::StaticTransformBroadcaster static_broadcaster_;
   rclcpp::Publisher<nav_msgs::msg::Odometry>::SharedPtr odometry_;
   rclcpp::Publisher<geometry_msgs::msg::PoseWithCovarianceStamped>::SharedPtr pose_;
-  rclcpp::Publisher<PointCloud2>::SharedPtr lifted_;
+  rclcpp::Publisher<PointCloud2>::SharedPtr upsampled_;
   rclcpp::Publisher<PointCloud2>::SharedPtr map_points_;
   rclcpp::Subscription<PointCloud2>::SharedPtr points_;
   rclcpp::Subscription<Imu>::SharedPtr imu_;

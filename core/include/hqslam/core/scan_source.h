@@ -72,7 +72,8 @@ inline constexpr const char* kStampsFromNames = "names";
 /// times);
 /// - one such file: a recording of one scan;
 /// - an .npy stack of range images (N x H x W or N x H x W x 1, float32 metres; `options` apply);
-/// - a folder written by `hqslam simulate` or `hqslam upsample` (scans.npy, sensor.json; `options`
+/// - a folder written by `hqslam-lab simulate` or `hqslam upsample` (scans.npy, sensor.json;
+/// `options`
 ///   apply), with confidence and intensity of its pixels if there is a confidence.npy or an
 ///   intensity.npy (float32, or bytes): what its sensor.json says of measured rows and of the
 ///   correction for motion holds, whatever `sensor` says.

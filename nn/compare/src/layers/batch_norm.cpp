@@ -150,7 +150,7 @@ class BatchNorm final : public Layer {
   std::vector<float> variance_;
 };
 
-/// Lifting alone: it has no gradients.
+/// Upsampling alone: it has no gradients.
 class NormalisedConvolution final : public Layer {
  public:
   NormalisedConvolution(const ConvolutionOptions& options, float epsilon, const TensorShape& input,

@@ -17,7 +17,7 @@ namespace hqslam::nn {
 /// Arrays: weight, bias, running_mean, running_var.
 std::unique_ptr<Layer> make_batch_norm(float epsilon, float negative_slope,
                                        const TensorShape& input);
-/// For lifting: a convolution with the batch norm behind it worked into its weights. Arrays:
+/// For upsampling: a convolution with the batch norm behind it worked into its weights. Arrays:
 /// convolution.*, norm.*.
 std::unique_ptr<Layer> make_normalised_convolution(const ConvolutionOptions& options, float epsilon,
                                                    const TensorShape& input, const Engine& engine);

@@ -9,9 +9,9 @@
 
 #include "hqslam/core/range_image.h"
 #include "hqslam/nn/instruction_set.h"
-#include "hqslam/nn/lifted_image.h"
 #include "hqslam/nn/network_description.h"
 #include "hqslam/nn/trace.h"
+#include "hqslam/nn/upsampled_image.h"
 
 namespace hqslam::nn {
 
@@ -52,7 +52,7 @@ struct NetworkStep {
 };
 
 /// A network with its weights packed for one image size, and memory for one scan at a time: what
-/// lifts scans, and what is trained. Not thread-safe: one object per thread (team).
+/// upsamples scans, and what is trained. Not thread-safe: one object per thread (team).
 class Network {
  public:
   virtual ~Network() = default;
@@ -67,11 +67,11 @@ class Network {
   /// of every computed pixel, nothing emptied for want of confidence; a range outside the sensor's
   /// limits is no return. `confidence` is for a tolerance of tolerance_m. Throws Error for another
   /// shape.
-  virtual const LiftedImage& lift(const Observation& seen, float tolerance_m) = 0;
+  virtual const UpsampledImage& upsample(const Observation& seen, float tolerance_m) = 0;
 
   /// What it says of every pixel before anything is emptied or put back, metres: the self-test of a
   /// weights file.
-  virtual RangeImage estimate(const RangeImage& measured) { return lift(measured, 0.5F).image; }
+  virtual RangeImage estimate(const RangeImage& measured) { return upsample(measured, 0.5F).image; }
 
   /// Every inner tensor by name. Throws Error for another shape.
   virtual Trace trace(const Observation& seen) = 0;
@@ -82,8 +82,8 @@ class Network {
   double add_gradients(std::span<const TrainingSample> batch, const LossOptions& options,
                        std::span<const std::uint64_t> seeds, std::span<float> d_parameters);
 
-  /// Lifts a scan and says of what parts that took so much time, in their order; `measured` and the
-  /// network must outlive them. Empty: nobody has measured them yet.
+  /// Upsamples a scan and says of what parts that took so much time, in their order; `measured` and
+  /// the network must outlive them. Empty: nobody has measured them yet.
   virtual std::vector<NetworkStep> steps(const RangeImage& /*measured*/) { return {}; }
 
  protected:

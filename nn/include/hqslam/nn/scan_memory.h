@@ -7,7 +7,7 @@
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/pose.h"
 #include "hqslam/core/sensor_model.h"
-#include "hqslam/nn/lifted_image.h"
+#include "hqslam/nn/upsampled_image.h"
 
 namespace hqslam::nn {
 

@@ -8,9 +8,9 @@
 #include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/nn/instruction_set.h"
-#include "hqslam/nn/lifted_image.h"
 #include "hqslam/nn/network_description.h"
 #include "hqslam/nn/trace.h"
+#include "hqslam/nn/upsampled_image.h"
 #include "hqslam/nn/weights_file.h"
 
 namespace hqslam::nn {
@@ -27,7 +27,7 @@ struct SuperResolverOptions {
       std::nullopt;  ///< nothing: chosen_instruction_set(); Error where it is not available
 };
 
-/// Lifts the scans of a sensor with few rows to many.
+/// Upsamples the scans of a sensor with few rows to many.
 ///
 /// Threads: one object serves one thread at a time; objects are independent of one another. Each
 /// works with options.threads OpenMP threads, or, inside a parallel region of the caller's, with
@@ -51,10 +51,13 @@ class SuperResolver {
   /// what is not above 0, not finite or beyond the sensor's max_range_m is no return. Returns all
   /// rows: measured rows as they were; rejected and doubtful pixels and those outside the sensor's
   /// limits empty. Throws Error for any other shape. With `trace` it also writes down every layer.
-  LiftedImage run(const RangeImage& image, Trace* trace = nullptr) { return run(image, {}, trace); }
+  UpsampledImage run(const RangeImage& image, Trace* trace = nullptr) {
+    return run(image, {}, trace);
+  }
   /// The same with what earlier scans tell (ScanMemory::recall), all rows; networks without a
   /// memory do not look at it. Throws Error for another shape.
-  LiftedImage run(const RangeImage& image, const RecalledImage& recalled, Trace* trace = nullptr);
+  UpsampledImage run(const RangeImage& image, const RecalledImage& recalled,
+                     Trace* trace = nullptr);
 
  private:
   struct Implementation;

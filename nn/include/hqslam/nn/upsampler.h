@@ -8,8 +8,8 @@
 #include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/nn/interpolation.h"
-#include "hqslam/nn/lifted_image.h"
 #include "hqslam/nn/super_resolver.h"
+#include "hqslam/nn/upsampled_image.h"
 
 namespace hqslam::nn {
 
@@ -33,7 +33,7 @@ class Upsampler {
   /// Of the result; names the measured rows.
   const SensorModel& sensor() const { return sensor_; }
   RowSelection measured_rows() const { return *sensor_.measured_rows; }
-  /// Of what is lifted: the measured rows alone.
+  /// Of what is upsampled: the measured rows alone.
   SensorModel measured_sensor() const { return select_rows(sensor_, measured_rows()); }
   /// "du-or", "simple-du", "linear", ...
   std::string name() const;
@@ -42,9 +42,9 @@ class Upsampler {
 
   /// measured: the measured rows alone, metres. Returns all rows; of interpolation without a
   /// confidence. Throws Error.
-  LiftedImage run(const RangeImage& measured) { return run(measured, {}); }
+  UpsampledImage run(const RangeImage& measured) { return run(measured, {}); }
   /// The same with what earlier scans tell of it, where the network has a memory.
-  LiftedImage run(const RangeImage& measured, const RecalledImage& recalled);
+  UpsampledImage run(const RangeImage& measured, const RecalledImage& recalled);
   bool has_scan_memory() const {
     return network() != nullptr && nn::has_scan_memory(network()->description());
   }

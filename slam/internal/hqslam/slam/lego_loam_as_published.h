@@ -10,15 +10,15 @@ namespace hqslam::slam {
 
 /// LeGO-LOAM with the numbers and the defects of its published program: what `Slam` would be
 /// without what the stages list under "Differs from LeGO-LOAM". For comparison only: it shows what
-/// lifted rows do for the system that papers on lifting use. Source: Shan & Englot, IROS 2018, and
-/// what is documented about their program.
+/// upsampled rows do for the system that papers on upsampling use. Source: Shan & Englot, IROS
+/// 2018, and what is documented about their program.
 ///
 /// In every scan: ground among the lowest rows, clusters, features judged by their smoothness in
 /// metres alone, odometry in two times 25 steps of 5 % of a Gauss-Newton step, its search cut off
 /// at as many points as the scan has features. Every fourth scan (at 10 Hz): matching with the map
 /// of the keyframes within 50 m, planar points weighed by their distance from the map's origin.
 /// The pose of a scan is the odometry's, moved by what the last matching corrected. Every row of a
-/// lifted scan is used alike: the system knows nothing of computed rows.
+/// upsampled scan is used alike: the system knows nothing of computed rows.
 ///
 /// Differs from the program: no loop closing (its default is off, too), no inertial sensor; one
 /// thread and every scan in turn, so nothing is dropped and the result is the same in every run;

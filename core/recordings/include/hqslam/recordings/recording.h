@@ -106,7 +106,7 @@ std::unique_ptr<StreamSource> open_stream(const std::string& path, const OpenOpt
 std::unique_ptr<ScanSource> open_recording(const std::string& path,
                                            const OpenOptions& options = {});
 
-/// The source of a recording at `path`, with the samples of the imu.csv that `hqslam simulate`
+/// The source of a recording at `path`, with the samples of the imu.csv that `hqslam-lab simulate`
 /// wrote there; as it is where there is none. Throws Error.
 std::unique_ptr<ScanSource> with_imu_of_drive(std::unique_ptr<ScanSource> source,
                                               const std::string& path);

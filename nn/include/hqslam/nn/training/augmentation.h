@@ -4,8 +4,8 @@
 
 #include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"
-#include "hqslam/nn/lifted_image.h"
 #include "hqslam/nn/network.h"
+#include "hqslam/nn/upsampled_image.h"
 
 namespace hqslam::nn {
 

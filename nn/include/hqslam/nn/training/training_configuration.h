@@ -20,7 +20,7 @@ struct SimulatedScans {
   std::int64_t scans = 0;
   std::int64_t every = 1;
   DriveConditions conditions = DriveConditions::kUsual;
-  std::string sensor_errors = "typical";  ///< as `hqslam simulate --sensor-errors` names them
+  std::string sensor_errors = "typical";  ///< as `hqslam-lab simulate --sensor-errors` names them
   /// Whether networks with a memory recall what was measured after a scan, too (kLookAheadScans).
   bool look_ahead = false;
 };
@@ -34,7 +34,7 @@ struct ScanSet {
   std::vector<std::string> stacks;
 };
 
-/// What `hqslam train --config` reads.
+/// What `hqslam-lab train --config` reads.
 struct TrainingConfiguration {
   NetworkDescription network;
   TrainingPlan plan;

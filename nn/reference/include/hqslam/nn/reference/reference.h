@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "hqslam/core/range_image.h"
-#include "hqslam/nn/lifted_image.h"
 #include "hqslam/nn/network_description.h"
 #include "hqslam/nn/trace.h"
+#include "hqslam/nn/upsampled_image.h"
 
 namespace hqslam::nn {
 

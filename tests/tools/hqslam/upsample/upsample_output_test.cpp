@@ -1,0 +1,162 @@
+#include "upsample/upsample_output.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <set>
+
+#include "error_message.h"
+#include "file_contents.h"
+#include "hqslam/core/cloud_file.h"
+#include "hqslam/core/projection.h"
+#include "hqslam/core/scan_source.h"
+#include "temporary_directory.h"
+#include "tools/parts_of_text.h"
+
+namespace hqslam::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace hqslam::test;
+
+/// Writes `scans` scans into `folder`.
+void write_scans(const std::string& folder, int scans, UpsampledFormats formats = {}) {
+  const SensorModel sensor = sensor_preset("os1-16");
+  UpsampleOutput output(folder, {"input", "linear", scans}, sensor, formats);
+  RangeImage image(16, 1024);
+  image.at(3, 7) = 10.0F;
+  for (int i = 0; i < scans; ++i) {
+    output.append(image, unproject(image, sensor, CaptureTime::kRolling), 0.5 + 0.25 * i);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("an upsampled drive is a stack with its sensor, and one file per scan where asked for") {
+  const TemporaryDirectory folder;
+  write_scans(folder.file("plain"), 3);
+  CHECK(names_in(folder.file("plain")) ==
+        std::set<std::string>{"scans.npy", "sensor.json", "timestamps.txt", "upsample.json"});
+  CHECK(file_contents(folder.file("plain/timestamps.txt")) ==
+        "0.500000000\n0.750000000\n1.000000000\n");
+  NpyStackReader stack(folder.file("plain/scans.npy"));
+  CHECK(stack.images() == 3);
+  CHECK(stack.read(2).at(3, 7) == 10.0F);
+  CHECK(read_sensor_json(folder.file("plain/sensor.json")).rows() == 16);
+
+  write_scans(folder.file("all"), 2, {true, true, true, true});
+  for (const char* kind : {"bin", "pcd", "png", "las"}) {
+    CHECK(names_in(folder.path() / "all" / kind) ==
+          std::set<std::string>{std::string("000000.") + kind, std::string("000001.") + kind});
+  }
+  CHECK(read_cloud(folder.file("all/pcd/000001.pcd")).points_m.size() == 1);
+}
+
+TEST_CASE("intensities have a stack of their own, where a scan has none they are not known") {
+  const TemporaryDirectory folder;
+  const SensorModel sensor = sensor_preset("os1-16");
+  UpsampleOutput output(folder.file("out"), {"input", "linear", 3}, sensor, {});
+  RangeImage image(16, 1024);
+  image.at(3, 7) = 10.0F;
+  OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kRolling);
+  output.append(image, cloud, 0.0);
+  cloud.intensity.assign(cloud.range_m.size(), 300.5F);
+  output.append(image, cloud, 0.1);
+  cloud.intensity.clear();
+  output.append(image, cloud, 0.2);
+  const auto upsampled = open_recording(folder.file("out"), std::nullopt);
+  const auto intensity = [&] { return returns_of(upsampled->next()->cloud).intensity; };
+  CHECK(std::isnan(intensity().at(0)));
+  CHECK(intensity() == std::vector{300.5F});
+  CHECK(std::isnan(intensity().at(0)));
+}
+
+TEST_CASE("a sensor that begins its turns anywhere has the times of its scans in the stack too") {
+  const TemporaryDirectory folder;
+  const SensorModel sensor = sensor_preset("os1-16");
+  UpsampleOutput output(folder.file("out"), {"input", "linear", 3}, sensor, {});
+  RangeImage image(16, 1024);
+  for (float& range_m : image.range_m) range_m = 10.0F;
+  std::vector<OrganizedCloud> clouds;
+  for (const int first : {0, 700, 3}) {
+    clouds.push_back(unproject(image, sensor, CaptureTime::kRolling, first));
+    output.append(image, clouds.back(), 0.1);
+  }
+  CHECK(file_contents(folder.file("out/first_columns.txt")) == "0\n700\n3\n");
+  const auto source = open_recording(folder.file("out"), sensor);
+  for (const OrganizedCloud& cloud : clouds) {
+    CHECK(source->next()->cloud.time_offset_s == cloud.time_offset_s);
+  }
+
+  for (const char* wrong : {"0\n1\n", "0\n1\n1024\n", "0\n-1\n2\n", "0\n1\nsecond\n"}) {
+    write_file(folder.file("out/first_columns.txt"), wrong);
+    CHECK(refused_with([&] { open_recording(folder.file("out"), sensor); }, "first_columns.txt"));
+  }
+}
+
+TEST_CASE("upsample.json says whether all scans were taken, and by which poses they recalled") {
+  const TemporaryDirectory folder;
+  UpsampleOutput output(folder.file("out"), {"input", "linear", 7, "poses.tum"},
+                        sensor_preset("os1-16"), {});
+  const std::string origin = folder.file("out/upsample.json");
+  CHECK(missing(file_contents(origin), {"\"complete\": false", "\"scans_in_recording\": 7",
+                                        "\"poses\": \"poses.tum\""}) == "");
+  output.finish(7);
+  CHECK(holds(file_contents(origin), "\"complete\": true"));
+}
+
+TEST_CASE("upsample.json does not say how many scans a capture has before it was read to its end") {
+  const TemporaryDirectory folder;
+  UpsampleOutput output(folder.file("out"), {"input", "linear"}, sensor_preset("os1-16"), {});
+  const std::string origin = folder.file("out/upsample.json");
+  CHECK(holds(file_contents(origin), "\"scans_in_recording\": null"));
+  output.finish(5);
+  CHECK(holds(file_contents(origin), "\"scans_in_recording\": 5"));
+}
+
+TEST_CASE("an earlier upsampled drive is replaced whole; other files stay") {
+  const TemporaryDirectory folder;
+  const std::string out = folder.file("out");
+  write_scans(out, 3, {false, true, true});
+  write_file(out + "/notes.txt", "mine");
+  write_file(out + "/pcd/notes.txt", "mine");
+  write_file(out + "/pcd/mine.pcd", "mine");
+  write_scans(out, 1);
+  CHECK(NpyStackReader(out + "/scans.npy").images() == 1);
+  CHECK(names_in(out + "/pcd") == std::set<std::string>{"mine.pcd", "notes.txt"});
+  CHECK(names_in(out + "/png").empty());
+  CHECK(file_contents(out + "/notes.txt") == "mine");
+}
+
+TEST_CASE("the input is never overwritten, by whatever path it is named") {
+  const TemporaryDirectory folder;
+  const std::string out = folder.file("out");
+  write_scans(out, 2, {true, true, false});
+  const std::string before = file_contents(out + "/scans.npy");
+  fs::create_symlink(out, folder.file("link"));
+  const SensorModel sensor = sensor_preset("os1-16");
+  for (const std::string& input :
+       {out, out + "/", out + "/scans.npy", out + "/pcd", out + "/bin/000001.bin",
+        folder.file("link"), folder.file("link/scans.npy"), folder.file("out/../out")}) {
+    CAPTURE(input);
+    CHECK(refused_with(
+        [&] {
+          UpsampleOutput(out, {input, "linear", 1}, sensor, {});
+        },
+        "overwritten", "--out"));
+  }
+  CHECK(file_contents(out + "/scans.npy") == before);
+}
+
+TEST_CASE("the truth and the inertial data of a simulated drive go along") {
+  const TemporaryDirectory folder;
+  fs::create_directory(folder.file("drive"));
+  write_file(folder.file("drive/truth.tum"), "0.05 0 0 0 0 0 0 1\n");
+  write_file(folder.file("drive/imu.csv"), "0,0,0,0,0,0,9.81\n");
+  const UpsampleOutput output(folder.file("out"), {folder.file("drive"), "linear", 1},
+                              sensor_preset("os1-16"), {});
+  CHECK(file_contents(folder.file("out/truth.tum")) == "0.05 0 0 0 0 0 0 1\n");
+  CHECK(file_contents(folder.file("out/imu.csv")) == "0,0,0,0,0,0,9.81\n");
+}
+
+}  // namespace hqslam::tools

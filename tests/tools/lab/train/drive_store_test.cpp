@@ -1,0 +1,182 @@
+#include "train/drive_store.h"
+
+#include <doctest/doctest.h>
+
+#include <csignal>
+#include <filesystem>
+
+#include "error_message.h"
+#include "file_contents.h"
+#include "files/result_files.h"
+#include "hqslam/core/npy.h"
+#include "hqslam/sim/drive.h"
+#include "temporary_directory.h"
+#include "thread_ranks.h"
+
+namespace hqslam::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using test::file_contents;
+using test::TemporaryDirectory;
+using test::write_file;
+
+StoredDrive block(std::uint64_t seed, std::int64_t scans, std::int64_t every) {
+  sim::DriveSpec spec = sim::drive_preset("block");
+  spec.seed = seed;
+  spec.scans = scans;
+  return {spec, every};
+}
+
+SensorModel narrow_sensor() {
+  SensorModel sensor = sensor_preset("os1-16");
+  sensor.columns = 64;
+  return sensor;
+}
+
+bool store(const TemporaryDirectory& folder, const std::vector<StoredDrive>& drives, int threads) {
+  const InterruptGuard interrupt;
+  Ranks alone;
+  return store_drives({folder.path(), threads, alone}, drives, narrow_sensor(), "drives",
+                      interrupt);
+}
+
+std::string path_of(const TemporaryDirectory& folder, const StoredDrive& drive) {
+  return path_in_store(folder.path(), drive, narrow_sensor());
+}
+
+std::int64_t files_in(const TemporaryDirectory& folder) {
+  return std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator());
+}
+
+}  // namespace
+
+TEST_CASE("a stored drive has every n-th scan of what the simulator makes, by any thread count") {
+  const std::vector<StoredDrive> drives = {block(1, 5, 2), block(2, 2, 1), block(3, 1, 7)};
+  const TemporaryDirectory one;
+  const TemporaryDirectory three;
+  REQUIRE(store(one, drives, 1));
+  REQUIRE(store(three, drives, 3));
+  for (const StoredDrive& drive : drives) {
+    CHECK(file_contents(path_of(one, drive)) == file_contents(path_of(three, drive)));
+    NpyStackReader reader(path_of(one, drive));
+    REQUIRE(reader.images() == drive.scans());
+    sim::DriveSimulator simulator(drive.spec, narrow_sensor());
+    for (std::int64_t k = 0; k < drive.scans(); ++k) {
+      CHECK(reader.read(k).range_m == simulator.next()->image.range_m);
+      simulator.skip(drive.every - 1);
+    }
+  }
+  CHECK(files_in(three) == 3);
+}
+
+TEST_CASE("what is there stays, what is missing or damaged is made") {
+  const TemporaryDirectory folder;
+  const std::vector<StoredDrive> drives = {block(1, 1, 1), block(2, 1, 1), block(3, 1, 1)};
+  REQUIRE(store(folder, drives, 2));
+  const std::string whole = file_contents(path_of(folder, drives[1]));
+  const auto before = fs::last_write_time(path_of(folder, drives[0]));
+  write_file(path_of(folder, drives[1]), whole.substr(0, whole.size() - 4));
+  fs::remove(path_of(folder, drives[2]));
+  REQUIRE(store(folder, drives, 2));
+  CHECK(fs::last_write_time(path_of(folder, drives[0])) == before);
+  CHECK(file_contents(path_of(folder, drives[1])) == whole);
+  CHECK(fs::exists(path_of(folder, drives[2])));
+}
+
+TEST_CASE("a drive that is named several times is made once") {
+  const TemporaryDirectory folder;
+  const std::vector<StoredDrive> drives(8, block(1, 30, 1));
+  REQUIRE(store(folder, drives, 8));
+  CHECK(NpyStackReader(path_of(folder, drives.front())).images() == 30);
+  CHECK(files_in(folder) == 1);
+}
+
+TEST_CASE("whatever decides the bytes decides the name") {
+  const TemporaryDirectory folder;
+  const StoredDrive drive = block(1, 4, 2);
+  std::vector<StoredDrive> others(9, drive);
+  others[0].spec.name = "town";
+  others[1].spec.seed = 2;
+  others[2].spec.scans = 3;
+  others[3].every = 3;
+  others[4].spec.mount.sensor_height_m = 1.0;
+  others[5].spec.mount.mount_pitch_rad = 0.01;
+  others[6].spec.conditions.dropout_share = 0.01;
+  others[7].spec.conditions.extinction_per_m = 0.01;
+  others[8].spec = sim::with_varied_conditions(drive.spec);
+  for (const StoredDrive& other : others) CHECK(path_of(folder, other) != path_of(folder, drive));
+  SensorModel sensor = narrow_sensor();
+  sensor.max_range_m += 1.0;
+  CHECK(path_in_store(folder.path(), drive, sensor) != path_of(folder, drive));
+}
+
+TEST_CASE("asked to stop, it leaves whole drives only and says so") {
+  const TemporaryDirectory folder;
+  const InterruptGuard interrupt;
+  Ranks alone;
+  std::raise(SIGTERM);
+  CHECK_FALSE(store_drives({folder.path(), 2, alone}, {block(1, 2, 1), block(2, 2, 1)},
+                           narrow_sensor(), "drives", interrupt));
+  CHECK(files_in(folder) == 0);
+}
+
+TEST_CASE("what a killed program left is removed, what another program is at stays") {
+  const TemporaryDirectory folder;
+  write_file(folder.file("block_9_abc.npy.77.part"), "left");
+  write_file(folder.file("block_8_abc.npy.78.part"), "at work");
+  const FileLock lock(folder.file("block_8_abc.npy.78.part"));
+  REQUIRE(store(folder, {block(1, 1, 1)}, 1));
+  CHECK_FALSE(fs::exists(folder.file("block_9_abc.npy.77.part")));
+  CHECK(fs::exists(folder.file("block_8_abc.npy.78.part")));
+  CHECK(files_in(folder) == 2);
+}
+
+TEST_CASE("files of somebody else that end as its own do stay") {
+  const TemporaryDirectory folder;
+  const std::vector<std::string> foreign = {
+      "holiday.mp4.part", "recording_0123456789abcdef.npy.part", "scans.npy.77.part",
+      "block_9_abc.npy.x.part", "block_9_abc.npy.77.part.part"};
+  for (const std::string& name : foreign) write_file(folder.file(name), "mine");
+  REQUIRE(store(folder, {block(1, 1, 1)}, 1));
+  for (const std::string& name : foreign) {
+    CAPTURE(name);
+    CHECK(fs::exists(folder.file(name)));
+  }
+}
+
+TEST_CASE("several ranks make each drive once, and stop together") {
+  const TemporaryDirectory folder;
+  const std::vector<StoredDrive> drives = {block(1, 2, 1), block(2, 2, 1), block(3, 2, 1)};
+  REQUIRE(store(folder, {drives[1]}, 1));
+  const std::string there = path_of(folder, drives[1]);
+  const auto before = fs::last_write_time(there);
+  const InterruptGuard interrupt;
+  test::on_ranks(2, [&](Ranks& ranks) {
+    CHECK(store_drives({folder.path(), 1, ranks}, drives, narrow_sensor(), "drives", interrupt));
+    for (const StoredDrive& drive : drives) CHECK(fs::exists(path_of(folder, drive)));
+  });
+  CHECK(files_in(folder) == 3);
+  CHECK(fs::last_write_time(there) == before);
+  const TemporaryDirectory alone;
+  REQUIRE(store(alone, drives, 1));
+  for (const StoredDrive& drive : drives) {
+    CHECK(file_contents(path_of(folder, drive)) == file_contents(path_of(alone, drive)));
+  }
+}
+
+TEST_CASE("a drive that cannot be, and a folder that cannot be, are one line") {
+  const TemporaryDirectory folder;
+  CHECK(test::refused_with([&] { store(folder, {block(1, 0, 1)}, 1); }, "scans is 0"));
+  write_file(folder.file("file"), "x");
+  const InterruptGuard interrupt;
+  Ranks alone;
+  CHECK(test::refused_with(
+      [&] {
+        store_drives({folder.path() / "file", 1, alone}, {block(1, 1, 1)}, narrow_sensor(),
+                     "drives", interrupt);
+      },
+      "file"));
+}
+
+}  // namespace hqslam::tools

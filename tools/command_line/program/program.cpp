@@ -1,0 +1,92 @@
+#include "program/program.h"
+
+#include <omp.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+
+#include "hqslam/core/error.h"
+#include "terminal/terminal.h"
+
+namespace hqslam::tools {
+namespace {
+
+int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
+  if (error.get_exit_code() == 0) {
+    return app.exit(error);  // --help and --version
+  }
+  const std::string program = app.get_name();
+  const auto subcommands = app.get_subcommands();
+  const std::string name = subcommands.empty() ? "" : subcommands.front()->get_name();
+  if (name.empty() && !app.remaining().empty()) {
+    to_stderr("{0}: '{1}' is no subcommand; {0} --help lists them\n", program,
+              app.remaining().front());
+    return kWrongInput;
+  }
+  to_stderr("{0}: {1}; {0} {2}{3}--help lists what is expected\n", program, error.what(), name,
+            name.empty() ? "" : " ");
+  return kWrongInput;
+}
+
+/// libgomp's waiting threads spin for milliseconds by default and keep a core from other processes:
+/// beside two busy ones everything took four times as long. With a short spin they soon sleep.
+/// libgomp reads the setting from the environment before main() begins, so the program starts
+/// itself once more; a user's own setting stands.
+void wait_briefly(char** argv) {
+  constexpr const char* kTurns = "2000";
+  if (std::getenv("OMP_WAIT_POLICY") != nullptr || std::getenv("GOMP_SPINCOUNT") != nullptr) return;
+  if (setenv("GOMP_SPINCOUNT", kTurns, 0) == 0) execv("/proc/self/exe", argv);
+  // Here only if it could not start itself: threads wait as they do by default.
+}
+
+/// OMP_NUM_THREADS may hold any number; the stacks of too many threads do not fit.
+void limit_threads() {
+  constexpr int kMostThreads = 256;
+  if (omp_get_max_threads() > kMostThreads) omp_set_num_threads(kMostThreads);
+}
+
+}  // namespace
+
+void declare_program(CLI::App& app, const ProgramText& text) {
+  app.description(text.description);
+  app.set_version_flag("--version", text.name + " " HQSLAM_VERSION);
+  app.set_help_flag("-h,--help", "Print this help and exit");
+  app.get_formatter()->column_width(34);
+  app.require_subcommand(1);
+  app.footer(
+      "Exit status: 0 done, 2 wrong input (one line on stderr says what and how to mend it),\n"
+      "130 interrupted, 1 anything else.");
+}
+
+int exit_status_of(CLI::App& app, const std::function<int()>& chosen, int argc,
+                   const char* const* argv) {
+  const std::string program = app.get_name();
+  try {
+    app.parse(argc, argv);
+    return chosen();
+  } catch (const CLI::ParseError& error) {
+    return report_parse_error(app, error);
+  } catch (const Error& error) {
+    to_stderr("{}: {}\n", program, error.what());
+    return kWrongInput;
+  } catch (const std::filesystem::filesystem_error& error) {
+    to_stderr("{}: {}: {}; check the path\n", program, error.path1().string(),
+              error.code().message());
+    return kWrongInput;
+  } catch (const std::exception& error) {
+    to_stderr("{}: failed: {}\n", program, error.what());
+    return kFailure;
+  }
+}
+
+void prepare_program(char** argv) {
+  wait_briefly(argv);
+  prepare_standard_streams();
+  limit_threads();
+}
+
+int final_status(int status) { return all_printed() || status != kOk ? status : kFailure; }
+
+}  // namespace hqslam::tools

@@ -1,0 +1,270 @@
+#include "recording/recording_choice.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <omp.h>
+
+#include <filesystem>
+#include <initializer_list>
+#include <limits>
+#include <system_error>
+
+#include "files/result_files.h"
+#include "hqslam/core/error.h"
+#include "hqslam/core/json_fields.h"
+#include "hqslam/core/whole_file.h"
+#include "hqslam/nn/upsampler.h"
+#include "terminal/terminal.h"
+
+namespace hqslam::tools {
+
+void declare_input(Command& command, InputChoice& choice, const std::string& what,
+                   const std::string& sensor) {
+  constexpr const char* kUsual =
+      "Capture (.pcap, .pcapng) or bag (.db3, .mcap, .bag) of a sensor, folder of KITTI .bin files "
+      "or of .pcd, .ply, .las, .csv or .txt files, .npy stack of range images (N x H x W, float32 "
+      "metres), or folder written by hqslam-lab simulate";
+  const std::string usual_sensor = fmt::format(
+      "{}, or a .json file with the beam angles (Ouster's metadata files too) or, for "
+      "packets of an HDL-64E, its db.xml, of a Hesai, its .csv of angles; not needed where the "
+      "recording or its points tell",
+      fmt::join(sensor_preset_names(), ", "));
+  command
+      .option("INPUT", &choice.input, what.empty() ? kUsual : what,
+              {.required = true, .given = Given::kFileOrFolder})
+      .option("--sensor", &choice.sensor, sensor.empty() ? usual_sensor : sensor);
+  declare_reading(command, choice);
+}
+
+void declare_imu(Command& command, InputChoice& choice) {
+  command.option("--imu", &choice.imu,
+                 "Inertial data by the clock of the scans, in the LiDAR's frame: lines of stamp, "
+                 "angular rate x,y,z (rad/s), specific force x,y,z (m/s^2); by default those of "
+                 "the recording",
+                 {.given = Given::kFile});
+}
+
+void declare_reading(Command& command, InputChoice& choice) {
+  const auto nothing = [](const std::string& text) {
+    return std::string(text.empty() ? "expected a file or 'names', found nothing" : "");
+  };
+  command.option("--stream", &choice.stream,
+                 "Which stream of a capture or a bag: a topic, or a port or sender:port");
+  declare_return(command, choice.kept_return);
+  command
+      .option("--row-order", &choice.row_order, "Where row 0 of the images of a .npy stack looks",
+              {.shows_default = true, .one_of = {"highest-first", "lowest-first"}})
+      .option("--motion-corrected", &choice.motion_corrected,
+              "The scans of a .npy stack are already corrected for the sensor's motion")
+      .option("--capture", &choice.capture,
+              "How points in files without times were captured: rolling, while the sensor turned "
+              "(each has the time of its azimuth), or corrected for motion (default)",
+              {.one_of = {"rolling", "corrected"}})
+      .option("--stamps", &choice.stamps,
+              "File with the stamp of each scan (seconds, or dates as KITTI's timestamps.txt), or "
+              "'names' for the numbers in the files' names; not of a capture or a bag, which have "
+              "their own",
+              {.complaint = nothing});
+}
+
+void declare_return(Command& command, std::string& kept_return) {
+  command.option("--return", &kept_return,
+                 "Which one is kept where a sensor sends two returns of a pulse",
+                 {.shows_default = true, .one_of = {"strongest", "last"}});
+}
+
+recordings::KeptReturn kept_return_named(const std::string& kept_return) {
+  return kept_return == "last" ? recordings::KeptReturn::kLast : recordings::KeptReturn::kStrongest;
+}
+
+void declare_upsampling_method(Command& command, UpsamplingChoice& choice) {
+  command
+      .option("--rows", &choice.rows, "Use only this many of the sensor's rows, evenly spread",
+              {.within = kAnyCount})
+      .option(
+          "--upsample", &choice.upsample,
+          fmt::format("Fill the rows between the measured ones first: a trained network (.npz), or "
+                      "interpolation ({})",
+                      fmt::join(nn::interpolation_names(), ", ")),
+          {.given = Given::kFile, .one_of = nn::interpolation_names()});
+}
+
+void declare_upsampling(Command& command, UpsamplingChoice& choice) {
+  declare_upsampling_method(command, choice);
+  declare_confidence(command, choice, {"--upsample"});
+}
+
+void declare_confidence(Command& command, UpsamplingChoice& choice,
+                        const std::vector<const char*>& needs) {
+  command
+      .option(
+          "--confidence", &choice.least_confidence,
+          "Leave computed pixels empty of which the network (du-mix) is less sure; default: as the "
+          "weights say",
+          {.within = std::pair(0.0, 1.0), .needs = needs})
+      .option(
+          "--tolerance", &choice.tolerance_m,
+          fmt::format("Sure of what: that the range is right within so many metres (default: {}); "
+                      "with 100 m and more, that there is a return at all",
+                      nn::SuperResolverOptions{}.tolerance_m),
+          {.within = kTolerance_m, .needs = needs});
+}
+
+void declare_threads(Command& command, int& threads) {
+  command.option("--threads", &threads, "Threads (default: all cores)",
+                 {.within = std::pair(1, 256)});
+}
+
+void use_threads(int threads) {
+  if (threads > 0) omp_set_num_threads(threads);
+}
+
+namespace fs = std::filesystem;
+
+namespace {
+
+recordings::OpenOptions open_options(const InputChoice& choice) {
+  recordings::OpenOptions options;
+  options.sensor = choice.sensor;
+  options.stream = choice.stream;
+  options.kept_return = kept_return_named(choice.kept_return);
+  if (choice.row_order == "lowest-first") options.files.row_order = RowOrder::kLowestFirst;
+  if (choice.motion_corrected) options.files.capture_time = CaptureTime::kMotionCorrected;
+  if (choice.capture == "rolling") options.files.without_times = CaptureTime::kRolling;
+  if (choice.capture == "corrected") {
+    options.files.without_times = CaptureTime::kMotionCorrected;
+  }
+  options.files.stamps = choice.stamps;
+  return options;
+}
+
+/// Of a simulated drive that may have been stopped; 0 where a folder is none.
+std::int64_t planned_scans(const std::string& input) {
+  const std::string drive = file_of_drive(input, "drive.json");
+  if (drive.empty() || file_of_drive(input, "scans.npy").empty()) return 0;
+  return scans_of_simulated_drive(drive).value_or(0);
+}
+
+/// Of a recording that hqslam upsample began to upsample and did not finish; 0 where it did.
+std::int64_t scans_to_upsample(const std::string& input) {
+  const std::string origin = file_of_drive(input, "upsample.json");
+  if (origin.empty()) return 0;
+  constexpr std::size_t kMostBytes = 1U << 16U;
+  try {
+    JsonFields fields(whole_file(origin, "an upsample.json", kMostBytes), origin);
+    const bool unfinished = fields.has("complete") && !fields.boolean("complete");
+    return unfinished ? fields.integer("scans_in_recording") : 0;
+  } catch (const Error&) {
+    return 0;  // its scans can be read all the same
+  }
+}
+
+}  // namespace
+
+std::string file_of_drive(const std::string& input, const char* name) {
+  const fs::path path = fs::path(input) / name;
+  return fs::is_directory(input) && fs::is_regular_file(path) ? path.string() : "";
+}
+
+void refuse_idle_options(const InputChoice& choice) {
+  const bool is_stream = recordings::is_capture_or_bag(choice.input);
+  const bool is_stack = fs::path(choice.input).extension() == ".npy" ||
+                        (!file_of_drive(choice.input, "scans.npy").empty() &&
+                         !file_of_drive(choice.input, "sensor.json").empty());
+  struct Option {
+    const char* name;
+    bool is_given;
+    bool is_used;
+  };
+  const InputChoice usual;
+  for (const Option& option : std::initializer_list<Option>{
+           {"--stream", choice.stream != usual.stream, is_stream},
+           {"--return", choice.kept_return != usual.kept_return, is_stream},
+           {"--row-order", choice.row_order != usual.row_order, is_stack},
+           {"--motion-corrected", choice.motion_corrected, is_stack},
+           {"--capture", choice.capture != usual.capture, !is_stream && !is_stack},
+           {"--stamps", choice.stamps != usual.stamps, !is_stream}}) {
+    if (!option.is_given || option.is_used) continue;
+    throw Error("{}: {} says nothing of {}; leave {} out", choice.input, option.name,
+                is_stream  ? "a capture or a bag"
+                : is_stack ? "a stack of range images"
+                           : "files of points",
+                option.name);
+  }
+}
+
+std::optional<SensorModel> recording_sensor(const InputChoice& choice) {
+  if (const auto stream = open_stream(choice)) return stream->sensor();
+  const std::string path =
+      choice.sensor.empty() ? file_of_drive(choice.input, "sensor.json") : choice.sensor;
+  return path.empty() ? std::nullopt : std::optional(load_sensor(path));
+}
+
+SensorModel required_recording_sensor(const InputChoice& choice) {
+  std::optional<SensorModel> known = recording_sensor(choice);
+  if (known) return *known;
+  const auto source = open_as_points_tell(choice);
+  print_later_warnings(*source, 0);  // which sensor was found in the points
+  return source->sensor();
+}
+
+std::unique_ptr<ScanSource> open_as_points_tell(const InputChoice& choice) {
+  recordings::OpenOptions options = open_options(choice);
+  options.sensor.clear();
+  return recordings::open_recording(choice.input, options);
+}
+
+std::unique_ptr<recordings::StreamSource> open_stream(const InputChoice& choice) {
+  refuse_idle_options(choice);
+  if (!recordings::is_capture_or_bag(choice.input)) return nullptr;
+  return recordings::open_stream(choice.input, open_options(choice));
+}
+
+std::unique_ptr<ScanSource> with_imu_of(const InputChoice& choice,
+                                        std::unique_ptr<ScanSource> source) {
+  if (choice.imu.empty()) return recordings::with_imu_of_drive(std::move(source), choice.input);
+  return with_imu(std::move(source), read_imu_csv(choice.imu), choice.imu);
+}
+
+std::unique_ptr<ScanSource> open_input(const InputChoice& choice, const SensorModel& sensor) {
+  recordings::OpenOptions options = open_options(choice);
+  if (!recordings::is_capture_or_bag(choice.input)) {
+    return open_recording(choice.input, sensor, options.files);
+  }
+  options.columns = sensor.columns;
+  return recordings::open_stream(choice.input, options);
+}
+
+std::int64_t scans_in(const InputChoice& choice, const ScanSource& source) {
+  if (const auto size = source.size()) return *size;
+  return recordings::inspect(choice.input, open_options(choice)).scans;
+}
+
+std::size_t print_warnings(const ScanSource& source, const std::string& input) {
+  const std::int64_t size = source.size().value_or(std::numeric_limits<std::int64_t>::max());
+  const auto warn_if_stopped = [&](const char* what, std::int64_t planned, const char* mends) {
+    if (size >= planned) return;
+    to_stderr("hqslam: {}: {} was stopped after {} of {} scans; the same {} makes them all\n",
+              input, what, size, planned, mends);
+  };
+  warn_if_stopped("the simulation", planned_scans(input), "hqslam-lab simulate");
+  warn_if_stopped("hqslam upsample", scans_to_upsample(input), "command");
+  print_later_warnings(source, 0);
+  return source.warnings().size();
+}
+
+void print_later_warnings(const ScanSource& source, std::size_t told) {
+  const std::vector<std::string> warnings = source.warnings();
+  for (std::size_t i = told; i < warnings.size(); ++i) to_stderr("hqslam: {}\n", warnings[i]);
+}
+
+void refuse_to_write_into_recording(const std::string& input, const std::string& out) {
+  // KITTI's folders of scans are named by those above them.
+  for (const char* scans : {"", "velodyne", "velodyne_points/data"}) {
+    std::error_code error;
+    if (!fs::equivalent(fs::path(input) / scans, out, error) || error) continue;
+    throw Error("{}: holds the recording; give another --out for the results", out);
+  }
+}
+
+}  // namespace hqslam::tools

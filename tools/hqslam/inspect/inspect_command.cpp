@@ -1,0 +1,186 @@
+
+#include <functional>
+#include <optional>
+
+#include "commands.h"
+#include "files/result_files.h"
+#include "hqslam/core/error.h"
+#include "hqslam/core/scan_source.h"
+#include "inspect/layers_report.h"
+#include "inspect/slam_scan_page.h"
+#include "recording/reading.h"
+#include "recording/recording_choice.h"
+#include "recording/scan_poses.h"
+#include "run/slam_run.h"
+#include "run/slam_settings.h"
+#include "terminal/command_options.h"
+#include "terminal/progress.h"
+#include "terminal/terminal.h"
+#include "upsample/drive_memory.h"
+#include "upsample/upsampled_input.h"
+
+namespace hqslam::tools {
+namespace {
+
+/// Hands the scans up to the one that was asked for to `use`.
+void for_scans_up_to(const InspectOptions& options, ScanSource& source,
+                     const std::function<void(const ReadScan& read)>& use,
+                     const LookAhead& look_ahead = {}) {
+  print_warnings(source, options.input);
+  const InterruptGuard interrupt;
+  Reading reading;
+  std::int64_t last = -1;
+  const auto use_next = [&](const ReadScan& read) {
+    last = read.index;
+    if (last <= options.scan) use(read);
+    return last < options.scan;
+  };
+  read_scans(source, interrupt, reading, use_next, look_ahead);
+  if (last == options.scan) return;
+  if (interrupt.stop_requested()) throw Error("inspect: interrupted after scan {}", last);
+  if (reading.end == ReadingEnd::kUnreadableScan) throw Error(reading.end_message);
+  if (reading.left_out.scans > 0) throw Error(reading.left_out.text());
+  throw Error("{}: has {} scans, expected one with index {}", options.input, last + 1,
+              options.scan);
+}
+
+/// The scan that was asked for, and what a network with a memory recalls in it.
+struct SeenScan {
+  RangeImage image;
+  nn::RecalledImage recalled;
+};
+
+SeenScan scan_of(const InspectOptions& options, UpsampledInput& input) {
+  require_memory(options.poses, input.upsampler_or_null());
+  const ScanPoses poses =
+      read_scan_poses(options.poses, InterruptGuard(), [&] { return input.open(); });
+  LookAheadMemory memory(input.upsampler_or_null(), poses,
+                         [&](const RecordedScan& scan) { return input.measured(scan.cloud); });
+  SeenScan seen;
+  const auto look = [&](const ReadScan& read) {
+    seen.recalled = memory.recall(read, input.measured(read.scan.cloud));
+    if (read.index != options.scan) return;
+    seen.image = range_image(calibrated(read.scan.cloud, input.recorded));
+  };
+  for_scans_up_to(options, *input.open(), look, memory.look_ahead());
+  memory.tell_of_scans_without_pose(options.poses, options.input);
+  return seen;
+}
+
+void print_names(const nn::Trace& trace) {
+  for (const nn::TracedTensor& tensor : trace.tensors()) {
+    to_stdout("{}  {} x {} x {}  {}\n", tensor.name, tensor.channels, tensor.rows, tensor.columns,
+              tensor.unit);
+  }
+}
+
+void print_differences(const std::vector<nn::ReferenceDifference>& differences) {
+  to_stdout("{:<28} {:>12} {:>12}\n", "difference from reference", "largest", "rms");
+  for (const nn::ReferenceDifference& difference : differences) {
+    to_stdout("{:<28} {:>12.3g} {:>12.3g} {}\n", difference.name, difference.largest,
+              difference.root_mean_square, difference.unit);
+  }
+}
+
+/// SLAM up to one scan of the recording, and the page of that scan.
+int inspect_slam(const InspectOptions& options) {
+  guard_output_file(options.out, {options.input, options.weights}, kSlamScanPageMarker);
+  UpsampledInput input = upsampled_input(options, {options.weights, options.rows});
+  SlamSession session(input, slam_options(options.slam_settings));
+  SlamScanReport page;
+  page.recording = options.input;
+  page.scan = options.scan;
+  Progress progress("slam", options.scan + 1);
+  const std::unique_ptr<ScanSource> source = input.open();
+  const std::size_t told = source->warnings().size();
+  for_scans_up_to(options, *source, [&](const ReadScan& read) {
+    slam::ScanTrace* trace = read.index == options.scan ? &page.trace : nullptr;
+    page.report = session.process(read.scan, read.index, read.reading_s, trace).report;
+    progress.update(read.index + 1);
+  });
+  progress.finish();
+  print_later_warnings(*source, told);
+  write_text_file(slam_scan_html(page), options.out);
+  to_stdout("results: {}\n", options.out);
+  return kOk;
+}
+
+}  // namespace
+
+void declare(CLI::App& app, InspectOptions& options) {
+  Command command = add_command(
+      app, "inspect", "Show what a network, or SLAM, makes of one scan",
+      R"(Writes one page with H, Z, the filter's mask and Y of every layer, the terms of the objective
+and, if the recording has all rows, the error of every layer.
+With --slam: the class of every pixel, features, what each was matched with in the map, its
+residual and weight, the expected, the odometry's and the found pose, and how much is known
+about each direction of motion.)");
+  declare_input(command, options, "Recording (as for hqslam upsample)");
+  declare_imu(command, options);
+  command.option("--weights", &options.weights, "Weights file")
+      .option("--slam", &options.slam,
+              "Show instead what every stage of SLAM makes of the scan, after all scans before it; "
+              "with --weights the scans are upsampled first")
+      .option("--rows", &options.rows, "Use only this many of the sensor's rows",
+              {.within = kAnyCount, .needs = {"--slam"}})
+      .option("--set", &options.slam_settings.set, "One option of SLAM, NAME=NUMBER",
+              {.needs = {"--slam"}})
+      .option("--poses", &options.poses, kMemoryPosesHelp,
+              {.given = Given::kFile, .excludes = {"--slam"}})
+      .option("--scan", &options.scan, "Which scan, counted from 0 (default: the first)",
+              {.given = Given::kNotNegative})
+      .option("--tensor", &options.tensors,
+              "Show an inner tensor too, such as layers.2.encoder.0 (may be repeated)",
+              {.excludes = {"--slam"}})
+      .option("--list", &options.list, "Print the names of all inner tensors, no page")
+      .option("--reference", &options.reference,
+              "How far every tensor is from the network in double precision (seconds; of a large "
+              "one a minute)",
+              {.excludes = {"--slam"}})
+      .option("--out", &options.out, "Page to write (.html)", {.excludes = {"--list"}});
+}
+
+int run(const InspectOptions& options) {
+  if (options.slam) {
+    if (options.out.empty()) throw Error("inspect: no --out, expected a page to write");
+    return inspect_slam(options);
+  }
+  if (options.weights.empty()) throw Error("inspect: expected --weights, or --slam");
+  if (!options.list) {
+    if (options.out.empty()) throw Error("inspect: no --out, expected a page to write or --list");
+    guard_output_file(options.out, {options.input, options.weights}, kLayersPageMarker);
+  }
+  UpsampledInput input = upsampled_input(options, {options.weights});
+  nn::SuperResolver network = nn::SuperResolver::load(options.weights);
+  const auto [scan, recalled] = scan_of(options, input);
+  LayersReport report;
+  report.recording = options.input;
+  report.weights = options.weights;
+  report.scan = options.scan;
+  report.min_range_m = network.sensor().min_range_m;
+  report.max_range_m = network.sensor().max_range_m;
+  report.network = network.description();
+  report.measured = input.rows ? select_rows(scan, *input.rows) : scan;
+  if (scan.rows == network.sensor().rows()) report.truth = scan;
+  nn::UpsampledImage upsampled = network.run(report.measured, recalled, &report.trace);
+  if (options.list) {
+    print_names(report.trace);
+    return kOk;
+  }
+  for (const std::string& name : options.tensors) report.trace.tensor(name);  // is there
+  report.tensors = options.tensors;
+  if (options.reference) {
+    const nn::Weights weights = nn::read_weights(options.weights);
+    report.differences =
+        differences_from_reference(weights.description, weights.parameters, report.trace);
+    print_differences(report.differences);
+  }
+  report.result = std::move(upsampled.image);
+  report.confidence = std::move(upsampled.confidence);
+  if (!recalled.is_empty()) report.without_memory = network.run(report.measured).image;
+  write_text_file(layers_html(report), options.out);
+  to_stdout("results: {}\n", options.out);
+  return kOk;
+}
+
+}  // namespace hqslam::tools

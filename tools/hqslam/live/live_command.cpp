@@ -1,0 +1,157 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <vector>
+
+#include "commands.h"
+#include "hqslam/core/error.h"
+#include "hqslam/live/live.h"
+#include "live/live_run.h"
+#include "live/live_view.h"
+#include "live/view_server.h"
+#include "run/slam_run.h"
+#include "terminal/command_options.h"
+#include "terminal/terminal.h"
+#include "timing/timing.h"
+
+namespace hqslam::tools {
+namespace {
+
+constexpr std::uint16_t kViewPort = 8642;
+
+live::LiveOptions sensor_options(const LiveOptions& options) {
+  live::LiveOptions sensor;
+  sensor.sensor = options.sensor;
+  sensor.port = options.port;
+  sensor.kept_return = kept_return_named(options.kept_return);
+  sensor.record = options.record;
+  return sensor;
+}
+
+/// What the sensor cannot be upsampled by is said before its packets come, as far as it is known
+/// then.
+void require_possible(const LiveOptions& options) {
+  const auto [sensor, knows_beams, knows_columns] = live::named_sensor(options.sensor);
+  const UpsampledInput input = upsampled_sender(
+      Sender{fmt::format("--sensor {}", options.sensor), sensor, knows_beams}, options);
+  const int columns = input.recorded.columns;
+  if (!knows_columns || columns == sensor.columns) return;
+  throw Error("{}: the sensor sends {} columns a turn, {} takes {}; set it to another mode",
+              options.sensor, sensor.columns, options.upsample, columns);
+}
+
+void print_sensor(const live::LiveSensor& sensor, const UpsampledInput& input) {
+  for (const std::string& warning : sensor.warnings()) to_stderr("hqslam: {}\n", warning);
+  to_stdout("{} from {}: {}, {} rows x {} columns, {:.4g} turns a second\n", sensor.format(),
+            text(sensor.sender()), sensor.sensor().name, sensor.sensor().rows(),
+            input.recorded.columns, 1.0 / sensor.sensor().scan_period_s);
+}
+
+/// out: where the results are; empty: they could not be written.
+void print_summary(const SlamRun& run, const live::LiveCounts& counts, const std::string& out) {
+  std::vector<double> latencies_ms;
+  for (const ScanRecord& scan : run.scans) latencies_ms.push_back(1e3 * scan.latency_s.value());
+  const Distribution latency = distribution_of(std::move(latencies_ms));
+  to_stdout("{}", run_summary(run));
+  to_stdout(
+      "from the packet that completes a scan to its pose: median {:.1f}, 95 % {:.1f}, "
+      "longest {:.1f} ms\n",
+      latency.median, latency.p95, latency.max);
+  to_stdout("{} packets, {} lost; {} of {} scans dropped; {} inertial samples\n",
+            counts.packets.used, counts.packets.lost, counts.dropped_scans, counts.scans,
+            counts.imu.used);
+  if (!out.empty()) to_stdout("{}", results_line(run, out));
+}
+
+/// What to tell the shell, with the line on stderr that explains it.
+int exit_status_of(const SlamRun& run, const live::LiveCounts& counts) {
+  const int status = exit_status_of(run, std::ssize(run.scans), counts.scans);
+  if (status != kOk || counts.recording_failure.empty()) return status;
+  to_stderr("hqslam: {}; the recording ends there, the results are whole\n",
+            counts.recording_failure);
+  return kWrongInput;
+}
+
+}  // namespace
+
+void declare(CLI::App& app, LiveOptions& options) {
+  Command command = add_command(
+      app, "live", "From a sensor that sends now to a trajectory and a map",
+      R"(The sensor must send to this computer already. A line each second says where it is, how
+many scans a second were located, the longest time from the packet that completes a scan
+to its pose, and what was lost: packets that never came, and whole scans that had to make
+room for later ones because the computer is too slow. Ctrl-C (or SIGTERM) ends it: exit
+status 0, and in --out the results as hqslam run writes them.)");
+  command
+      .option("--sensor", &options.sensor,
+              fmt::format(
+                  "{}, or a .json file: an Ouster's metadata, or the beam angles of one "
+                  "Velodyne; or the db.xml of an HDL-64E. An Ouster that is only named is asked "
+                  "for its metadata over HTTP",
+                  fmt::join(sensor_preset_names(), ", ")),
+              {.required = true})
+      .option(
+          "--port", &options.port,
+          "UDP port to which it sends (default: what an Ouster's metadata say or 7502, 2368 for a "
+          "Velodyne)",
+          {.within = std::pair(1, 65535)});
+  declare_return(command, options.kept_return);
+  declare_upsampling(command, options);
+  command
+      .option("--out", &options.out, "Folder for the results; made if it is not there",
+              {.required = true})
+      .option("--record", &options.record,
+              "Also keep the packets in this .pcap file, an Ouster's metadata beside it")
+      .option(
+          "--view", &options.view,
+          fmt::format("Show path and map on a page as they grow; port of the page ({} if none is "
+                      "given, 0: any free one)",
+                      kViewPort),
+          {.within = std::pair(0, 65535), .if_bare = std::to_string(kViewPort)})
+      .option("--view-address", &options.view_address,
+              "Address at which the page is served; by default to this computer alone",
+              {.shows_default = true, .needs = {"--view"}});
+  declare_threads(command, options.threads);
+  declare_slam_settings(command, options.slam);
+}
+
+int run(const LiveOptions& options) {
+  const InterruptGuard interrupt;
+  use_threads(options.threads);
+  const slam::SlamOptions slam = slam_options(options.slam);
+  RunOutput output(options.out, {options.sensor, options.upsample, options.slam.file});
+  require_possible(options);
+  live::LiveSensor sensor(sensor_options(options));
+  output.prepare();  // a disk that takes nothing is better known before the drive
+  LiveView view(fmt::format("hqslam live, {}", options.sensor));
+  std::optional<ViewServer> server;
+  if (options.view) {
+    server.emplace(options.view_address, *options.view,
+                   [&view](const std::string& target) { return view.answer(target); });
+    to_stdout("page: {}\n", server->url());
+  }
+  if (!wait_for_sensor(sensor, interrupt)) return kOk;
+  UpsampledInput input =
+      upsampled_sender(Sender{fmt::format("UDP port {}", sensor.port()), sensor.sensor()}, options);
+  print_sensor(sensor, input);
+  sensor.start(input.recorded.columns);
+  if (const std::string failure = sensor.counts().imu_failure; !failure.empty()) {
+    to_stderr("hqslam: {}; driving without inertial data\n", failure);
+  }
+  const SlamRun run = run_live(sensor, input, slam, output, interrupt, server ? &view : nullptr);
+  const live::LiveCounts counts = sensor.counts();
+  if (run.scans.empty()) {
+    if (run.end == ReadingEnd::kUnreadableScan) throw Error(run.end_message);
+    to_stderr("hqslam: interrupted before the first scan; nothing was written\n");
+    return kOk;
+  }
+  const std::string failure = failure_of_writing([&] { output.write_results(run); });
+  print_summary(run, counts, failure.empty() ? options.out : "");
+  const int status = exit_status_of(run, counts);
+  if (failure.empty()) return status;
+  to_stderr("hqslam: {}; not all results are written{}\n", failure,
+            options.record.empty() ? "" : ", hqslam run makes them of the recording");
+  return kWrongInput;
+}
+
+}  // namespace hqslam::tools

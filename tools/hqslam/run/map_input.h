@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "hqslam/slam/sensor_path.h"
+#include "recording/reading.h"
+#include "recording/scan_poses.h"
+#include "terminal/terminal.h"
+#include "upsample/upsampled_input.h"
+
+namespace hqslam::tools {
+
+/// One reading of all scans whose pose may be known.
+struct MapReading : Reading {
+  std::int64_t scans = 0;         ///< with a pose that is known
+  std::int64_t without_pose = 0;  ///< the others
+};
+
+/// A recording of which a map is made: it is read several times, with the poses that are known when
+/// the drive is over, and none of its scans is kept. A network is asked for all points that it
+/// believes in at all, and how sure it is that they lie within a voxel of the truth: the map
+/// decides, not the network's operating point.
+class MapInput {
+ public:
+  /// Throws Error.
+  MapInput(const InputChoice& recording, const UpsamplingChoice& upsampling, double voxel_m);
+
+  using Use = std::function<void(const OrganizedCloud& scan, const slam::SensorPath& path)>;
+  /// Calls use(scan, path) for every scan whose pose is known, with its measured pixels alone.
+  /// Shows progress on stderr. A scan that cannot be read ends each reading at the same place.
+  MapReading read_measured(const ScanPoses& poses, const std::string& label,
+                           const InterruptGuard& interrupt, const Use& use);
+  /// The same with all pixels that there are of each.
+  MapReading read_upsampled(const ScanPoses& poses, const std::string& label,
+                            const InterruptGuard& interrupt, const Use& use);
+
+  /// Behind what read_measured gives.
+  SensorModel measuring() const;
+  /// Of what read_upsampled gives; nothing: all of them.
+  const std::optional<RowSelection>& measured_rows() const { return measured_rows_; }
+
+ private:
+  /// Whether the recording itself has computed rows.
+  bool is_partly_computed() const { return !input_.upsampler && measured_rows_; }
+  MapReading read(const ScanPoses& poses, const std::string& label, const InterruptGuard& interrupt,
+                  const std::function<void(const ReadScan&, const slam::SensorPath&)>& use,
+                  const LookAhead& look_ahead);
+
+  UpsampledInput input_;
+  std::optional<RowSelection> measured_rows_;
+};
+
+}  // namespace hqslam::tools

@@ -1,0 +1,72 @@
+#include <fmt/format.h>
+
+#include "hqslam/slam/sensor_path.h"
+#include "run/run_output.h"
+
+namespace hqslam::tools {
+namespace {
+
+ViewCloud cloud_of(const DenseMapRun& map) {
+  ViewCloud cloud{"dense map", {}, {}};
+  for (const slam::DenseMapPoint& point : map.points) {
+    cloud.points_m.push_back(point.point_m);
+    cloud.confidence.push_back(point.confidence);
+  }
+  cloud.intensity = map.intensity;
+  return cloud;
+}
+
+/// Whether the way to the next pose is known; of the last one it is not.
+bool knows_way(const SlamRun& run, std::size_t from) {
+  return from + 1 < run.trajectory.size() && is_way_known(run, from);
+}
+
+ViewScan scan_of(const SlamRun& run, const KeptScan& kept) {
+  const StampedPose& pose = run.trajectory[kept.pose];
+  ViewScan scan;
+  scan.number = run.scans[kept.pose].scan;
+  scan.name =
+      fmt::format("scan {}, {:.1f} s", scan.number, pose.stamp_s - run.trajectory.front().stamp_s);
+  scan.T_map_sensor = pose.T_map_sensor;
+  const slam::SensorPath path(
+      run.trajectory, kept.pose,
+      {kept.pose > 0 && knows_way(run, kept.pose - 1), knows_way(run, kept.pose)});
+  for (const KeptScan::Point& point : kept.points) {
+    const bool is_measured = !run.measured_rows || run.measured_rows->contains(point.row);
+    const Eigen::Vector3d place_m = path.at(point.time_offset_s) * point.point_m.cast<double>();
+    (is_measured ? scan.measured : scan.upsampled).points_m.emplace_back(place_m.cast<float>());
+  }
+  return scan;
+}
+
+}  // namespace
+
+TurningView view_of(const SlamRun& run, const DenseMapRun* dense_map) {
+  TurningView view;
+  if (dense_map != nullptr) view.clouds.push_back(cloud_of(*dense_map));
+  if (!run.map_points_m.empty()) {
+    view.clouds.push_back({"features", run.map_points_m, {}, run.map_intensity});
+  }
+  const auto is_shown = [&](std::size_t pose) {
+    return pose < run.trajectory.size() && run.part_of_scan[pose] == run.map_part;
+  };
+  const auto place_m = [&](std::size_t pose) {
+    return Eigen::Vector3f(run.trajectory[pose].T_map_sensor.translation().cast<float>());
+  };
+  for (std::size_t pose = 0; pose < run.trajectory.size(); ++pose) {
+    if (!is_shown(pose)) continue;
+    const bool goes_on = pose > 0 && is_shown(pose - 1) && knows_way(run, pose - 1);
+    if (!goes_on) view.path_m.emplace_back();
+    view.path_m.back().push_back(place_m(pose));
+  }
+  for (const slam::LoopReport& loop : run.loops) {
+    if (!is_shown(loop.scan) || !is_shown(loop.older_scan)) continue;
+    view.loops_m.emplace_back(place_m(loop.older_scan), place_m(loop.scan));
+  }
+  for (const KeptScan& kept : run.kept_scans) {
+    if (is_shown(kept.pose)) view.scans.push_back(scan_of(run, kept));
+  }
+  return view;
+}
+
+}  // namespace hqslam::tools

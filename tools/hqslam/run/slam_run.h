@@ -1,0 +1,164 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hqslam/slam/options.h"
+#include "hqslam/slam/saved_map.h"
+#include "hqslam/slam/slam.h"
+#include "recording/reading.h"
+#include "recording/reference.h"
+#include "run/kept_scans.h"
+#include "timing/timing.h"
+#include "upsample/drive_memory.h"
+#include "upsample/upsampled_input.h"
+
+namespace hqslam::tools {
+
+/// One processed scan.
+struct ScanRecord {
+  std::int64_t scan = 0;  ///< of the recording, counted from 0; those that were left out count
+  slam::ScanReport report;
+  double reading_s = 0.0;  ///< reading and projecting the file
+  /// Filling the missing rows and making points of them, with what a memory recalls and keeps.
+  double upsampling_s = 0.0;
+  std::int64_t invalid_points = 0;
+  /// Of a sensor that sends now: from the packet that completed the scan to its pose.
+  std::optional<double> latency_s;
+};
+
+/// A run of SLAM over a recording or a sensor, finished or not.
+struct SlamRun : Reading {
+  std::string command = "run";  ///< the subcommand that made it
+  std::string input;
+  std::string sensor_name;
+  int rows = 0;
+  int columns = 0;
+  std::string upsampled_by;  ///< nn::Upsampler::name(); empty: the recording as it is
+  std::optional<RowSelection> measured_rows;  ///< the others were computed; nothing: all of them
+  slam::SlamOptions slam;
+  slam::MountingOptions mounting;  ///< slam::Slam::mounting()
+  int threads = 1;
+  /// Or that have come from a sensor; nothing as long as only the end of the recording tells.
+  std::optional<std::int64_t> scans_in_recording;
+  std::vector<ScanRecord> scans;
+  bool has_imu = false;                      ///< inertial data came with it
+  std::vector<slam::LoopReport> loops;       ///< places that were recognised, and are right now
+  std::vector<std::size_t> part_of_scan;     ///< slam::Slam::submap_of_scan()
+  std::vector<std::size_t> segment_of_scan;  ///< slam::Slam::segment_of_scan()
+  Trajectory trajectory;  ///< T_map_sensor, the map's frame is the first scan's, turned level
+  /// Filled when the run ends: of the part of the map with most scans, which that is, and its
+  /// points in the map's frame. How others lie to it is not known.
+  std::size_t map_part = 0;
+  std::vector<Eigen::Vector3f> map_points_m;
+  std::vector<float> map_intensity;  ///< of each; empty where the recording has none
+  std::vector<KeptScan> kept_scans;  ///< to be looked at; filled when the run ends
+  std::string located_in;  ///< the file of the map that it was located in; empty: it made its own
+  std::string extended;    ///< the file of the map that it went on from; empty: none
+  std::optional<slam::SavedMap> saved_map;  ///< filled when the run ends, if it was asked for
+  double wall_s = 0.0;
+  std::optional<ReferenceComparison> comparison;  ///< once the run has ended, of one with a truth
+  std::string dense_map_summary;                  ///< empty: there is none
+  bool dense_map_las = false;                     ///< of a dense map: in a .las file too
+  std::string occupancy_grid_summary;             ///< the same
+  std::vector<std::string> failed_maps;           ///< of these two: why one could not be made
+};
+
+/// Over the whole run: reading, upsampling, SLAM and writing.
+double scans_per_second(const SlamRun& run);
+
+/// One time of every scan, in milliseconds.
+struct ScanTimes {
+  std::string name;
+  std::vector<double> times_ms;
+};
+ScanTimes scan_times(const SlamRun& run, std::string_view name,
+                     const std::function<double(const ScanRecord&)>& seconds);
+/// Of the stages in the order in which they run: "reading", "upsampling" if there was any, and
+/// SLAM's.
+std::vector<ScanTimes> stage_times(const SlamRun& run);
+/// Of all of SLAM.
+ScanTimes slam_times(const SlamRun& run);
+
+/// How many scans a stage ended with each status: all statuses, kOk first.
+std::vector<std::pair<slam::Status, std::int64_t>> status_counts(
+    const SlamRun& run, slam::Status slam::ScanReport::*status);
+
+/// How often the path and the map were corrected.
+std::int64_t loops_closed(const SlamRun& run);
+
+/// Whether something is known about the way from a scan to the next: both places were recognized,
+/// and the sensor was not carried in between, also where its parts of the map were joined later.
+bool is_way_known(const SlamRun& run, std::size_t scan);
+
+/// Of which scan of the recording each pose of the trajectory is (ScanRecord::scan).
+std::vector<std::int64_t> scan_of_pose(const SlamRun& run);
+
+/// The path as far as it is known, in metres.
+double known_path_m(const SlamRun& run);
+
+/// The scans of each part of the map (slam::Slam::submap_of_scan), by its number.
+std::map<std::size_t, std::int64_t> scans_of_parts(const SlamRun& run);
+
+/// A map that an earlier run left behind, and where in it the sensor is believed to begin.
+struct GivenMap {
+  std::string path;
+  slam::SavedMap map;
+  std::optional<Pose> T_map_level_start;
+  bool is_extended = false;  ///< the drive goes on with it, instead of being located in it
+};
+
+/// SLAM over scans that come one by one, and what is to be told of it.
+class SlamSession {
+ public:
+  /// Keeps `input`. map: to be located in; nothing: one is made. keeps_scans: for
+  /// SlamRun::kept_scans.
+  SlamSession(UpsampledInput& input, const slam::SlamOptions& options,
+              const std::optional<GivenMap>& map = std::nullopt, bool keeps_scans = true);
+
+  /// Locates the next scan. index, reading_s: as ReadScan says. trace: slam::Slam::process fills
+  /// it. Returns what the run now ends with. Throws Error, ScanError for a scan that is to be left
+  /// out.
+  ScanRecord& process(const RecordedScan& scan, std::int64_t index = 0, double reading_s = 0.0,
+                      slam::ScanTrace* trace = nullptr);
+  /// The run so far, with its trajectory and its segments.
+  SlamRun& run_so_far();
+  /// Everything but its trajectory and its map.
+  SlamRun& run() { return run_; }
+  /// The trajectory as it is now, and of each pose slam::Slam::segment_of_scan().
+  const Trajectory& trajectory() const { return slam_.trajectory(); }
+  const std::vector<std::size_t>& segment_of_scan() const { return slam_.segment_of_scan(); }
+  /// Of the path, as it is now: between them nothing is known.
+  std::size_t parts() const;
+  /// What SLAM saw of the last scan.
+  const OrganizedCloud& cloud() const { return cloud_; }
+  /// The run with its trajectory and map. save_map: with a map for later drives, which needs loop
+  /// closing.
+  SlamRun finished(bool save_map = false);
+
+ private:
+  void remember(const slam::LoopReport& loop);
+
+  UpsampledInput& input_;
+  DriveMemory memory_;
+  slam::Slam slam_;
+  SlamRun run_;
+  OrganizedCloud cloud_;
+  bool keeps_scans_;
+  KeptScans kept_scans_;
+  SteadyClock::time_point start_ = SteadyClock::now();
+};
+
+/// What a run came to, for people, a few lines: scans, path, statuses, what the upsampling took.
+std::string run_summary(const SlamRun& run);
+
+/// "results: out/trajectory.tum, ..."
+std::string results_line(const SlamRun& run, const std::string& out);
+
+}  // namespace hqslam::tools

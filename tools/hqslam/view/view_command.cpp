@@ -1,0 +1,117 @@
+
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+#include <memory>
+
+#include "commands.h"
+#include "files/result_files.h"
+#include "hqslam/core/error.h"
+#include "hqslam/core/point_fields.h"
+#include "hqslam/core/projection.h"
+#include "hqslam/slam/saved_map.h"
+#include "report/page.h"
+#include "report/turning_view.h"
+#include "terminal/command_options.h"
+#include "terminal/terminal.h"
+#include "upsample/upsampled_input.h"
+
+namespace hqslam::tools {
+namespace {
+
+constexpr const char* kTitle = "hqslam view: ";
+constexpr const char* kMarker = "<title>hqslam view: ";
+/// The view has the window to itself.
+constexpr const char* kStyle = R"css(
+body { max-width: none; padding: .6rem; }
+.turning-view { margin: 0; }
+.turning-view .stage { aspect-ratio: auto; height: calc(100vh - 5.8rem); min-height: 12rem; }
+)css";
+
+ViewCloud cloud_of(Scan points) {
+  return {"", std::move(points.points_m), std::move(points.confidence),
+          std::move(points.intensity)};
+}
+
+ViewCloud saved_map_in(const std::string& path) {
+  const slam::SavedMap map = slam::read_saved_map(path);
+  ViewCloud cloud;
+  const auto add = [&](const std::vector<Eigen::Vector3f>& points_m,
+                       const std::vector<float>& intensity) {
+    cloud.points_m.insert(cloud.points_m.end(), points_m.begin(), points_m.end());
+    cloud.intensity.insert(cloud.intensity.end(), intensity.begin(), intensity.end());
+    cloud.intensity.resize(cloud.points_m.size(), std::numeric_limits<float>::quiet_NaN());
+  };
+  add(map.edges_m, map.edges_intensity);
+  add(map.posts_m, map.posts_intensity);
+  add(map.planes_m, map.planes_intensity);
+  const bool is_any_known =
+      !map.edges_intensity.empty() || !map.posts_intensity.empty() || !map.planes_intensity.empty();
+  if (!is_any_known) cloud.intensity.clear();
+  return cloud;
+}
+
+ViewCloud scan_of(const std::string& path, const ViewOptions& options) {
+  UpsampledInput input = upsampled_input({path, options.sensor}, {});
+  const std::unique_ptr<ScanSource> source = input.open();
+  LeftOut left_out;
+  for (std::int64_t used = 0;; ++used) {
+    const std::optional<RecordedScan> scan = next_usable(*source, left_out);
+    const std::int64_t i = used + left_out.scans;  // those left out count
+    if (scan && i == options.scan) return cloud_of(returns_of(input.measured(scan->cloud)));
+    if (scan && i < options.scan) continue;
+    throw Error("{}: expected a scan {}, found {} scans{}; --scan counts them from 0", path,
+                options.scan, used, left_out.scans > 0 ? " that can be used" : "");
+  }
+}
+
+ViewCloud cloud_in(const std::string& path, const ViewOptions& options) {
+  const std::filesystem::path file(path);
+  const std::string ending = file.extension().string();
+  const bool has_points =
+      std::ranges::count(kBinaryPoints, ending) > 0 || std::ranges::count(kTextPoints, ending) > 0;
+  ViewCloud cloud = has_points         ? cloud_of(read_point_file(path).scan)
+                    : ending == ".npz" ? saved_map_in(path)
+                                       : scan_of(path, options);
+  if (cloud.points_m.empty()) {
+    throw Error("{}: expected points to look at, found none; give another file", path);
+  }
+  cloud.name = (file.parent_path().filename() / file.filename()).string();
+  return cloud;
+}
+
+}  // namespace
+
+void declare(CLI::App& app, ViewOptions& options) {
+  add_command(
+      app, "view", "A page on which maps and scans can be turned, in any browser",
+      "The page needs no other file and no network. Large maps are thinned evenly to what a\n"
+      "page may have; several files are seen one at a time.")
+      .option("FILE", &options.files,
+              "Maps and scans: .pcd, .ply, .las, .bin, .txt or .csv points, a saved_map.npz, or a "
+              "recording (as for hqslam run), of which a scan is shown",
+              {.required = true, .given = Given::kFileOrFolder})
+      .option("--sensor", &options.sensor, "Of recordings that do not say: a name or a .json file")
+      .option("--scan", &options.scan, "Of recordings: which scan, counted from 0",
+              {.shows_default = true, .given = Given::kNotNegative})
+      .option("--out", &options.out, "Page to write", {.required = true});
+}
+
+int run(const ViewOptions& options) {
+  guard_output_file(options.out, options.files, kMarker);
+  TurningView view;
+  std::size_t points = 0;
+  for (const std::string& path : options.files) {
+    view.clouds.push_back(cloud_in(path, options));
+    points += view.clouds.back().points_m.size();
+  }
+  Page page(kTitle + view.clouds.front().name);
+  page.style(kTurningViewStyle);
+  page.style(kStyle);
+  page.html(turning_view_html(view));
+  write_text_file(page.text(), options.out);
+  to_stdout("{} points\nresults: {}\n", points, options.out);
+  return kOk;
+}
+
+}  // namespace hqslam::tools

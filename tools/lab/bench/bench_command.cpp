@@ -1,0 +1,296 @@
+#include <fmt/format.h>
+#include <omp.h>
+#include <stdlib.h>
+
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
+#include "bench/bench_measurement.h"
+#include "bench/bench_network.h"
+#include "files/installed_weights.h"
+#include "files/result_files.h"
+#include "hqslam/core/error.h"
+#include "hqslam/core/scan_source.h"
+#include "hqslam/nn/weights_file.h"
+#include "hqslam/sim/drive.h"
+#include "lab_commands.h"
+#include "recording/recording_choice.h"
+#include "simulate/simulate_command.h"
+#include "terminal/command_options.h"
+#include "terminal/terminal.h"
+
+namespace hqslam::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<int, 2> kRowCounts = {64, 16};
+constexpr int kMostThreads = 2;
+constexpr std::size_t kStepImages = 20;
+
+/// A new folder of its own.
+std::string temporary_folder() {
+  std::string name = (fs::temp_directory_path() / "hqslam-bench-XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) {
+    throw Error("{}: cannot be made for the simulated drive; set TMPDIR", name);
+  }
+  return name;
+}
+
+struct Measurements {
+  std::string input;
+  std::string sensor;
+  std::vector<SlamTiming> slam;
+  int step_images = 0;
+  StepTiming steps;
+  std::vector<MultiplyAddPeak> peaks;
+  std::vector<NetworkTiming> networks;
+};
+
+/// The networks that come with the program and are measured if no others are named.
+constexpr std::array<const char*, 4> kInstalledNetworks = {
+    "du-mix_os1_16to64.npz", "du-mix-memory_os1_16to64.npz", "du-or_os1_16to64.npz",
+    "simple-du_os1_16to64.npz"};
+
+std::vector<std::string> weights_of(const BenchOptions& options) {
+  std::vector<std::string> paths = options.weights;
+  for (const char* name : kInstalledNetworks) {
+    if (const std::optional<std::string> path = installed_weights(name);
+        path && options.weights.empty()) {
+      paths.push_back(*path);
+    }
+  }
+  return paths;
+}
+
+/// Images from all over the recording.
+std::vector<RangeImage> sample_images(ScanSource& source, std::int64_t scans) {
+  const std::int64_t stride =
+      std::max<std::int64_t>(1, scans / static_cast<std::int64_t>(kStepImages));
+  std::vector<RangeImage> images;
+  for (std::int64_t i = 0; images.size() < kStepImages; ++i) {
+    const std::optional<RecordedScan> scan = source.next();
+    if (!scan) break;
+    if (i % stride == 0) images.push_back(range_image(scan->cloud));
+  }
+  return images;
+}
+
+void measure_networks(const std::vector<std::string>& paths, const std::vector<RangeImage>& images,
+                      const InterruptGuard& interrupt, Measurements& measurements) {
+  for (const std::string& path : paths) {
+    if (interrupt.stop_requested()) return;
+    const nn::Weights weights = nn::read_weights(path);
+    if (!takes(weights, images)) {
+      to_stderr("{}: left out, it is for images of {} x {}\n", path,
+                weights.description.sensor.rows(), weights.description.sensor.columns);
+      continue;
+    }
+    if (measurements.peaks.empty()) measurements.peaks = measure_peaks(kMostThreads);
+    to_stderr("network {} ...\n", nn::name(weights.description));
+    measurements.networks.push_back(
+        time_network(path, weights, images, measurements.peaks, kMostThreads, interrupt));
+  }
+}
+
+/// The recording as SLAM is to see it: with kRowCounts of its rows, those to which they can be
+/// thinned evenly, then upsampled by the networks of this sensor that are quick enough to stand
+/// before SLAM.
+std::vector<UpsampledInput> slam_inputs(const InputChoice& recording, const SensorModel& sensor,
+                                        const std::vector<std::string>& paths) {
+  constexpr std::int64_t kMostMultiplyAdds = 5'000'000'000;
+  std::vector<UpsampledInput> inputs;
+  for (const int rows : kRowCounts) {
+    if (sensor.rows() % rows == 0) {
+      inputs.push_back({recording, sensor, selection_for(sensor.rows(), rows)});
+    } else {
+      to_stderr("slam, {} rows: left out, they do not divide the sensor's {}\n", rows,
+                sensor.rows());
+    }
+  }
+  for (const std::string& path : paths) {
+    nn::SuperResolver network = nn::SuperResolver::load(path);
+    const nn::NetworkDescription& description = network.description();
+    if (network.multiply_adds() < kMostMultiplyAdds && description.sensor.rows() == sensor.rows() &&
+        description.sensor.columns == sensor.columns) {
+      const RowSelection rows = description.measured_rows;
+      inputs.push_back({recording, sensor, rows, nn::Upsampler(std::move(network), sensor)});
+    }
+  }
+  return inputs;
+}
+
+void measure_slam(UpsampledInput& input, int threads, const InterruptGuard& interrupt,
+                  Measurements& measurements) {
+  if (interrupt.stop_requested()) return;
+  const nn::Upsampler* upsampler = input.upsampler_or_null();
+  to_stderr("slam, {} rows{}, {} thread{} ...\n", input.measuring().rows(),
+            upsampler != nullptr ? fmt::format(" upsampled by {}", upsampler->name()) : "", threads,
+            threads > 1 ? "s" : "");
+  measurements.slam.push_back(time_slam(input, threads, interrupt));
+}
+
+Measurements measure(const InputChoice& input, const SensorModel& sensor,
+                     const std::vector<std::string>& weights, const InterruptGuard& interrupt) {
+  Measurements measurements;
+  measurements.sensor = sensor.name;
+  std::vector<UpsampledInput> inputs = slam_inputs(input, sensor, weights);
+  for (int threads = 1; threads <= kMostThreads; ++threads) {
+    for (UpsampledInput& seen : inputs) measure_slam(seen, threads, interrupt, measurements);
+  }
+  const std::unique_ptr<ScanSource> source = open_input(input, sensor);
+  const std::vector<RangeImage> images = sample_images(*source, scans_in(input, *source));
+  to_stderr("components and projection on {} scans ...\n", images.size());
+  measurements.step_images = static_cast<int>(images.size());
+  measurements.steps = time_steps(images, sensor);
+  measure_networks(weights, images, interrupt, measurements);
+  return measurements;
+}
+
+void print_json(const Measurements& measurements) {
+  Json slam = Json::array();
+  for (const SlamTiming& timing : measurements.slam) {
+    Json stages;
+    for (const auto& [stage, distribution] : timing.stages_ms) stages[stage] = distribution;
+    slam.push_back(
+        {{"rows", timing.rows},
+         {"upsampled_by", timing.upsampled_by},
+         {"threads", timing.threads},
+         {"scans", timing.scans},
+         {"upsampling_ms", timing.upsampling_ms ? Json(*timing.upsampling_ms) : Json()},
+         {"stages_ms", std::move(stages)},
+         {"first_fifth_ms", timing.first_fifth_ms},
+         {"last_fifth_ms", timing.last_fifth_ms},
+         {"peak_memory_mb", timing.peak_memory_mb ? Json(*timing.peak_memory_mb) : Json()}});
+  }
+  const StepTiming& steps = measurements.steps;
+  const Json json = {
+      {"input", measurements.input},
+      {"sensor", measurements.sensor},
+      {"cores", omp_get_num_procs()},
+      {"slam", std::move(slam)},
+      {"steps_ms",
+       {{"scans", measurements.step_images},
+        {"components", steps.components_ms},
+        {"components_textbook", steps.components_textbook_ms},
+        {"projection", steps.projection_ms},
+        {"unprojection", steps.unprojection_ms}}},
+      {"peaks", measurements.peaks},
+      {"networks", measurements.networks},
+  };
+  to_stdout("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+}
+
+void print_slam_table(const std::vector<SlamTiming>& timings) {
+  to_stdout(
+      "From a measured scan to a pose, median ms per scan (total: median, then 95 % below)\n");
+  to_stdout("{:<18}{:>8}{:>7}{:>12}{:>14}{:>10}{:>10}{:>9}{:>8}{:>8}{:>9}{:>14}{:>9}\n", "rows",
+            "threads", "scans", "upsampling", "segmentation", "features", "odometry", "mapping",
+            "total", "95 %", "scans/s", "first->last", "peak MB");
+  for (const SlamTiming& timing : timings) {
+    const Distribution& total_ms = timing.stages_ms.back().second;
+    to_stdout(
+        "{:<18}{:>8}{:>7}{:>12}{:>14.2f}{:>10.2f}{:>10.2f}{:>9.2f}{:>8.2f}{:>8.2f}{:>9.1f}{:>14}"
+        "{:>9}\n",
+        timing.upsampled_by.empty() ? fmt::format("{}", timing.rows)
+                                    : fmt::format("{}, {}", timing.rows, timing.upsampled_by),
+        timing.threads, timing.scans,
+        timing.upsampling_ms ? fmt::format("{:.2f}", timing.upsampling_ms->median) : "-",
+        timing.stages_ms[0].second.median, timing.stages_ms[1].second.median,
+        timing.stages_ms[2].second.median, timing.stages_ms[3].second.median, total_ms.median,
+        total_ms.p95, 1e3 / total_ms.mean,
+        fmt::format("{:.1f}->{:.1f}", timing.first_fifth_ms, timing.last_fifth_ms),
+        timing.peak_memory_mb ? fmt::format("{:.0f}", *timing.peak_memory_mb) : "-");
+  }
+  to_stdout(
+      "upsampling: 16 rows of points to all rows of points, and what a memory recalls and keeps;\n"
+      "scans/s: of upsampling and SLAM, from the mean total;\n"
+      "first->last: median total over the first and the last fifth of the scans;\n"
+      "peak MB: resident memory of the whole process\n\n");
+}
+
+void print_text(const Measurements& measurements) {
+  to_stdout("{}, sensor {}, {} cores\n\n", measurements.input, measurements.sensor,
+            omp_get_num_procs());
+  print_slam_table(measurements.slam);
+  const StepTiming& steps = measurements.steps;
+  to_stdout("Single steps on {} scans, one thread, median ms per scan\n", measurements.step_images);
+  to_stdout("{:<40}{:>8.2f}\n", "connected components (10 degrees)", steps.components_ms.median);
+  to_stdout("{:<40}{:>8.2f}  ({:.1f} times as long)\n", "  textbook: std::queue, atan2",
+            steps.components_textbook_ms.median,
+            steps.components_textbook_ms.median / steps.components_ms.median);
+  to_stdout("{:<40}{:>8.2f}\n", "project (scan -> range image)", steps.projection_ms.median);
+  to_stdout("{:<40}{:>8.2f}\n", "unproject (range image -> points)", steps.unprojection_ms.median);
+  print_networks(measurements.peaks, measurements.networks);
+}
+
+}  // namespace
+
+void declare(CLI::App& app, BenchOptions& options) {
+  Command command = add_command(
+      app, "bench", "Time per stage of SLAM and of the network, with one thread and two");
+  command
+      .option("--input", &options.recording.input,
+              "Recording to measure on, as for hqslam run; default: a simulated drive",
+              {.given = Given::kFileOrFolder})
+      .option("--sensor", &options.recording.sensor,
+              "Sensor of a recording that does not say its own (name or .json file)",
+              {.needs = {"--input"}});
+  declare_reading(command, options.recording);
+  command
+      .option("--drive", &options.drive, "Simulated drive to measure on",
+              {.shows_default = true, .one_of = sim::drive_preset_names(), .excludes = {"--input"}})
+      .option("--scans", &options.scans, "Length of the simulated drive",
+              {.shows_default = true, .within = kAnyCount, .excludes = {"--input"}})
+      .option("--weights", &options.weights,
+              "Trained network to measure (.npz), may be repeated; default: those that come with "
+              "hqslam",
+              {.given = Given::kFile})
+      .option("--json", &options.json, "Print JSON instead of a table")
+      .option("--cpu", &options.cpu,
+              "Only say which instruction sets the network can use and which one it does; "
+              "HQSLAM_INSTRUCTION_SET=NAME chooses another");
+}
+
+int run(const BenchOptions& options) {
+  if (options.cpu) {
+    print_instruction_sets(options.json);
+    return kOk;
+  }
+  const InterruptGuard interrupt;
+  const std::vector<std::string> weights = weights_of(options);
+  nn::chosen_instruction_set();  // an unknown one is better refused at once
+  std::optional<RemovedAtEnd> drive;
+  InputChoice input = options.recording;
+  if (input.input.empty()) {
+    drive.emplace(temporary_folder());
+    SimulateOptions simulate;
+    simulate.drive = options.drive;
+    simulate.sensor = "os1-64";
+    simulate.scans = options.scans;
+    simulate.out = drive->path.string();
+    simulate_drive(simulate, interrupt);
+    input.input = simulate.out;
+  }
+  const SensorModel sensor = required_recording_sensor(input);
+  Measurements measurements = measure(input, sensor, weights, interrupt);
+  measurements.input =
+      drive ? fmt::format("simulated {}, {} scans", options.drive, options.scans) : input.input;
+  if (interrupt.stop_requested()) {
+    to_stderr("hqslam: interrupted\n");
+    return kInterrupted;
+  }
+  if (options.json) {
+    print_json(measurements);
+  } else {
+    print_text(measurements);
+  }
+  return kOk;
+}
+
+}  // namespace hqslam::tools

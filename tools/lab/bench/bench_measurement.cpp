@@ -1,0 +1,114 @@
+#include "bench/bench_measurement.h"
+
+#include <malloc.h>
+#include <omp.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "hqslam/core/connected_components.h"
+#include "hqslam/core/projection.h"
+#include "run/slam_run.h"
+
+namespace hqslam::tools {
+namespace {
+
+constexpr std::size_t kWarmUpScans = 10;
+constexpr double kOutlierAngle_rad = 0.17453292519943295;  // 10 degrees
+
+template <typename Step>
+double milliseconds_of(const Step& step) {
+  return 1e3 * seconds_of(step);
+}
+
+/// Median over the scans [begin, end).
+double median_ms(const std::vector<double>& values_ms, std::size_t begin, std::size_t end) {
+  const auto from =
+      values_ms.begin() + static_cast<std::ptrdiff_t>(std::min(begin, values_ms.size()));
+  const auto to = values_ms.begin() + static_cast<std::ptrdiff_t>(std::min(end, values_ms.size()));
+  return from < to ? distribution_of({from, to}).median : 0.0;
+}
+
+/// Makes the kernel count the peak of resident memory anew, so that one run is not charged with
+/// another's (Linux, proc(5): clear_refs 5).
+void reset_peak_memory() {
+  malloc_trim(0);
+  std::ofstream("/proc/self/clear_refs") << "5\n";
+}
+
+/// Peak resident memory since then in MB, from proc(5)'s VmHWM; nothing where there is no /proc.
+std::optional<double> peak_memory_mb() {
+  std::ifstream status("/proc/self/status");
+  std::string field;
+  while (status >> field) {
+    double kibibytes = 0.0;
+    if (field == "VmHWM:" && status >> kibibytes) return kibibytes * 1024.0 / 1e6;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+SlamTiming time_slam(UpsampledInput& input, int threads, const InterruptGuard& interrupt) {
+  omp_set_num_threads(threads);
+  reset_peak_memory();
+  const std::unique_ptr<ScanSource> source = input.open();
+  SlamSession session(input, {}, std::nullopt, false);
+  while (!interrupt.stop_requested()) {
+    const std::optional<RecordedScan> scan = source->next();
+    if (!scan) break;
+    session.process(*scan);
+  }
+  const SlamRun& run = session.run();
+  SlamTiming timing;
+  timing.rows = input.measuring().rows();
+  timing.threads = threads;
+  timing.scans = std::ssize(run.scans);
+  for (const ScanTimes& stage : stage_times(run)) {
+    const Distribution distribution = distribution_of(stage.times_ms);
+    if (stage.name == "upsampling") timing.upsampling_ms = distribution;
+    if (stage.name != "upsampling" && stage.name != "reading") {
+      timing.stages_ms.emplace_back(stage.name, distribution);
+    }
+  }
+  if (const nn::Upsampler* upsampler = input.upsampler_or_null()) {
+    timing.upsampled_by = run.upsampled_by + (upsampler->has_scan_memory() ? ", memory" : "");
+  }
+  std::vector<double> total_ms = scan_times(run, "total", [](const ScanRecord& scan) {
+                                   return scan.upsampling_s + scan.report.times.total_s;
+                                 }).times_ms;
+  const std::size_t fifth = total_ms.size() / 5;
+  timing.first_fifth_ms = median_ms(total_ms, kWarmUpScans, kWarmUpScans + fifth);
+  timing.last_fifth_ms = median_ms(total_ms, total_ms.size() - fifth, total_ms.size());
+  timing.stages_ms.emplace_back("total", distribution_of(std::move(total_ms)));
+  timing.peak_memory_mb = peak_memory_mb();
+  return timing;
+}
+
+StepTiming time_steps(const std::vector<RangeImage>& images, const SensorModel& sensor) {
+  constexpr int kRepetitions = 5;
+  omp_set_num_threads(1);
+  ConnectedComponentsOptions options;
+  options.min_angle_rad = kOutlierAngle_rad;
+  ComponentLabeler labeler(sensor, options);
+  std::vector<double> components_ms;
+  std::vector<double> textbook_ms;
+  std::vector<double> projection_ms;
+  std::vector<double> unprojection_ms;
+  for (int repetition = 0; repetition < kRepetitions; ++repetition) {
+    for (const RangeImage& image : images) {
+      components_ms.push_back(milliseconds_of([&] { labeler.label(image); }));
+      textbook_ms.push_back(
+          milliseconds_of([&] { textbook_components(image, sensor, kOutlierAngle_rad); }));
+      OrganizedCloud cloud;
+      unprojection_ms.push_back(milliseconds_of(
+          [&] { cloud = unproject(image, sensor, CaptureTime::kMotionCorrected); }));
+      const Scan scan = returns_of(cloud);
+      projection_ms.push_back(milliseconds_of([&] { project(scan, sensor); }));
+    }
+  }
+  return {distribution_of(std::move(components_ms)), distribution_of(std::move(textbook_ms)),
+          distribution_of(std::move(projection_ms)), distribution_of(std::move(unprojection_ms))};
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,286 @@
+#include "compare/upsampling_comparison.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <utility>
+
+#include "hqslam/core/angles.h"
+#include "hqslam/nn/hqs/outlier_removal.h"
+#include "hqslam/nn/upsampled_cloud.h"
+#include "timing/timing.h"
+
+namespace hqslam::tools {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Calls visit(pixel, distance_m) for the computed pixels that have a return. distances_m: of every
+/// return from the nearest true point.
+template <typename Visit>
+void for_each_computed(const OrganizedCloud& cloud, RowSelection measured,
+                       const std::vector<float>& distances_m, const Visit& visit) {
+  std::size_t next = 0;
+  for (std::size_t pixel = 0; pixel < cloud.range_m.size(); ++pixel) {
+    if (cloud.range_m[pixel] <= 0.0F) continue;
+    const float distance_m = distances_m[next++];
+    const int row = static_cast<int>(pixel) / cloud.columns;
+    if (!measured.contains(row)) visit(pixel, distance_m);
+  }
+}
+
+/// An image or a cloud with its measured rows emptied.
+template <typename Pixels>
+Pixels computed_rows(Pixels scan, RowSelection measured) {
+  for (std::size_t pixel = 0; pixel < scan.range_m.size(); ++pixel) {
+    if (measured.contains(static_cast<int>(pixel) / scan.columns)) scan.range_m[pixel] = 0.0F;
+  }
+  return scan;
+}
+
+/// Each computed pixel as the median (the mean of the middle two) of the eight true ranges around
+/// it, no return counting as 0; beyond the top and bottom row there is none.
+RangeImage median_of_true_neighbours(const RangeImage& truth, RowSelection measured) {
+  RangeImage image = truth;
+  for (int row = 0; row < truth.rows; ++row) {
+    if (measured.contains(row)) continue;
+    for (int column = 0; column < truth.columns; ++column) {
+      std::vector<float> around;
+      for (int r = std::max(row - 1, 0); r <= std::min(row + 1, truth.rows - 1); ++r) {
+        for (int c = -1; c <= 1; ++c) {
+          if (r == row && c == 0) continue;
+          around.push_back(truth.at(r, (column + c + truth.columns) % truth.columns));
+        }
+      }
+      std::ranges::sort(around);
+      const std::size_t count = around.size();
+      image.at(row, column) = 0.5F * (around[(count - 1) / 2] + around[count / 2]);
+    }
+  }
+  return image;
+}
+
+/// Z where a return is likelier than none.
+RangeImage likely(const nn::Trace& trace, int k) {
+  RangeImage z = trace.image(fmt::format("layers.{}.z", k));
+  const std::vector<float>& probability = trace.tensor("probability").values;
+  for (std::size_t i = 0; i < probability.size(); ++i) {
+    if (probability[i] < 0.5F) z.range_m[i] = 0.0F;
+  }
+  return z;
+}
+
+}  // namespace
+
+ScanErrors scan_errors(const RangeImage& image, const OrganizedCloud& cloud,
+                       const OrganizedCloud& truth) {
+  const std::vector<Eigen::Vector3f> points_m = points_of(cloud);
+  return {image_error(image, range_image(truth)), cloud_error(points_m, points_of(truth)),
+          static_cast<std::int64_t>(points_m.size())};
+}
+
+void add_errors(const nn::UpsampledImage& upsampled, const OrganizedCloud& measured,
+                const OrganizedCloud& truth, const SensorModel& sensor, UpsamplingScore& sum) {
+  const RowSelection rows = *sensor.measured_rows;
+  const RangeImage& image = upsampled.image;
+  const OrganizedCloud cloud = nn::upsampled_cloud(upsampled, measured, rows, sensor);
+  const ScanErrors errors = scan_errors(image, cloud, truth);
+  sum += errors.cloud;
+  sum.mae_all_m += errors.image.mae_all_m;
+  sum.mae_valid_m += errors.image.mae_valid_m;
+  const ImageError computed =
+      image_error(computed_rows(image, rows), computed_rows(range_image(truth), rows));
+  sum.missing_share += computed.missing_share;
+  sum.invented_share += computed.invented_share;
+  sum.right_share += computed.right_share;
+  const std::vector<Eigen::Vector3f> computed_m = points_of(computed_rows(cloud, rows));
+  const std::vector<Eigen::Vector3f> true_m = points_of(computed_rows(truth, rows));
+  if (!computed_m.empty() && !true_m.empty()) {
+    sum.computed_f1 += voxel_overlap(computed_m, true_m).f1;
+  }
+  sum.outliers_per_scan += errors.cloud.outlier_share * static_cast<double>(errors.points);
+}
+
+void make_mean(UpsamplingScore& sum, std::int64_t scans) {
+  const double n = static_cast<double>(scans);
+  sum /= n;
+  for (double* mean : {&sum.mae_all_m, &sum.mae_valid_m, &sum.missing_share, &sum.invented_share,
+                       &sum.right_share, &sum.computed_f1, &sum.outliers_per_scan}) {
+    *mean /= n;
+  }
+}
+
+std::string short_name(const std::string& weights, const std::vector<std::string>& all) {
+  const auto stem = [](const fs::path& path) { return path.stem().string(); };
+  return std::ranges::count(all, stem(weights), stem) == 1 ? stem(weights) : weights;
+}
+
+UpsamplingComparison::UpsamplingComparison(std::vector<ComparedMethod> methods)
+    : methods_(std::move(methods)), sums_(methods_.size()) {}
+
+const nn::Upsampler* UpsamplingComparison::with_memory() const {
+  for (const ComparedMethod& method : methods_) {
+    if (method.upsampler.has_scan_memory()) return &method.upsampler;
+  }
+  return nullptr;
+}
+
+void UpsamplingComparison::add(const OrganizedCloud& truth, const nn::RecalledImage& recalled) {
+  for (std::size_t i = 0; i < methods_.size(); ++i) add(methods_[i], truth, recalled, sums_[i]);
+  if (!methods_.empty()) {
+    const RangeImage image = range_image(truth);
+    const RangeImage median =
+        median_of_true_neighbours(image, methods_.front().upsampler.measured_rows());
+    true_neighbours_mae_sum_m_ += image_error(median, image).mae_all_m;
+  }
+  ++scans_;
+}
+
+double UpsamplingComparison::true_neighbours_mae_m() const {
+  return true_neighbours_mae_sum_m_ / static_cast<double>(scans_);
+}
+
+void UpsamplingComparison::add(ComparedMethod& method, const OrganizedCloud& truth,
+                               const nn::RecalledImage& recalled, Sums& sums) const {
+  const RowSelection rows = method.upsampler.measured_rows();
+  const OrganizedCloud measured = select_rows(truth, rows);
+  const RangeImage measured_image = range_image(measured);
+  nn::UpsampledImage upsampled;
+  sums.times_ms.push_back(
+      1e3 * seconds_of([&] { upsampled = method.upsampler.run(measured_image, recalled); }));
+  add_errors(upsampled, measured, truth, method.upsampler.sensor(), sums.sum);
+  if (!method.unfiltered) return;
+  const OrganizedCloud unfiltered = nn::upsampled_cloud(
+      method.unfiltered->run(measured_image, recalled), measured, rows, method.upsampler.sensor());
+  for_each_computed(unfiltered, rows, nearest_distances_m(points_of(unfiltered), points_of(truth)),
+                    [&](std::size_t pixel, float distance_m) {
+                      if (distance_m >= kGoodDistance_m) return;
+                      ++sums.good;
+                      if (upsampled.image.range_m[pixel] <= 0.0F) ++sums.good_lost;
+                    });
+}
+
+std::vector<UpsamplingScore> UpsamplingComparison::scores() const {
+  std::vector<UpsamplingScore> scores;
+  for (std::size_t i = 0; i < methods_.size(); ++i) {
+    const Sums& sums = sums_[i];
+    UpsamplingScore score = sums.sum;
+    score.method = methods_[i].name;
+    make_mean(score, scans_);
+    score.upsampling_ms = distribution_of(sums.times_ms).median;
+    if (methods_[i].unfiltered && sums.good > 0) {
+      score.good_lost_share = static_cast<double>(sums.good_lost) / static_cast<double>(sums.good);
+    }
+    scores.push_back(score);
+  }
+  return scores;
+}
+
+FilterComparison::FilterComparison(nn::Upsampler unfiltered) : unfiltered_(std::move(unfiltered)) {
+  for (const double share : {0.0, 0.01}) {
+    for (const double angle_deg : {5.0, 10.0, 15.0, 20.0, 30.0, 60.0}) {
+      for (const int pixels : {5, 10, 20, 50, 100}) {
+        trials_.push_back(
+            {.min_angle_deg = angle_deg, .min_pixels = pixels, .support_share = share});
+      }
+    }
+  }
+}
+
+void FilterComparison::add(const OrganizedCloud& truth) {
+  const RowSelection rows = unfiltered_.measured_rows();
+  const OrganizedCloud measured = select_rows(truth, rows);
+  const nn::UpsampledImage upsampled = unfiltered_.run(range_image(measured));
+  const RangeImage& image = upsampled.image;
+  const RangeImage true_image = range_image(truth);
+  const OrganizedCloud cloud = nn::upsampled_cloud(upsampled, measured, rows, unfiltered_.sensor());
+  const std::vector<float> distances_m = nearest_distances_m(points_of(cloud), points_of(truth));
+  std::vector<std::uint8_t> rejected(image.range_m.size());
+  for (FilterTrial& trial : trials_) {
+    nn::OutlierRemoval filter(
+        unfiltered_.sensor(), rows,
+        {radians(trial.min_angle_deg), trial.min_pixels, static_cast<float>(trial.support_share)},
+        image.columns);
+    filter.find(image.range_m.data(), rejected.data());
+    RangeImage filtered = image;
+    for (std::size_t i = 0; i < rejected.size(); ++i) {
+      if (rejected[i] != 0) filtered.range_m[i] = 0.0F;
+      if (filtered.range_m[i] > 0.0F) ++trial.points_left;
+    }
+    for_each_computed(cloud, rows, distances_m, [&](std::size_t pixel, float distance_m) {
+      if (distance_m > kOutlierDistance_m) {
+        ++trial.bad;
+        trial.bad_removed += rejected[pixel];
+      } else if (distance_m < kGoodDistance_m) {
+        ++trial.good;
+        trial.good_lost += rejected[pixel];
+      }
+    });
+    trial.mae_sum_m += image_error(filtered, true_image).mae_all_m;
+    ++trial.scans;
+  }
+}
+
+LayerComparison::LayerComparison(nn::SuperResolver network, const SensorModel& sensor)
+    : network_(std::move(network)),
+      linear_(nn::interpolation_from_name("linear"), sensor, network_.description().measured_rows) {
+}
+
+RangeImage LayerComparison::restored(RangeImage image, const RangeImage& measured) const {
+  const SensorModel& sensor = network_.sensor();
+  for (float& range_m : image.range_m) {
+    if (range_m < sensor.min_range_m || range_m > sensor.max_range_m) range_m = 0.0F;
+  }
+  const RowSelection rows = linear_.measured_rows();
+  for (int row = 0; row < measured.rows; ++row) {
+    for (int column = 0; column < measured.columns; ++column) {
+      image.at(rows.offset + row * rows.stride, column) = measured.at(row, column);
+    }
+  }
+  return image;
+}
+
+std::vector<LayerComparison::Step> LayerComparison::steps(const RangeImage& measured) {
+  nn::Trace trace;
+  RangeImage result = network_.run(measured, &trace).image;
+  std::vector<Step> steps = {{"linear", linear_.run(measured).image}};
+  const std::array<std::pair<const char*, const char*>, 3> iterates{
+      {{"H", "h"}, {"Z", "z"}, {"Y", "y"}}};
+  for (int k = 0; trace.has(fmt::format("layers.{}.z", k)); ++k) {
+    const auto add = [&](const char* iterate, const RangeImage& image) {
+      steps.push_back({fmt::format("layer {}: {}", k + 1, iterate), restored(image, measured)});
+    };
+    if (trace.has("probability")) {
+      add("Z where p >= 0.5", likely(trace, k));
+      continue;
+    }
+    for (const auto& [iterate, name] : iterates) {
+      const std::string tensor = fmt::format("layers.{}.{}", k, name);
+      if (trace.has(tensor)) add(iterate, trace.image(tensor));
+    }
+  }
+  steps.push_back({"result", std::move(result)});
+  return steps;
+}
+
+void LayerComparison::add(const OrganizedCloud& truth) {
+  const OrganizedCloud measured = select_rows(truth, linear_.measured_rows());
+  std::vector<Step> of_scan = steps(range_image(measured));
+  sums_.resize(of_scan.size());
+  for (std::size_t i = 0; i < of_scan.size(); ++i) {
+    sums_[i].method = std::move(of_scan[i].name);
+    add_errors({std::move(of_scan[i].image), {}}, measured, truth, linear_.sensor(), sums_[i]);
+  }
+  ++scans_;
+}
+
+std::vector<UpsamplingScore> LayerComparison::scores() const {
+  std::vector<UpsamplingScore> scores = sums_;
+  for (UpsamplingScore& score : scores) make_mean(score, scans_);
+  return scores;
+}
+
+}  // namespace hqslam::tools

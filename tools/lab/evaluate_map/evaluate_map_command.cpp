@@ -1,0 +1,235 @@
+#include <Eigen/Core>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <unordered_set>
+#include <vector>
+
+#include "evaluate_map/occupancy_grid_error.h"
+#include "hqslam/core/cloud_file.h"
+#include "hqslam/core/error.h"
+#include "hqslam/evaluation/cloud_error.h"
+#include "hqslam/evaluation/trajectory_error.h"
+#include "hqslam/sim/drive.h"
+#include "hqslam/sim/read_drive.h"
+#include "lab_commands.h"
+#include "recording/recording_choice.h"
+#include "terminal/command_options.h"
+#include "terminal/terminal.h"
+
+namespace hqslam::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Shares of points within a distance of what they are held against.
+struct SharesWithin {
+  double at_10_cm = 0.0;
+  double at_20_cm = 0.0;
+};
+
+/// A map held against the true surface of a simulated drive.
+struct MapError {
+  std::int64_t points = 0;
+  SharesWithin accuracy;      ///< of the map's points: a true surface is so near
+  double beyond_30_cm = 0.0;  ///< share of the map's points without a true surface so near
+  SharesWithin completeness;  ///< of the true surface's samples: a point of the map is so near
+  SharesWithin f1;            ///< harmonic means of the two
+};
+
+constexpr double kSample_m = 0.1;
+constexpr double kFar_m = 0.3;
+
+double share_within(const std::vector<float>& distances_m, double limit_m) {
+  return share_of(distances_m, [&](float distance_m) { return distance_m <= limit_m; });
+}
+
+SharesWithin shares_within(const std::vector<float>& distances_m) {
+  return {share_within(distances_m, 0.1), share_within(distances_m, 0.2)};
+}
+
+double harmonic_mean(double a, double b) { return a + b > 0.0 ? 2.0 * a * b / (a + b) : 0.0; }
+
+/// What the sensor of a drive could see along it (DriveSimulator::next_visible), one sample per
+/// voxel of 0.1 m: the first that a beam meets. Map frame.
+std::vector<Eigen::Vector3f> visible_surface_m(sim::DriveSimulator simulator) {
+  std::vector<Eigen::Vector3f> samples_m;
+  std::unordered_set<std::uint64_t> taken;
+  while (const auto visible = simulator.next_visible()) {
+    for (const Eigen::Vector3f& point_m : *visible) {
+      if (taken.insert(voxel_key(point_m, kSample_m)).second) samples_m.push_back(point_m);
+    }
+  }
+  return samples_m;
+}
+
+/// points_m and visible_m: map frame of `truth`'s drive. Throws Error if either is empty.
+/// Source of the measures: Knapitsch et al., "Tanks and Temples", 2017 (precision and recall of
+/// surfaces within a distance).
+MapError map_error(const std::vector<Eigen::Vector3f>& points_m,
+                   const std::vector<Eigen::Vector3f>& visible_m, sim::DriveSimulator& truth) {
+  if (points_m.empty() || visible_m.empty()) {
+    throw Error("the map or the visible surface has no points; give a map of the drive");
+  }
+  const std::vector<float> to_surface_m = truth.distances_to_surface_m(points_m, kFar_m);
+  const std::vector<float> to_map_m = nearest_distances_m(visible_m, points_m);
+  MapError error;
+  error.points = std::ssize(points_m);
+  error.accuracy = shares_within(to_surface_m);
+  error.beyond_30_cm = 1.0 - share_within(to_surface_m, kFar_m);
+  error.completeness = shares_within(to_map_m);
+  error.f1 = {harmonic_mean(error.accuracy.at_10_cm, error.completeness.at_10_cm),
+              harmonic_mean(error.accuracy.at_20_cm, error.completeness.at_20_cm)};
+  return error;
+}
+
+/// T_truth_map that brings the poses beside a map as near to the truth as one motion can: the mean
+/// of T_truth_sensor T_map_sensor^-1 over the scans. Rotations count, so a straight drive, whose
+/// places alone say nothing of roll, is no harder than another.
+std::optional<Pose> alignment_of(const fs::path& map, const TrajectoryFile& truth) {
+  constexpr double kSameTime_s = 0.01;
+  const std::string path =
+      file_of_drive(fs::absolute(map).parent_path().string(), "trajectory.tum");
+  if (path.empty()) return std::nullopt;
+  const Trajectory trajectory = read_tum(path);
+  const PosePairs pairs = associate(trajectory, truth.poses, kSameTime_s);
+  if (pairs.estimate.empty()) {
+    throw Error("{}: no pose is of the time of a scan of the drive's", path);
+  }
+  Eigen::Matrix3d rotations = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < pairs.estimate.size(); ++i) {
+    rotations += truth.poses[pairs.reference[i]].T_map_sensor.linear() *
+                 trajectory[pairs.estimate[i]].T_map_sensor.linear().transpose();
+  }
+  // The rotation nearest to the sum.
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(rotations, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Pose T_truth_map = Pose::Identity();
+  T_truth_map.linear() = svd.matrixU() * svd.matrixV().transpose();
+  Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < pairs.estimate.size(); ++i) {
+    offset_m += truth.poses[pairs.reference[i]].T_map_sensor.translation() -
+                T_truth_map.linear() * trajectory[pairs.estimate[i]].T_map_sensor.translation();
+  }
+  T_truth_map.translation() = offset_m / static_cast<double>(pairs.estimate.size());
+  return T_truth_map;
+}
+
+std::string file_of(const std::string& drive, const char* name) {
+  const std::string path = file_of_drive(drive, name);
+  if (path.empty()) {
+    throw Error("{}: has no {}; give a folder written by hqslam-lab simulate", drive, name);
+  }
+  return path;
+}
+
+void evaluate_dense_maps(const std::vector<std::string>& paths, const sim::DriveSpec& spec,
+                         const SensorModel& sensor, const TrajectoryFile& truth) {
+  const std::vector<Eigen::Vector3f> visible_m = visible_surface_m({spec, sensor});
+  sim::DriveSimulator surface(spec, sensor);
+  to_stdout("{} visible samples of the true surface; shares in percent\n", visible_m.size());
+  to_stdout("{:>10}{:>18}{:>9}{:>18}{:>16}\n", "points", "accuracy", "far", "complete", "F1");
+  to_stdout("{:>10}{:>9}{:>9}{:>9}{:>9}{:>9}{:>8}{:>8}\n", "", "0.1 m", "0.2 m", "0.3 m", "0.1 m",
+            "0.2 m", "0.1 m", "0.2 m");
+  for (const std::string& path : paths) {
+    const fs::path file =
+        fs::is_directory(path) ? fs::path(path) / "dense_map.pcd" : fs::path(path);
+    std::vector<Eigen::Vector3f> points_m = read_cloud(file.string()).points_m;
+    const std::optional<Pose> T_truth_map = alignment_of(file, truth);
+    for (Eigen::Vector3f& point_m : points_m) {
+      if (T_truth_map) point_m = (*T_truth_map * point_m.cast<double>()).cast<float>();
+    }
+    const MapError error = map_error(points_m, visible_m, surface);
+    to_stdout("{:>10}{:>9.2f}{:>9.2f}{:>9.2f}{:>9.2f}{:>9.2f}{:>8.3f}{:>8.3f}  {}{}\n",
+              error.points, 100.0 * error.accuracy.at_10_cm, 100.0 * error.accuracy.at_20_cm,
+              100.0 * error.beyond_30_cm, 100.0 * error.completeness.at_10_cm,
+              100.0 * error.completeness.at_20_cm, error.f1.at_10_cm, error.f1.at_20_cm, path,
+              T_truth_map ? " (aligned)" : "");
+  }
+}
+
+void evaluate_grids(const std::vector<std::string>& paths, const TrueDrive& drive,
+                    const TrajectoryFile& truth) {
+  std::optional<TrueCells> cells;
+  double cell_m = 0.0;
+  for (const std::string& path : paths) {
+    const slam::OccupancyMap map = slam::read_occupancy_map(path);
+    if (!cells || cell_m != map.resolution_m) {
+      cell_m = map.resolution_m;
+      cells = true_cells(drive, cell_m);
+      to_stdout(
+          "cells of {} m: {} empty, {} where something stands, {} where something moved; "
+          "shares in percent\n",
+          cell_m, cells->empty_m.size(), cells->standing_m.size(), cells->moving_m.size());
+      to_stdout("{:>16}{:>24}{:>8}{:>7}{:>7}\n", "empty", "standing", "moved", "free", "occ.");
+      to_stdout("{:>8}{:>8}{:>8}{:>8}{:>8}{:>8}{:>7}{:>7}\n", "free", "occ.", "occ.", "near",
+                "free", "occ.", "wrong", "wrong");
+    }
+    const std::optional<Pose> T_truth_map = alignment_of(path, truth);
+    const OccupancyGridError error =
+        occupancy_grid_error(map, T_truth_map.value_or(Pose::Identity()), *cells, drive);
+    to_stdout("{:>8.2f}{:>8.2f}{:>8.2f}{:>8.2f}{:>8.2f}{:>8.2f}{:>7.2f}{:>7.2f}  {}{}\n",
+              100.0 * error.empty_is_free, 100.0 * error.empty_is_occupied,
+              100.0 * error.standing_is_occupied, 100.0 * error.standing_is_near,
+              100.0 * error.standing_is_free, 100.0 * error.moving_is_occupied,
+              100.0 * error.free_is_wrong, 100.0 * error.occupied_is_wrong, path,
+              T_truth_map ? " (aligned)" : "");
+  }
+}
+
+constexpr const char* kMapDefinitions =
+    R"(Definitions
+  true surface  what stands still in the simulated city, and what its windows show along a
+                sensor's line of sight (curtains, rooms, seats). Whoever moves is none.
+  visible       what the beams of the drive's sensor, all its rows, meet from where it is in
+                all its scans: without noise, drop-outs and traffic, within range and bright
+                enough, not behind glass; one sample per voxel of 0.1 m.
+  accuracy      share of the map's points with a true surface within 0.1 and 0.2 m
+  far           share of the map's points without one within 0.3 m
+  complete      share of the visible samples with a point of the map within 0.1 and 0.2 m
+  F1            harmonic mean of accuracy and completeness at the same distance
+                (Knapitsch et al., Tanks and Temples, 2017)
+A map beside which there is a trajectory.tum is moved with it first: by the rotation and the
+translation that on average bring its poses onto the truth's.
+Of an occupancy grid, in cells within 20 m of the sensor and things 0.25 to 2 m high:
+  empty         cells of visible ground above which nothing stands: shares called free and
+                occupied
+  standing      cells in which a visible surface stands: shares called occupied, with an
+                occupied cell within one cell, and called free
+  moved         empty cells where a scan has a point farther than 0.3 m from a true surface
+                (whoever moves, and pixels between two surfaces): share called occupied
+  free, occ.    of the grid's free cells (every eighth) the share where something stands,
+                of its occupied ones where nothing does within one and a half cells)";
+
+}  // namespace
+
+void declare(CLI::App& app, EvaluateMapOptions& options) {
+  add_command(app, "evaluate-map", "Maps of a simulated drive against its true city",
+              kMapDefinitions)
+      .option("MAP", &options.maps,
+              "Folders with a dense_map.pcd (of hqslam run --dense-map), .pcd, .ply or .las files, "
+              "or an occupancy grid's map.yaml",
+              {.required = true, .given = Given::kFileOrFolder})
+      .option("--drive", &options.drive, "The drive: folder written by hqslam-lab simulate",
+              {.required = true, .given = Given::kFolder});
+}
+
+int run(const EvaluateMapOptions& options) {
+  sim::DriveSpec spec = sim::read_drive_json(file_of(options.drive, "drive.json"));
+  const SensorModel sensor = load_sensor(file_of(options.drive, "sensor.json"));
+  const TrajectoryFile truth = read_trajectory_file(file_of(options.drive, "truth.tum"));
+  spec.scans = std::ssize(truth.poses);  // the simulation may have been stopped
+  std::vector<std::string> grids = options.maps;
+  const auto is_grid = [](const std::string& path) {
+    return fs::path(path).extension() == ".yaml";
+  };
+  const auto maps_end = std::ranges::stable_partition(grids, is_grid);
+  const std::vector<std::string> maps(maps_end.begin(), maps_end.end());
+  grids.erase(maps_end.begin(), maps_end.end());
+  if (!maps.empty()) evaluate_dense_maps(maps, spec, sensor, truth);
+  if (!grids.empty()) evaluate_grids(grids, {options.drive, spec, sensor, truth.poses}, truth);
+  return kOk;
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,95 @@
+#include "table/table_figures.h"
+
+#include "hqslam/core/angles.h"
+#include "recording/reference.h"
+
+namespace hqslam::tools {
+namespace {
+
+MethodFigures method_figures(const TableMethod& method, const TableResult& result,
+                             const TableResult* all_rows,
+                             const std::optional<TrajectoryFile>& truth) {
+  MethodFigures figures;
+  figures.method = method;
+  figures.result = result;
+  for (std::size_t i = 0; i < result.trajectory.size(); ++i) {
+    const Trajectory& trajectory = result.trajectory[i];
+    if (all_rows != nullptr && !is_reference(method)) {
+      figures.against_all_rows[i] = error_figures(trajectory, all_rows->trajectory[i]);
+    }
+    if (!truth) continue;
+    const Trajectory stamped = with_stamps_of_scans(*truth, trajectory, result.scan_of_pose);
+    figures.against_truth[i] = error_figures(trajectory, stamped);
+    if (i == kLoopClosingOff && figures.against_truth[i]) {
+      figures.slips = slips(trajectory, stamped);
+    }
+  }
+  return figures;
+}
+
+}  // namespace
+
+std::optional<ErrorFigures> error_figures(const Trajectory& estimate, const Trajectory& reference) {
+  std::optional<ReferenceComparison> comparison =
+      compare_with_reference(estimate, {"", reference, true});
+  if (!comparison) return std::nullopt;
+  ErrorFigures figures;
+  figures.ape = std::move(comparison->error);
+  figures.path_m = path_length_m(comparison->reference);
+  figures.pieces = relative_pose_error(estimate, reference, kDriftPiece_m);
+  return figures;
+}
+
+std::optional<double> ErrorFigures::rpe_percent() const {
+  if (pieces.translation_m.empty()) return std::nullopt;
+  return 100.0 / kDriftPiece_m * pieces.translation_statistics.rmse;
+}
+
+std::optional<double> ErrorFigures::rpe_deg_per_100m() const {
+  if (pieces.translation_m.empty()) return std::nullopt;
+  return 100.0 / kDriftPiece_m * kDegreesPerRadian * pieces.rotation_statistics.rmse;
+}
+
+std::optional<double> MethodFigures::upsampling_fps() const {
+  if (method.source.empty()) return std::nullopt;
+  return 1e3 / result.timings.upsampling_ms;
+}
+
+double MethodFigures::chain_fps(std::size_t loop_closing) const {
+  const TableTimings& timings = result.timings;
+  return static_cast<double>(result.trajectory[kLoopClosingOff].size()) /
+         (timings.upsampling_s + timings.points_s + timings.slam[loop_closing].total_s);
+}
+
+DriveFigures drive_figures(const TableDrive& drive, const std::string& sensor,
+                           const std::vector<TableMethod>& methods,
+                           const std::vector<TableResult>& results,
+                           const std::optional<TrajectoryFile>& truth) {
+  DriveFigures figures;
+  figures.name = drive.name;
+  if (drive.simulated) {
+    figures.kind = drive.simulated->name;
+    figures.seed = drive.simulated->seed;
+  }
+  figures.sensor = sensor;
+  figures.truth = truth ? truth->path : "";
+  const TableResult* all_rows = nullptr;
+  for (std::size_t i = 0; i < methods.size(); ++i) {
+    figures.scans = results[i].settings.scans;
+    if (results[i].left_out.scans > figures.left_out.scans) figures.left_out = results[i].left_out;
+    if (is_reference(methods[i])) all_rows = &results[i];
+  }
+  for (std::size_t i = 0; i < methods.size(); ++i) {
+    figures.methods.push_back(method_figures(methods[i], results[i], all_rows, truth));
+  }
+  return figures;
+}
+
+const MethodFigures* find_method(const DriveFigures& drive, const std::string& name) {
+  for (const MethodFigures& figures : drive.methods) {
+    if (figures.method.name == name) return &figures;
+  }
+  return nullptr;
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,288 @@
+#include <omp.h>
+
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <variant>
+
+#include "compare/upsampling_comparison.h"
+#include "hqslam/core/error.h"
+#include "hqslam/nn/hqs/outlier_removal.h"
+#include "hqslam/nn/instruction_set.h"
+#include "hqslam/nn/upsampled_cloud.h"
+#include "hqslam/slam/lego_loam_as_published.h"
+#include "hqslam/slam/slam.h"
+#include "recording/reading.h"
+#include "table/table_work.h"
+#include "timing/timing.h"
+#include "upsample/drive_memory.h"
+#include "upsample/upsampled_input.h"
+
+namespace hqslam::tools {
+namespace {
+
+/// As the system calls it, "unknown processor" if it does not say.
+std::string processor_name() {
+  std::ifstream stream("/proc/cpuinfo");
+  for (std::string line; std::getline(stream, line);) {
+    const std::size_t colon = line.find(": ");
+    if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
+  }
+  return "unknown processor";
+}
+
+/// What the pass's methods have in common: nothing fills the rows where they see them as recorded,
+/// and no network's last filter runs.
+UpsampledInput shared_input(const TablePass& pass) {
+  const TableMethod& method = pass.methods.front();
+  const std::string weights = weights_of(method, pass.drive.sensor.name);
+  return upsampled_input(pass.drive.recording,
+                         {weights.empty() ? method.source : weights, method.rows},
+                         {.filter_result = false});
+}
+
+std::optional<nn::OutlierRemoval> filter_of(const TableMethod& method,
+                                            const nn::Upsampler* upsampler) {
+  if (!method.filtered) return std::nullopt;
+  const nn::NetworkDescription& network = upsampler->network()->description();
+  const std::optional<nn::OutlierRemovalOptions> filter = last_filter(network);
+  if (!filter) return std::nullopt;  // it was made without one
+  return nn::OutlierRemoval(network.sensor, network.measured_rows, *filter, network.sensor.columns);
+}
+
+using SlamSystem = std::variant<slam::Slam, slam::LegoLoamAsPublished>;
+
+SlamSystem system_of(const SlamSetup& setup) {
+  if (setup.as_published) return slam::LegoLoamAsPublished(setup.sensor);
+  return slam::Slam(setup.sensor, setup.options);
+}
+
+/// SLAM and what it took.
+struct TimedSlam {
+  explicit TimedSlam(const SlamSetup& setup) : system(system_of(setup)) {}
+
+  void add(const OrganizedCloud& cloud, double stamp_s) {
+    if (auto* as_published = std::get_if<slam::LegoLoamAsPublished>(&system)) {
+      times_ms.push_back(1e3 * seconds_of([&] { as_published->process(cloud, stamp_s); }));
+      return;
+    }
+    times_ms.push_back(
+        1e3 * seconds_of([&] { report = std::get<slam::Slam>(system).process(cloud, stamp_s); }));
+    count(report.loop);
+  }
+
+  /// Of the last scan.
+  bool is_located() const {
+    return std::holds_alternative<slam::LegoLoamAsPublished>(system) ||
+           slam::is_registered(report.mapping_status);
+  }
+
+  void finish() {
+    auto* slam = std::get_if<slam::Slam>(&system);
+    if (slam == nullptr) return;
+    for (const slam::LoopReport& loop : slam->finish()) count(loop);
+  }
+
+  const Trajectory& trajectory() const {
+    return std::visit([](const auto& any) -> const Trajectory& { return any.trajectory(); },
+                      system);
+  }
+
+  SlamTimings timings() const {
+    SlamTimings timings;
+    for (const double time_ms : times_ms) timings.total_s += 1e-3 * time_ms;
+    if (times_ms.size() >= 2 * kTimedEnds) {
+      constexpr auto kEnd = static_cast<std::ptrdiff_t>(kTimedEnds);
+      timings.first_ms = distribution_of({times_ms.begin(), times_ms.begin() + kEnd}).median;
+      timings.last_ms = distribution_of({times_ms.end() - kEnd, times_ms.end()}).median;
+    }
+    return timings;
+  }
+
+  void count(const slam::LoopReport& loop) {
+    loops_closed += loop.status == slam::LoopStatus::kClosed ? 1 : 0;
+  }
+
+  SlamSystem system;
+  slam::ScanReport report;  ///< of our SLAM
+  std::vector<double> times_ms;
+  std::int64_t loops_closed = 0;
+};
+
+/// One method on its way through the drive.
+class MethodRun {
+ public:
+  MethodRun(const TableMethod& method, const SensorModel& sensor, const nn::Upsampler* upsampler,
+            bool loop_closing)
+      : filter_(filter_of(method, upsampler)) {
+    slam_.emplace_back(slam_setup(method, sensor, false));
+    if (loop_closing) slam_.emplace_back(slam_setup(method, sensor, true));
+  }
+
+  /// The rows as they are.
+  void add(const OrganizedCloud& cloud, double stamp_s) {
+    for (TimedSlam& slam : slam_) slam.add(cloud, stamp_s);
+  }
+
+  /// upsampled: all rows, before the filter; shared_s: what it took. scored: compare with `truth`.
+  void add_upsampled(nn::UpsampledImage upsampled, double shared_s, const OrganizedCloud& measured,
+                     const nn::Upsampler& upsampler, const RecordedScan& truth, bool scored) {
+    const double filter_s = filter_ ? seconds_of([&] { remove_outliers(upsampled.image); }) : 0.0;
+    upsampling_ms_.push_back(1e3 * (shared_s + filter_s));
+    result_.timings.upsampling_s += shared_s + filter_s;
+    OrganizedCloud cloud;
+    result_.timings.points_s += seconds_of([&] {
+      cloud =
+          nn::upsampled_cloud(upsampled, measured, upsampler.measured_rows(), upsampler.sensor());
+    });
+    add(cloud, truth.stamp_s);
+    // A scan that is upsampled from nothing is no image to score.
+    if (scored && !points_of(measured).empty()) score(upsampled.image, cloud, truth.cloud);
+  }
+
+  /// Without loop closing.
+  const TimedSlam& slam() const { return slam_.front(); }
+
+  TableResult result(const TableSettings& settings) {
+    for (TimedSlam& slam : slam_) slam.finish();
+    TableResult result = result_;
+    result.settings = settings;
+    if (result.images) {
+      const auto scans = static_cast<double>(result.images->scans);
+      result.images->mae_all_m /= scans;
+      result.images->mae_valid_m /= scans;
+      result.images->outlier_share /= scans;
+    }
+    result.timings.upsampling_ms = distribution_of(upsampling_ms_).median;
+    for (std::size_t i = 0; i < slam_.size(); ++i) {
+      result.trajectory[i] = slam_[i].trajectory();
+      result.timings.slam[i] = slam_[i].timings();
+      result.loops_closed += slam_[i].loops_closed;
+    }
+    return result;
+  }
+
+ private:
+  void remove_outliers(RangeImage& image) {
+    rejected_.resize(image.range_m.size());
+    filter_->find(image.range_m.data(), rejected_.data(), omp_get_max_threads());
+    for (std::size_t i = 0; i < rejected_.size(); ++i) {
+      image.range_m[i] = rejected_[i] != 0 ? 0.0F : image.range_m[i];
+    }
+  }
+
+  void score(const RangeImage& upsampled, const OrganizedCloud& cloud,
+             const OrganizedCloud& truth) {
+    const ScanErrors errors = scan_errors(upsampled, cloud, truth);
+    if (!result_.images) result_.images = ImageScores();
+    ++result_.images->scans;
+    result_.images->mae_all_m += errors.image.mae_all_m;
+    result_.images->mae_valid_m += errors.image.mae_valid_m;
+    result_.images->outlier_share += errors.cloud.outlier_share;
+  }
+
+  std::optional<nn::OutlierRemoval> filter_;
+  std::vector<std::uint8_t> rejected_;
+  std::vector<TimedSlam> slam_;  ///< without and, if asked for, with loop closing
+  std::vector<double> upsampling_ms_;
+  TableResult result_;  ///< sums until result() divides them
+};
+
+/// The pass's state while it runs.
+class Pass {
+ public:
+  explicit Pass(const TablePass& pass)
+      : input_(shared_input(pass)),
+        memory_(input_.upsampler_or_null()),
+        score_every_((pass.drive.scans + pass.scored_scans - 1) / pass.scored_scans) {
+    for (const TableMethod& method : pass.methods) {
+      runs_.emplace_back(method, input_.seen(), input_.upsampler_or_null(), pass.loop_closing);
+    }
+  }
+
+  UpsampledInput& input() { return input_; }
+
+  void add(const RecordedScan& scan, std::int64_t index) {
+    const OrganizedCloud measured = input_.measured(scan.cloud);
+    if (!input_.upsampler) {
+      for (MethodRun& run : runs_) run.add(measured, scan.stamp_s);
+      return;
+    }
+    const RangeImage image = range_image(measured);
+    nn::UpsampledImage upsampled;
+    const double shared_s = seconds_of([&] {
+      upsampled = input_.upsampler->run(
+          image, memory_.recall(measured, runs_.front().slam().trajectory(), scan.stamp_s));
+    });
+    for (MethodRun& run : runs_) {
+      run.add_upsampled(upsampled, shared_s, measured, *input_.upsampler, scan,
+                        index % score_every_ == 0);
+    }
+    // Where the first method of the pass has it.
+    const TimedSlam& slam = runs_.front().slam();
+    memory_.remember(measured, slam.trajectory(), slam.is_located());
+  }
+
+  std::vector<TableResult> results(const TablePass& pass,
+                                   const std::vector<std::int64_t>& scan_of_pose,
+                                   const LeftOut& left_out) {
+    std::vector<TableResult> results;
+    for (std::size_t i = 0; i < runs_.size(); ++i) {
+      TableResult result = runs_[i].result(pass.settings[i]);
+      result.scan_of_pose = scan_of_pose;
+      result.left_out = left_out;
+      result.timings.threads = omp_get_max_threads();
+      result.timings.processor = processor_name();
+      result.timings.instruction_set = nn::name(nn::chosen_instruction_set());
+      if (input_.upsampler && input_.upsampler->network() != nullptr) {
+        result.network = NetworkSize{input_.upsampler->network()->parameters(),
+                                     input_.upsampler->network()->multiply_adds()};
+      }
+      results.push_back(std::move(result));
+    }
+    return results;
+  }
+
+ private:
+  UpsampledInput input_;
+  DriveMemory memory_;
+  std::int64_t score_every_;
+  std::vector<MethodRun> runs_;
+};
+
+/// SLAM can do with a clock that is set back, a comparison of trajectories by their stamps can not.
+void require_rising(const RecordedScan& scan, double last_stamp_s) {
+  if (scan.stamp_s > last_stamp_s) return;
+  throw Error(
+      "{}: has the stamp {:.6f} s, expected one after that of the scan before, {:.6f} s; give "
+      "stamps that rise with --stamps",
+      scan.name, scan.stamp_s, last_stamp_s);
+}
+
+}  // namespace
+
+std::vector<TableResult> run_pass(const TablePass& pass, const InterruptGuard& interrupt,
+                                  const std::function<void()>& on_scan) {
+  Pass state(pass);
+  const std::unique_ptr<ScanSource> source = state.input().open();
+  Reading reading;
+  std::vector<std::int64_t> scan_of_pose;
+  double last_stamp_s = -std::numeric_limits<double>::infinity();
+  read_scans(*source, interrupt, reading, [&](const ReadScan& read) {
+    require_rising(read.scan, last_stamp_s);
+    last_stamp_s = read.scan.stamp_s;
+    // SLAM looks at the times before anything else: of a scan that it leaves out nothing stays.
+    state.add(read.scan, std::ssize(scan_of_pose));
+    scan_of_pose.push_back(read.index);
+    on_scan();
+    return std::ssize(scan_of_pose) < pass.drive.scans;
+  });
+  if (reading.end == ReadingEnd::kInterrupted) return {};
+  if (reading.end == ReadingEnd::kUnreadableScan) throw Error(reading.end_message);
+  return state.results(pass, scan_of_pose, reading.left_out);
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hqslam/core/ranks.h"
+#include "hqslam/core/sensor_model.h"
+#include "table/table_figures.h"
+#include "table/table_plan.h"
+#include "terminal/terminal.h"
+
+namespace hqslam::tools {
+
+/// A drive whose recording is there.
+struct PreparedDrive : TableDrive {
+  SensorModel sensor;      ///< of the recording
+  std::int64_t scans = 0;  ///< of the recording that are used
+  std::string identity;    ///< identity_of(drive, scans)
+  std::string results;     ///< folder
+};
+
+/// Methods that share one pass of upsampling over one drive.
+struct TablePass {
+  PreparedDrive drive;
+  std::vector<TableMethod> methods;
+  std::vector<TableSettings> settings;  ///< of each
+  bool loop_closing = true;             ///< whether SLAM also runs with it
+  std::int64_t scored_scans = 0;        ///< at most; see run_pass
+};
+
+/// Streams the drive once through the upsampling and hands every scan to SLAM, for each method
+/// without and, if the pass asks for it, with loop closing. Calls `on_scan` after each scan. Times
+/// are taken around upsampling, around making points of its result and around each SLAM alone;
+/// reading, scoring and writing are in none of them. At most `scored_scans` scans, evenly spread,
+/// are compared with the recording's own rows. What cannot be understood is left out and counted.
+/// Returns nothing if it was interrupted. Throws Error, also if nothing could be used.
+std::vector<TableResult> run_pass(const TablePass& pass, const InterruptGuard& interrupt,
+                                  const std::function<void()>& on_scan);
+inline constexpr std::int64_t kMostScoredScans = 200;
+inline constexpr std::int64_t kScoredPerSeed = 20;  ///< of each of many drives
+
+/// One drive on its way through the table.
+struct DriveWork {
+  TableDrive drive;
+  std::optional<PreparedDrive> prepared;  ///< once its recording is there
+  std::vector<TablePass> passes;          ///< that are left to do
+};
+
+/// What a plan leaves to do, in the order of its drives. Throws Error, before anything is written,
+/// for a recording that a table cannot be made of.
+std::vector<DriveWork> work_of(const TablePlan& plan, const TableOptions& options);
+
+/// Simulates and runs what is missing, and saves every result: drive by drive, or, over seeds, as
+/// many drives side by side as OpenMP has threads, with one thread each. Several ranks share drives
+/// to be simulated, then drives and methods to be run, and save into the same folder. Returns, on
+/// all ranks, false if any was interrupted. Throws Error, once all drives of this rank have
+/// stopped.
+bool run_missing(std::vector<DriveWork>& works, const TablePlan& plan, const TableOptions& options,
+                 const InterruptGuard& interrupt, Ranks& ranks);
+
+/// The results of these methods that are there, whoever computed them, and their methods.
+struct FoundResults {
+  std::vector<TableMethod> methods;
+  std::vector<TableResult> results;
+};
+FoundResults results_of(const PreparedDrive& drive, const std::vector<TableMethod>& methods,
+                        bool loop_closing);
+
+}  // namespace hqslam::tools

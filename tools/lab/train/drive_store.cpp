@@ -1,0 +1,192 @@
+#include "train/drive_store.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
+
+#include "files/content_hash.h"
+#include "files/result_files.h"
+#include "hqslam/core/error.h"
+#include "hqslam/core/npy.h"
+#include "ranks/ranks.h"
+#include "terminal/progress.h"
+#include "train/recollection.h"
+
+namespace hqslam::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Raised whenever the same drive begins to recall something else.
+constexpr int kMemoryRevision = 2;
+
+/// Everything that decides the bytes of a stored drive.
+std::string key_of(const StoredDrive& drive, const SensorModel& sensor) {
+  const sim::DriveSpec& spec = drive.spec;
+  nlohmann::ordered_json key;
+  key["revision"] = sim::kDriveRevision;
+  key["name"] = spec.name;
+  key["seed"] = spec.seed;
+  key["scans"] = spec.scans;
+  key["every"] = drive.every;
+  key["mount"] = {spec.mount.sensor_height_m, spec.mount.mount_roll_rad,
+                  spec.mount.mount_pitch_rad};
+  key["conditions"] = {spec.conditions.extra_range_noise_m, spec.conditions.dropout_share,
+                       spec.conditions.extinction_per_m, spec.conditions.airborne_share};
+  if (spec.sensor_errors != sim::SensorErrors::kNone) {
+    key["sensor_errors"] = sim::name_of(spec.sensor_errors);
+  }
+  key["sensor"] = sensor_json(sensor);
+  if (drive.remembered_rows) {
+    key["memory"] = {kMemoryRevision, drive.remembered_rows->offset, drive.remembered_rows->stride};
+    if (drive.look_ahead) key["memory"].push_back("look ahead");
+  }
+  return key.dump();
+}
+
+bool is_stored(const std::string& path, const StoredDrive& drive) {
+  if (!fs::is_regular_file(path)) return false;
+  try {
+    return NpyStackReader(path).images() == drive.scans();
+  } catch (const Error&) {
+    return false;  // damaged: made again
+  }
+}
+
+void rename_to(const std::string& from, const std::string& to) {
+  std::error_code failure;
+  fs::rename(from, to, failure);
+  if (failure) {
+    throw Error("{}: cannot be written ({}); check that the folder is writable", to,
+                failure.message());
+  }
+}
+
+/// What store_drive() writes on the way to a name of path_in_store.
+bool is_part(const std::string& name) {
+  static const std::regex part(R"(.+_\d+_[0-9a-f]+\.npy\.\d+\.part)");
+  return std::regex_match(name, part);
+}
+
+/// Of programs that were killed: nobody has a lock on them.
+void remove_abandoned_parts(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> abandoned;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const fs::path& path = entry->path();
+    if (!is_part(path.filename().string())) continue;
+    if (FileLock(path).state() == FileLock::State::kHeld) abandoned.push_back(path);
+  }
+  for (const fs::path& path : abandoned) fs::remove(path, error);
+}
+
+/// simulate() of a drive whose scans recall earlier ones: of those between only the rows that are
+/// remembered are simulated.
+bool simulate_with_memory(const StoredDrive& drive, const SensorModel& sensor,
+                          NpyStackWriter& writer, const std::function<bool()>& stopping,
+                          Progress& progress) {
+  const RowSelection rows = *drive.remembered_rows;
+  sim::DriveSimulator simulator(drive.spec, sensor);
+  Recollection recollection(sensor, rows, drive.look_ahead, drive.spec.seed);
+  const auto write_finished = [&](bool is_last) {
+    while (const auto image = recollection.finished(is_last)) {
+      writer.append(*image);
+      progress.advance();
+    }
+  };
+  for (std::int64_t i = 0; i < drive.spec.scans; ++i) {
+    if (stopping()) return false;
+    const bool kept = i % drive.every == 0;
+    const auto scan = simulator.next(kept ? std::nullopt : std::optional(rows));
+    if (kept) recollection.want(*scan);
+    write_finished(false);
+    recollection.remember(*scan);
+  }
+  write_finished(true);
+  return true;
+}
+
+/// Returns false if it stopped before the end.
+bool simulate(const StoredDrive& drive, const SensorModel& sensor, const std::string& path,
+              const std::function<bool()>& stopping, Progress& progress) {
+  if (drive.remembered_rows) {
+    NpyStackWriter writer(path, 3 * sensor.rows(), sensor.columns);
+    return simulate_with_memory(drive, sensor, writer, stopping, progress);
+  }
+  sim::DriveSimulator simulator(drive.spec, sensor);
+  NpyStackWriter writer(path, sensor.rows(), sensor.columns);
+  while (const auto scan = simulator.next()) {
+    if (stopping()) return false;
+    writer.append(scan->image);
+    simulator.skip(drive.every - 1);
+    progress.advance();
+  }
+  return true;
+}
+
+/// The same, under its name once it is whole. Two programs may be at the same drive.
+bool store_drive(const StoredDrive& drive, const SensorModel& sensor, const std::string& path,
+                 const std::function<bool()>& stopping, Progress& progress) {
+  const std::string part = fmt::format("{}.{}.part", path, getpid());
+  const RemovedAtEnd part_removed(part);  // nothing stays unless it was renamed
+  std::ofstream(part).close();
+  const FileLock lock(part);
+  const bool whole = simulate(drive, sensor, part, stopping, progress);
+  if (whole) rename_to(part, path);
+  return whole;
+}
+
+/// Returns false if it stopped before the end.
+bool store_all(const DriveStore& store, const std::vector<StoredDrive>& drives,
+               const SensorModel& sensor, const char* label, const InterruptGuard& interrupt) {
+  make_result_folder(store.path);
+  std::int64_t scans = 0;
+  for (const StoredDrive& drive : drives) scans += drive.scans();
+  Progress progress(label, scans);
+  const int workers = std::clamp(store.threads, 1, static_cast<int>(drives.size()));
+  const bool whole =
+      side_by_side(drives.size(), workers, std::max(1, store.threads / workers),
+                   [&](std::size_t i, const std::atomic<bool>& stopped) {
+                     return store_drive(
+                         drives[i], sensor, path_in_store(store.path, drives[i], sensor),
+                         [&] { return stopped || interrupt.stop_requested(); }, progress);
+                   });
+  progress.finish();
+  return whole;
+}
+
+}  // namespace
+
+std::string path_in_store(const fs::path& folder, const StoredDrive& drive,
+                          const SensorModel& sensor) {
+  return (folder / fmt::format("{}_{}_{}.npy", drive.spec.name, drive.spec.seed,
+                               text_hash(key_of(drive, sensor))))
+      .string();
+}
+
+bool store_drives(const DriveStore& store, const std::vector<StoredDrive>& drives,
+                  const SensorModel& sensor, const char* label, const InterruptGuard& interrupt) {
+  Ranks& ranks = store.ranks;
+  ranks.rank_0_first([&] {
+    if (ranks.rank() == 0) remove_abandoned_parts(store.path);  // while nobody writes any
+  });
+  // By place among all: what is missing changes while others are at work.
+  std::vector<StoredDrive> missing;
+  std::set<std::string> named;  // a drive may be in a recipe twice, to be shown more often
+  for (std::size_t i = 0; i < drives.size(); ++i) {
+    sim::validate(drives[i].spec);
+    const std::string path = path_in_store(store.path, drives[i], sensor);
+    const bool is_first = named.insert(path).second;
+    if (is_first && is_own(i, ranks) && !is_stored(path, drives[i])) missing.push_back(drives[i]);
+  }
+  return !ranks.any(!missing.empty() && !store_all(store, missing, sensor, label, interrupt));
+}
+
+}  // namespace hqslam::tools

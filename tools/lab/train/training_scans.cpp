@@ -1,0 +1,155 @@
+#include "train/training_scans.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "files/content_hash.h"
+#include "files/result_files.h"
+#include "hqslam/core/error.h"
+#include "hqslam/core/npy.h"
+#include "hqslam/core/projection.h"
+#include "hqslam/core/scan_source.h"
+#include "hqslam/core/whole_file.h"
+#include "recording/reading.h"
+
+namespace hqslam::tools {
+namespace {
+
+/// "$NAME/rest" with the environment variable's value.
+std::string expanded(const std::string& path) {
+  if (!path.starts_with("$")) return path;
+  const std::size_t slash = std::min(path.find('/'), path.size());
+  const std::string name = path.substr(1, slash - 1);
+  const char* value = std::getenv(name.c_str());
+  if (value == nullptr) {
+    throw Error("{}: the environment variable {} is not set", path, name);
+  }
+  return value + path.substr(slash);
+}
+
+/// A recording's folder as a stack in the store, written once: a name made of its path and files,
+/// and of the sensor.
+std::string stack_of_recording(const std::string& folder, const SensorModel& sensor,
+                               const DriveStore& store) {
+  const std::string about =
+      std::filesystem::absolute(folder).string() + folder_hash(folder) + sensor_json(sensor);
+  const std::filesystem::path path = store.path / fmt::format("recording_{}.npy", text_hash(about));
+  if (std::filesystem::exists(path)) return path.string();
+  make_result_folder(store.path);
+  replace_file(path.string(), [&](const std::string& part) {
+    const auto source = open_recording(folder, sensor);
+    NpyStackWriter writer(part, sensor.rows(), sensor.columns);
+    LeftOut left_out;
+    while (const auto scan = next_usable(*source, left_out)) {
+      writer.append(range_image(scan->cloud));
+    }
+    if (left_out.scans > 0) to_stderr("hqslam: {}: {}\n", folder, left_out.text());
+  });
+  return path.string();
+}
+
+std::vector<StoredDrive> drives_of(const nn::ScanSet& set, const nn::NetworkDescription& network) {
+  std::vector<StoredDrive> drives;
+  for (const nn::SimulatedScans& simulated : set.simulated) {
+    for (const int seed : simulated.seeds) {
+      sim::DriveSpec spec = sim::drive_preset(simulated.drive);
+      spec.seed = static_cast<std::uint64_t>(seed);
+      spec.scans = simulated.scans;
+      spec.sensor_errors = sim::sensor_errors_named(simulated.sensor_errors);
+      if (simulated.conditions == nn::DriveConditions::kVaried) {
+        spec = sim::with_varied_conditions(spec);
+      }
+      drives.push_back({spec, simulated.every});
+      if (has_scan_memory(network)) drives.back().remembered_rows = network.measured_rows;
+      drives.back().look_ahead = simulated.look_ahead;
+    }
+  }
+  return drives;
+}
+
+/// Throws Error if none of five images from all over a stack has a return that the sensor can have
+/// had: millimetres, an empty file, no ranges at all.
+void require_returns(const std::string& path, const SensorModel& sensor) {
+  constexpr std::int64_t kTried = 5;
+  NpyStackReader reader(path);
+  const std::int64_t last = reader.images() - 1;
+  for (std::int64_t k = 0; k < kTried && last >= 0; ++k) {
+    const RangeImage image = reader.read(last * k / (kTried - 1));
+    const bool any = std::ranges::any_of(image.range_m, [&](float r) {
+      return r >= sensor.min_range_m && r > 0.0F && r <= sensor.max_range_m;
+    });
+    if (any) return;
+  }
+  throw Error(
+      "{}: expected images with ranges from {} to {} m (sensor '{}'), found none; give ranges in "
+      "metres",
+      path, sensor.min_range_m, sensor.max_range_m, sensor.name);
+}
+
+}  // namespace
+
+StoredScans::StoredScans(const std::vector<std::string>& paths, const SensorModel& sensor)
+    : rows_(sensor.rows()), columns_(sensor.columns) {
+  for (const std::string& path : paths) {
+    const NpyStackReader reader(path);
+    const bool fits = reader.rows() == rows_ || reader.rows() == 3 * rows_;
+    if (!fits || reader.columns() != columns_) {
+      throw Error("{}: images of {} x {}, expected the {} x {} of {}", path, reader.rows(),
+                  reader.columns(), rows_, columns_, sensor.name);
+    }
+    require_returns(path, sensor);
+    const std::int64_t begin = size();
+    files_.push_back({path, begin, begin + reader.images()});
+  }
+}
+
+nn::TrainingScan StoredScans::read(std::int64_t i) const {
+  if (i < 0 || i >= size()) {
+    throw Error("training: scan {}, expected 0 to {}", i, size() - 1);
+  }
+  const auto file = std::ranges::upper_bound(files_, i, {}, &File::end);
+  RangeImage image = NpyStackReader(file->path).read(i - file->begin);
+  const bool recalls = image.rows == 3 * rows_;
+  if ((image.rows != rows_ && !recalls) || image.columns != columns_) {
+    throw Error("{}: changed while it was read", file->path);
+  }
+  for (float& range_m : image.range_m) {
+    if (!std::isfinite(range_m) || range_m < 0.0F) range_m = 0.0F;
+  }
+  if (!recalls) return {std::move(image)};
+  const auto part = [&](int k) {
+    RangeImage result(rows_, columns_);
+    std::copy_n(image.range_m.begin() + k * std::ssize(result.range_m), result.range_m.size(),
+                result.range_m.begin());
+    return result;
+  };
+  return {part(0), {part(1), part(2).range_m}};
+}
+
+std::unique_ptr<const StoredScans> stored_scans(const nn::ScanSet& set,
+                                                const nn::NetworkDescription& network,
+                                                const DriveStore& store, const char* label,
+                                                const InterruptGuard& interrupt) {
+  const SensorModel& sensor = network.sensor;
+  std::vector<std::string> paths;
+  store.ranks.rank_0_first([&] {
+    for (const std::string& stack : set.stacks) {
+      const std::string path = expanded(stack);
+      paths.push_back(std::filesystem::is_directory(path) ? stack_of_recording(path, sensor, store)
+                                                          : path);
+    }
+  });
+  // What is wrong with a stack should be said before hours of simulation.
+  static_cast<void>(StoredScans(paths, sensor));
+  const std::vector<StoredDrive> drives = drives_of(set, network);
+  if (!store_drives(store, drives, sensor, label, interrupt)) {
+    return nullptr;
+  }
+  for (const StoredDrive& drive : drives) paths.push_back(path_in_store(store.path, drive, sensor));
+  return std::make_unique<const StoredScans>(paths, sensor);
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hqslam/nn/training/trainer.h"
+#include "hqslam/nn/training/training_configuration.h"
+#include "train/drive_store.h"
+
+namespace hqslam::tools {
+
+/// The scans of .npy stacks, read one by one from their files; what is no range (NaN, infinite,
+/// negative) is no return. Images of three times the sensor's rows have what is recalled.
+class StoredScans final : public nn::TrainingScans {
+ public:
+  /// Throws Error if a file cannot be read or has images of another shape than the sensor's.
+  StoredScans(const std::vector<std::string>& paths, const SensorModel& sensor);
+  std::int64_t size() const override { return files_.empty() ? 0 : files_.back().end; }
+  int rows() const override { return rows_; }
+  int columns() const override { return columns_; }
+  nn::TrainingScan read(std::int64_t i) const override;
+
+ private:
+  struct File {
+    std::string path;
+    std::int64_t begin = 0;  ///< the first scan of the file among all
+    std::int64_t end = 0;
+  };
+  std::vector<File> files_;
+  int rows_;
+  int columns_;
+};
+
+/// All scans of a set in its order, stacks first, then drives; those that are not in the folder
+/// yet are simulated. Shows progress on stderr; null if asked to stop meanwhile. Throws Error, also
+/// for a stack of another shape than the sensor's.
+std::unique_ptr<const StoredScans> stored_scans(const nn::ScanSet& set,
+                                                const nn::NetworkDescription& network,
+                                                const DriveStore& store, const char* label,
+                                                const InterruptGuard& interrupt);
+
+}  // namespace hqslam::tools
