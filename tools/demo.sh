@@ -7,4 +7,4 @@ tools/setup.sh
 cmake --preset release -Wno-dev >/dev/null
 cmake --build --preset release --target hqslam -j "$(nproc)"
 # Threads that wait leave the cores to whatever else runs.
-OMP_WAIT_POLICY=passive build/release/tools/hqslam-lab demo --out hqslam-demo
+OMP_WAIT_POLICY=passive build/release/bin/hqslam-lab demo --out hqslam-demo

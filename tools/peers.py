@@ -305,7 +305,7 @@ def main():
     parser.add_argument("--rows", default="16,64", help="of the sensor's, separated by commas")
     parser.add_argument("--scans", type=int, help="only so many of each drive")
     parser.add_argument("--peers", default=",".join(PEERS), help="separated by commas")
-    parser.add_argument("--hqslam", default="build/release/tools/hqslam", help="the program")
+    parser.add_argument("--hqslam", default="build/release/bin/hqslam", help="the program")
     parser.add_argument("--out", default="peers", help="folder for the trajectories")
     options = parser.parse_args()
     out = pathlib.Path(options.out)

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The libraries install alone and are found from another project:
-#   install_test.sh BUILD_FOLDER CXX_COMPILER CXX_FLAGS [HQSLAM_PROGRAM]
+#   install_test.sh BUILD_FOLDER CXX_COMPILER CXX_FLAGS [HQSLAM_LAB_PROGRAM]
 # With the program the projects also run, on a drive that it simulates.
 set -euo pipefail
 source_folder=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)

@@ -2,10 +2,11 @@
 # What the documents say is true: README.md and docs/*.md. Commands in blocks marked sh run as they
 # stand, document by document; examples in C++ and Python are parts of files that are compiled or
 # run. Links of all documents lead somewhere.
-#   readme_test.sh SOURCE_FOLDER HQSLAM_PROGRAM
+#   readme_test.sh SOURCE_FOLDER HQSLAM_PROGRAM HQSLAM_LAB_PROGRAM
 set -euo pipefail
 source_folder=$1
 program=$2
+laboratory=$3
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
@@ -53,6 +54,7 @@ done < <(find "$source_folder" \( -name build -o -name .git -o -name third_party
 
 # The recordings that the documents take for granted, under the names that they use.
 hqslam() { "$program" "$@"; }
+hqslam-lab() { "$laboratory" "$@"; }
 # Fails with what a command says on stderr; its stdout goes where the line sends it.
 quietly() { "$@" 2>log || { echo "failed: $*" >&2; cat log >&2; exit 1; }; }
 quietly hqslam-lab simulate --drive block --sensor hdl-64e --scans 3 --bin --out kitti >stdout
@@ -82,6 +84,6 @@ for document in "${documents[@]}"; do
     echo "$command"
     eval "quietly $command" >stdout
     commands=$((commands + 1))
-  done < <(blocks sh "$document" | grep '^hqslam ')
+  done < <(blocks sh "$document" | grep -E '^hqslam(-lab)? ')
 done
 ((commands >= 20)) || { echo "found only $commands commands"; exit 1; }

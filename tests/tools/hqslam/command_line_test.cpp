@@ -2,24 +2,18 @@
 
 #include <doctest/doctest.h>
 
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
+#include "tools/parsed_options.h"
 #include "tools/parts_of_text.h"
 
 namespace hqslam::tools {
 namespace {
 
-/// What the arguments after "hqslam" make of the options of a command. Throws CLI::ParseError.
 template <typename Options = RunOptions>
-Options parsed(std::vector<std::string> arguments) {
-  CLI::App app("", "hqslam");
-  CommandLine options;
-  declare_program(app, options);
-  std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());
-  app.parse(reversed);
-  return std::get<Options>(options.commands);
+Options parsed(const std::vector<std::string>& arguments) {
+  return parsed_options<ProductCommands, Options>(product_text(), arguments);
 }
 
 }  // namespace
@@ -90,10 +84,7 @@ TEST_CASE("every command that opens recordings reads them as run does") {
            with(RunOptions{}, {"run", "/", "--out", "x"}),
            with(MapOptions{}, {"map", "/", "--poses", "/proc/version", "--out", "x"}),
            with(InspectOptions{}, {"inspect", "/", "--weights", "a", "--out", "x"}),
-           with(UpsampleOptions{}, {"upsample", "/", "--method", "linear", "--out", "x"}),
-           with(CompareOptions{}, {"compare", "/"}),
-           with(TableOptions{}, {"table", "--out", "x"}).reading,
-           with(BenchOptions{}, {"bench", "--input", "/"}).recording}) {
+           with(UpsampleOptions{}, {"upsample", "/", "--method", "linear", "--out", "x"})}) {
     CHECK(choice.stream == "7502");
     CHECK(choice.kept_return == "last");
     CHECK(choice.capture == "rolling");
@@ -102,43 +93,13 @@ TEST_CASE("every command that opens recordings reads them as run does") {
   }
 }
 
-TEST_CASE("the options of table arrive where they belong, lists split at commas") {
-  const auto table = parsed<TableOptions>(
-      {"table", "--drives", "town,/", "--methods", "rows-16,du-or", "--weights", "a,b", "--sensor",
-       "hdl-64e", "--reference", "/proc/version", "--scans", "7", "--out", "x", "--threads", "2"});
-  CHECK(table.drives == std::vector<std::string>{"town", "/"});
-  CHECK(table.methods == std::vector<std::string>{"rows-16", "du-or"});
-  CHECK(table.weights == std::vector<std::string>{"a", "b"});
-  CHECK(table.reading.sensor == "hdl-64e");
-  CHECK(table.reference == "/proc/version");
-  CHECK(table.scans == 7);
-  CHECK(table.out == "x");
-  CHECK(table.threads == 2);
-  CHECK(parsed<TableOptions>({"table", "--out", "x"}).drives ==
-        std::vector<std::string>{"town", "hills"});
-}
-
-TEST_CASE("the options of simulate, demo, view and bench arrive where they belong") {
-  const auto simulate =
-      parsed<SimulateOptions>({"simulate", "--drive", "town", "--sensor", "vlp-16", "--out", "x",
-                               "--scans", "7", "--seed", "9", "--bin"});
-  CHECK(simulate.drive == "town");
-  CHECK(simulate.scans == 7);
-  CHECK(simulate.seed == 9);
-  CHECK(simulate.bin);
-  CHECK_FALSE(simulate.pcd);
-  CHECK(parsed<DemoOptions>({"demo", "--out", "y"}).out == "y");
+TEST_CASE("the options of view arrive where they belong") {
   const auto view = parsed<ViewOptions>(
       {"view", "/", "/proc", "--sensor", "vlp-16", "--scan", "3", "--out", "x"});
   CHECK(view.files == std::vector<std::string>{"/", "/proc"});
   CHECK(view.sensor == "vlp-16");
   CHECK(view.scan == 3);
   CHECK(view.out == "x");
-  CHECK(parsed<BenchOptions>({"bench", "--json", "--scans", "20"}).json);
-  CHECK(parsed<BenchOptions>({"bench", "--drive", "hills"}).drive == "hills");
-  CHECK(parsed<BenchOptions>({"bench", "--cpu"}).cpu);
-  CHECK(parsed<BenchOptions>({"bench", "--weights", "/dev/null", "--weights", "/dev/null"})
-            .weights.size() == 2);
 }
 
 TEST_CASE("what makes no sense is refused") {
@@ -152,17 +113,13 @@ TEST_CASE("what makes no sense is refused") {
       {"run", "/", "--out", "x", "--reference", "/no/such/file"},
       {"run", "/", "--out", "x", "--upsample", "cubic"},
       {"upsample", "/", "--method", "linear"},
-      {"simulate", "--drive", "town", "--sensor", "os1-64", "--out", "x", "--scans", "-3"},
       {"evaluate", "/no/such/file", "/no/such/file"},
       {"live", "--sensor", "vlp-16"},
       {"live", "--sensor", "vlp-16", "--out", "x", "--port", "70000"},
       {"live", "--sensor", "vlp-16", "--out", "x", "--view-address", "0.0.0.0"},
-      {"bench", "--sensor", "os1-64"},
       {"view", "/"},
       {"view", "--out", "x"},
       {"view", "/", "--out", "x", "--scan", "-1"},
-      {"compare", "/", "--curve", "c.html", "--layers"},
-      {"compare", "/", "--curve", "c.html", "--filters"},
   };
   for (const std::vector<std::string>& arguments : wrong) {
     CAPTURE(arguments.size());
@@ -170,33 +127,15 @@ TEST_CASE("what makes no sense is refused") {
   }
 }
 
-TEST_CASE("a seed is a whole number from 0 to 2^64 - 1") {
-  const auto seed = [](const std::string& text) {
-    return parsed<SimulateOptions>(
-               {"simulate", "--drive", "town", "--sensor", "vlp-16", "--out", "x", "--seed", text})
-        .seed;
+TEST_CASE("the help names every subcommand, evaluate's its errors, calibrate's recordings") {
+  const auto help = [](const char* command) {
+    return help_of<ProductCommands>(product_text(), command);
   };
-  CHECK(seed("0") == 0);
-  CHECK(seed("18446744073709551615") == 18446744073709551615ULL);
-  for (const char* wrong :
-       {"-1", "99999999999999999999", "18446744073709551616", "1.5", "0x10", "one", ""}) {
-    CAPTURE(wrong);
-    CHECK_THROWS_AS(seed(wrong), CLI::ParseError);
-  }
-}
-
-TEST_CASE(
-    "the program's help names every subcommand, evaluate's its errors, calibrate's recordings") {
-  CLI::App app("", "hqslam");
-  CommandLine options;
-  declare_program(app, options);
-  CHECK(missing(app.help(), {"run", "live", "demo", "simulate", "evaluate", "bench", "upsample"}) ==
+  CHECK(missing(help(""), {"run", "live", "evaluate", "upsample", "info", "view"}) == "");
+  CHECK(missing(help("evaluate"), {"APE", "RPE", "MAE", "Chamfer", "IoU", "F1", "outlier", "TULIP",
+                                   "evo"}) == "");
+  CHECK(missing(help("calibrate"), {".pcap", ".mcap", ".bin", ".pcd", ".ply", ".csv", ".txt"}) ==
         "");
-  const std::string help = app.get_subcommand("evaluate")->help();
-  CHECK(missing(help, {"APE", "RPE", "MAE", "Chamfer", "IoU", "F1", "outlier", "TULIP", "evo"}) ==
-        "");
-  CHECK(missing(app.get_subcommand("calibrate")->help(),
-                {".pcap", ".mcap", ".bin", ".pcd", ".ply", ".las", ".csv", ".txt"}) == "");
 }
 
 }  // namespace hqslam::tools

@@ -151,7 +151,7 @@ TEST_CASE("a map is aligned by the trajectory beside it, however the map is name
     CAPTURE(map);
     const ProgramResult result =
         run_shell(fmt::format("cd '{}'; '{}' evaluate-map {} --drive '{}'", folder.path().string(),
-                              HQSLAM_PROGRAM, map, simulated_drive()));
+                              HQSLAM_LAB_PROGRAM, map, simulated_drive()));
     CAPTURE(result.error);
     CHECK(result.status == 0);
     CHECK(holds(result.out, fmt::format("  {} (aligned)\n", map)));

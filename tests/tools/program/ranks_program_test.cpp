@@ -24,7 +24,7 @@ std::string on_ranks(int count) {
       "env OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_btl=self,vader "
       "OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_hwloc_base_binding_policy=none "
       "OMPI_MCA_mpi_yield_when_idle=1 ASAN_OPTIONS=detect_leaks=0 '{}' -n {} '{}'",
-      mpirun(), count, HQSLAM_PROGRAM);
+      mpirun(), count, HQSLAM_LAB_PROGRAM);
 }
 
 ProgramResult run_on_ranks(int count, const std::string& arguments) {
