@@ -27,6 +27,7 @@ only core/recordings hqslam/ core recordings
 only core/live hqslam/ core recordings live
 only nn hqslam/ core nn
 only slam hqslam/ core slam
+only tools/pipeline hqslam/ core recordings nn slam pipeline
 only tools/python hqslam/ core evaluation nn recordings sim slam
 
 # Within nn: kernels know neither graphs nor networks, graphs no networks, and nobody the compared ones.

@@ -1,0 +1,63 @@
+#include <fmt/ranges.h>
+
+#include <filesystem>
+#include <system_error>
+
+#include "hqslam/core/error.h"
+#include "hqslam/nn/weights_file.h"
+#include "hqslam/pipeline/upsampler.h"
+
+namespace hqslam::pipeline {
+namespace {
+
+/// Whether weights made for `full` take scans of `recorded`, put into their columns.
+bool takes(SensorModel recorded, const SensorModel& full, RowSelection measured_rows) {
+  recorded.columns = full.columns;
+  return fits(recorded, full) || fits(recorded, select_rows(full, measured_rows));
+}
+
+/// Of the weights of a name the file that was made for a sensor.
+std::string weights_for(const std::string& name, const std::optional<SensorModel>& recorded) {
+  const std::vector<std::string> files = installed_weights_files(name);
+  std::vector<std::string> made_for;
+  for (const std::string& file : files) {
+    const nn::NetworkDescription network = nn::read_weights(file).description;
+    if (recorded && takes(*recorded, network.sensor, network.measured_rows)) return file;
+    made_for.push_back(network.sensor.name);
+  }
+  if (!recorded) {
+    throw Error(
+        "{}: expected a recording whose sensor is known, to choose between weights for {}; name "
+        "the sensor or give a weights file",
+        name, fmt::join(made_for, ", "));
+  }
+  throw Error(
+      "{}: there are weights for {}, none for '{}'; give a weights file that was made for it", name,
+      fmt::join(made_for, ", "), recorded->name);
+}
+
+bool is_file(const std::string& path) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error);
+}
+
+}  // namespace
+
+UpsamplingMethod load_method(const UpsamplingOptions& options,
+                             const std::optional<SensorModel>& recorded) {
+  const std::string& method = options.method;
+  if (method.empty()) return std::monostate();
+  if (nn::is_interpolation(method)) return nn::interpolation_from_name(method);
+  const bool is_name = !is_file(method) && !installed_weights_files(method).empty();
+  return nn::SuperResolver::load(is_name ? weights_for(method, recorded) : method, options.network);
+}
+
+std::optional<SensorModel> sensor_of(const UpsamplingMethod& method) {
+  const auto* network = std::get_if<nn::SuperResolver>(&method);
+  if (network == nullptr) return std::nullopt;
+  SensorModel sensor = network->sensor();
+  sensor.measured_rows = network->description().measured_rows;
+  return sensor;
+}
+
+}  // namespace hqslam::pipeline
