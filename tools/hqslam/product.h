@@ -2,8 +2,18 @@
 
 #include <tuple>
 
-#include "commands.h"
+#include "calibrate/calibrate_command.h"
+#include "evaluate/evaluate_command.h"
+#include "info/info_command.h"
+#include "inspect/inspect_command.h"
+#include "live/live_command.h"
 #include "program/program.h"
+#include "run/map_command.h"
+#include "run/run_command.h"
+#include "run/slam_options_command.h"
+#include "upsample/upsample_command.h"
+#include "view/view_command.h"
+#include "weights/weights_command.h"
 
 namespace hqslam::tools {
 

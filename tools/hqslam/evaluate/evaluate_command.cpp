@@ -1,3 +1,5 @@
+#include "evaluate/evaluate_command.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -5,7 +7,6 @@
 #include <filesystem>
 #include <optional>
 
-#include "commands.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/error.h"

@@ -1,3 +1,5 @@
+#include "info/info_command.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -5,7 +7,6 @@
 #include <filesystem>
 #include <utility>
 
-#include "commands.h"
 #include "files/result_files.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"

@@ -1,8 +1,8 @@
+#include "inspect/inspect_command.h"
 
 #include <functional>
 #include <optional>
 
-#include "commands.h"
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
@@ -11,12 +11,10 @@
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
 #include "recording/scan_poses.h"
-#include "run/slam_run.h"
-#include "run/slam_settings.h"
+#include "run/slam_session.h"
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
-#include "upsample/drive_memory.h"
 #include "upsample/upsampled_input.h"
 
 namespace hqslam::tools {
@@ -51,19 +49,20 @@ struct SeenScan {
 };
 
 SeenScan scan_of(const InspectOptions& options, UpsampledInput& input) {
-  require_memory(options.poses, input.upsampler_or_null());
+  const pipeline::Upsampler& upsampler = input.upsampler;
+  require_memory(options.poses, upsampler);
   const ScanPoses poses =
       read_scan_poses(options.poses, InterruptGuard(), [&] { return input.open(); });
-  LookAheadMemory memory(input.upsampler_or_null(), poses,
-                         [&](const RecordedScan& scan) { return input.measured(scan.cloud); });
+  pipeline::LookAheadMemory memory(upsampler.method(), poses);
   SeenScan seen;
   const auto look = [&](const ReadScan& read) {
-    seen.recalled = memory.recall(read, input.measured(read.scan.cloud));
+    seen.recalled =
+        memory.recall(upsampler.measured(read.scan.cloud), read.index, read.scan.stamp_s);
     if (read.index != options.scan) return;
-    seen.image = range_image(calibrated(read.scan.cloud, input.recorded));
+    seen.image = range_image(calibrated(read.scan.cloud, upsampler.recorded()));
   };
-  for_scans_up_to(options, *input.open(), look, memory.look_ahead());
-  memory.tell_of_scans_without_pose(options.poses, options.input);
+  for_scans_up_to(options, *input.open(), look, look_ahead_of(memory, upsampler));
+  report_scans_without_pose(memory, options.poses, options.input);
   return seen;
 }
 
@@ -86,20 +85,22 @@ void print_differences(const std::vector<nn::ReferenceDifference>& differences) 
 int inspect_slam(const InspectOptions& options) {
   guard_output_file(options.out, {options.input, options.weights}, kSlamScanPageMarker);
   UpsampledInput input = upsampled_input(options, {options.weights, options.rows});
-  SlamSession session(input, slam_options(options.slam_settings));
+  const std::unique_ptr<ScanSource> source = input.open();
+  pipeline::PipelineOptions pipeline;
+  pipeline.slam_options = slam_options(options.slam_settings);
+  SlamSession session(std::move(input.upsampler), pipeline, options.input);
   SlamScanReport page;
   page.recording = options.input;
   page.scan = options.scan;
   Progress progress("slam", options.scan + 1);
-  const std::unique_ptr<ScanSource> source = input.open();
-  const std::size_t told = source->warnings().size();
+  const std::size_t printed = source->warnings().size();
   for_scans_up_to(options, *source, [&](const ReadScan& read) {
     slam::ScanTrace* trace = read.index == options.scan ? &page.trace : nullptr;
     page.report = session.process(read.scan, read.index, read.reading_s, trace).report;
     progress.update(read.index + 1);
   });
   progress.finish();
-  print_later_warnings(*source, told);
+  print_later_warnings(*source, printed);
   write_text_file(slam_scan_html(page), options.out);
   to_stdout("results: {}\n", options.out);
   return kOk;
@@ -160,7 +161,8 @@ int run(const InspectOptions& options) {
   report.min_range_m = network.sensor().min_range_m;
   report.max_range_m = network.sensor().max_range_m;
   report.network = network.description();
-  report.measured = input.rows ? select_rows(scan, *input.rows) : scan;
+  const auto& measured_rows = input.upsampler.selected_rows();
+  report.measured = measured_rows ? select_rows(scan, *measured_rows) : scan;
   if (scan.rows == network.sensor().rows()) report.truth = scan;
   nn::UpsampledImage upsampled = network.run(report.measured, recalled, &report.trace);
   if (options.list) {

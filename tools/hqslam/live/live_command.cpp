@@ -1,18 +1,21 @@
+#include "live/live_command.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <vector>
 
-#include "commands.h"
 #include "hqslam/core/error.h"
 #include "hqslam/live/live.h"
 #include "live/live_run.h"
 #include "live/live_view.h"
 #include "live/view_server.h"
-#include "run/slam_run.h"
+#include "run/run_summary.h"
+#include "run/slam_session.h"
 #include "terminal/command_options.h"
 #include "terminal/terminal.h"
 #include "timing/timing.h"
+#include "upsample/upsampled_input.h"
 
 namespace hqslam::tools {
 namespace {
@@ -28,23 +31,23 @@ live::LiveOptions sensor_options(const LiveOptions& options) {
   return sensor;
 }
 
-/// What the sensor cannot be upsampled by is said before its packets come, as far as it is known
-/// then.
+/// Refuses weights that the sensor cannot be upsampled with before its packets come, as far as it
+/// is known then.
 void require_possible(const LiveOptions& options) {
   const auto [sensor, knows_beams, knows_columns] = live::named_sensor(options.sensor);
-  const UpsampledInput input = upsampled_sender(
+  const pipeline::Upsampler upsampler = upsampler_for_sender(
       Sender{fmt::format("--sensor {}", options.sensor), sensor, knows_beams}, options);
-  const int columns = input.recorded.columns;
+  const int columns = upsampler.recorded().columns;
   if (!knows_columns || columns == sensor.columns) return;
-  throw Error("{}: the sensor sends {} columns a turn, {} takes {}; set it to another mode",
+  throw Error("{}: the sensor sends {} columns a turn, {} expects {}; set it to another mode",
               options.sensor, sensor.columns, options.upsample, columns);
 }
 
-void print_sensor(const live::LiveSensor& sensor, const UpsampledInput& input) {
+void print_sensor(const live::LiveSensor& sensor, int columns) {
   for (const std::string& warning : sensor.warnings()) to_stderr("hqslam: {}\n", warning);
   to_stdout("{} from {}: {}, {} rows x {} columns, {:.4g} turns a second\n", sensor.format(),
-            text(sensor.sender()), sensor.sensor().name, sensor.sensor().rows(),
-            input.recorded.columns, 1.0 / sensor.sensor().scan_period_s);
+            text(sensor.sender()), sensor.sensor().name, sensor.sensor().rows(), columns,
+            1.0 / sensor.sensor().scan_period_s);
 }
 
 /// out: where the results are; empty: they could not be written.
@@ -112,13 +115,16 @@ status 0, and in --out the results as hqslam run writes them.)");
               "Address at which the page is served; by default to this computer alone",
               {.shows_default = true, .needs = {"--view"}});
   declare_threads(command, options.threads);
+  declare_slam_kind(command, options.slam);
   declare_slam_settings(command, options.slam);
 }
 
 int run(const LiveOptions& options) {
   const InterruptGuard interrupt;
   use_threads(options.threads);
-  const slam::SlamOptions slam = slam_options(options.slam);
+  pipeline::PipelineOptions pipeline;
+  pipeline.slam = slam_kind(options.slam);
+  pipeline.slam_options = slam_options(options.slam);
   RunOutput output(options.out, {options.sensor, options.upsample, options.slam.file});
   require_possible(options);
   live::LiveSensor sensor(sensor_options(options));
@@ -131,14 +137,16 @@ int run(const LiveOptions& options) {
     to_stdout("page: {}\n", server->url());
   }
   if (!wait_for_sensor(sensor, interrupt)) return kOk;
-  UpsampledInput input =
-      upsampled_sender(Sender{fmt::format("UDP port {}", sensor.port()), sensor.sensor()}, options);
-  print_sensor(sensor, input);
-  sensor.start(input.recorded.columns);
+  const std::string port = fmt::format("UDP port {}", sensor.port());
+  pipeline::Upsampler upsampler = upsampler_for_sender(Sender{port, sensor.sensor()}, options);
+  const int columns = upsampler.recorded().columns;
+  print_sensor(sensor, columns);
+  sensor.start(columns);
   if (const std::string failure = sensor.counts().imu_failure; !failure.empty()) {
     to_stderr("hqslam: {}; driving without inertial data\n", failure);
   }
-  const SlamRun run = run_live(sensor, input, slam, output, interrupt, server ? &view : nullptr);
+  const SlamRun run = run_live(sensor, SlamSession(std::move(upsampler), pipeline, port), output,
+                               interrupt, server ? &view : nullptr);
   const live::LiveCounts counts = sensor.counts();
   if (run.scans.empty()) {
     if (run.end == ReadingEnd::kUnreadableScan) throw Error(run.end_message);

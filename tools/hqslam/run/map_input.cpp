@@ -4,7 +4,6 @@
 
 #include "hqslam/slam/dense_map.h"
 #include "terminal/progress.h"
-#include "upsample/drive_memory.h"
 
 namespace hqslam::tools {
 
@@ -22,9 +21,7 @@ UpsampledInput input_of(const InputChoice& recording, const UpsamplingChoice& up
 
 MapInput::MapInput(const InputChoice& recording, const UpsamplingChoice& upsampling, double voxel_m)
     : input_(input_of(recording, upsampling, voxel_m)),
-      measured_rows_(input_.upsampler ? input_.upsampler->measured_rows()
-                     : input_.rows    ? std::nullopt
-                                      : input_.recorded.measured_rows) {}
+      measured_rows_(upsampler().sensor().measured_rows) {}
 
 MapReading MapInput::read(const ScanPoses& poses, const std::string& label,
                           const InterruptGuard& interrupt,
@@ -40,7 +37,7 @@ MapReading MapInput::read(const ScanPoses& poses, const std::string& label,
   MapReading reading;
   const auto use_if_known = [&](const ReadScan& read) {
     if (const auto path =
-            poses.path_of(read.index, read.scan.stamp_s, input_.recorded.scan_period_s)) {
+            poses.path_of(read.index, read.scan.stamp_s, upsampler().recorded().scan_period_s)) {
       use(read, *path);
       ++reading.scans;
     } else {
@@ -57,7 +54,7 @@ MapReading MapInput::read(const ScanPoses& poses, const std::string& label,
 MapReading MapInput::read_measured(const ScanPoses& poses, const std::string& label,
                                    const InterruptGuard& interrupt, const Use& use) {
   const auto use_measured = [&](const ReadScan& recorded, const slam::SensorPath& path) {
-    const OrganizedCloud cloud = input_.measured(recorded.scan.cloud);
+    const OrganizedCloud cloud = upsampler().measured(recorded.scan.cloud);
     use(is_partly_computed() ? select_rows(cloud, *measured_rows_) : cloud, path);
   };
   return read(poses, label, interrupt, use_measured, {});
@@ -65,17 +62,17 @@ MapReading MapInput::read_measured(const ScanPoses& poses, const std::string& la
 
 MapReading MapInput::read_upsampled(const ScanPoses& poses, const std::string& label,
                                     const InterruptGuard& interrupt, const Use& use) {
-  LookAheadMemory memory(input_.upsampler_or_null(), poses,
-                         [&](const RecordedScan& scan) { return input_.measured(scan.cloud); });
-  const auto use_upsampled = [&](const ReadScan& recorded, const slam::SensorPath& path) {
-    const OrganizedCloud measured = input_.measured(recorded.scan.cloud);
-    use(input_.upsampled(measured, memory.recall(recorded, measured)), path);
+  pipeline::LookAheadMemory memory(upsampler().method(), poses);
+  const auto use_upsampled = [&](const ReadScan& read, const slam::SensorPath& path) {
+    const OrganizedCloud measured = upsampler().measured(read.scan.cloud);
+    use(upsampler().upsampled(measured, memory.recall(measured, read.index, read.scan.stamp_s)),
+        path);
   };
-  return read(poses, label, interrupt, use_upsampled, memory.look_ahead());
+  return read(poses, label, interrupt, use_upsampled, look_ahead_of(memory, upsampler()));
 }
 
 SensorModel MapInput::measuring() const {
-  const SensorModel sensor = input_.measuring();
+  const SensorModel& sensor = input_.upsampler.measured_sensor();
   return is_partly_computed() ? select_rows(sensor, *measured_rows_) : sensor;
 }
 

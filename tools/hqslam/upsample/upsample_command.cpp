@@ -1,3 +1,5 @@
+#include "upsample/upsample_command.h"
+
 #include <fmt/format.h>
 #include <omp.h>
 
@@ -9,8 +11,6 @@
 #include <optional>
 #include <vector>
 
-#include "commands.h"
-#include "hqslam/nn/upsampled_cloud.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
 #include "recording/scan_poses.h"
@@ -18,7 +18,6 @@
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
 #include "timing/timing.h"
-#include "upsample/drive_memory.h"
 #include "upsample/upsample_output.h"
 #include "upsample/upsampled_input.h"
 
@@ -29,8 +28,9 @@ struct UpsampleRun : Reading {
   std::vector<double> times_s;  ///< of the upsampling alone, per scan
 };
 
-/// Corrections of the images that are written: their ranges have them already, and computed rows
-/// look between the measured ones. measured: the sensor of the measured rows.
+/// The corrections of the images that are written: ranges of the measured rows have them already,
+/// and a computed row gets the elevation correction interpolated between them. measured: the sensor
+/// of the measured rows.
 void put_corrections(SensorModel& sensor, const SensorModel& measured) {
   sensor.elevation_correction_rad.clear();
   sensor.range_correction_m.clear();
@@ -48,11 +48,10 @@ void put_corrections(SensorModel& sensor, const SensorModel& measured) {
   }
 }
 
-/// Where the first scan goes, and all that follow.
-UpsampleOutput make_output(const UpsampleOptions& options, const UpsampledInput& input,
+UpsampleOutput make_output(const UpsampleOptions& options, const pipeline::Upsampler& upsampler,
                            const OrganizedCloud& first, std::optional<std::int64_t> scans) {
-  SensorModel sensor = input.upsampler->sensor();
-  put_corrections(sensor, input.measuring());
+  SensorModel sensor = upsampler.sensor();
+  put_corrections(sensor, upsampler.measured_sensor());
   sensor.motion_corrected = first.time_offset_s.empty();
   return {options.out,
           {options.input, options.upsample, scans, options.poses},
@@ -60,44 +59,41 @@ UpsampleOutput make_output(const UpsampleOptions& options, const UpsampledInput&
           options.formats};
 }
 
-/// The ranges of the points that are written: those of the measured rows are the recording's.
-UpsampleRun upsample(ScanSource& source, UpsampledInput& input, const ScanPoses& poses,
+/// The ranges that are written are those of the points: measured rows are the recording's.
+UpsampleRun upsample(ScanSource& source, pipeline::Upsampler& upsampler, const ScanPoses& poses,
                      const UpsampleOptions& options, const InterruptGuard& interrupt) {
   std::optional<UpsampleOutput> output;  // made when the first scan is there
-  nn::Upsampler& upsampler = *input.upsampler;
-  LookAheadMemory memory(input.upsampler_or_null(), poses,
-                         [&](const RecordedScan& scan) { return input.measured(scan.cloud); });
+  pipeline::LookAheadMemory memory(upsampler.method(), poses);
   UpsampleRun run;
   Progress progress(
       fmt::format("upsample to {}x{}", upsampler.sensor().rows(), upsampler.sensor().columns),
       source.size());
   const auto upsample = [&](const ReadScan& read) {
-    const OrganizedCloud measured = input.measured(read.scan.cloud);
-    const RangeImage measured_image = range_image(measured);
-    nn::UpsampledImage upsampled;
-    const double time_s = seconds_of(
-        [&] { upsampled = upsampler.run(measured_image, memory.recall(read, measured)); });
-    const OrganizedCloud cloud =
-        nn::upsampled_cloud(upsampled, measured, upsampler.measured_rows(), upsampler.sensor());
-    if (!output) output.emplace(make_output(options, input, cloud, source.size()));
+    const OrganizedCloud measured = upsampler.measured(read.scan.cloud);
+    OrganizedCloud cloud;
+    const double time_s = seconds_of([&] {
+      cloud =
+          upsampler.upsampled(measured, memory.recall(measured, read.index, read.scan.stamp_s));
+    });
+    if (!output) output.emplace(make_output(options, upsampler, cloud, source.size()));
     output->append(range_image(cloud), cloud, read.scan.stamp_s);
     run.times_s.push_back(time_s);
     progress.update(std::ssize(run.times_s), source.read_share());
     return true;
   };
-  read_scans(source, interrupt, run, upsample, memory.look_ahead());
+  read_scans(source, interrupt, run, upsample, look_ahead_of(memory, upsampler));
   progress.finish();
   if (output && run.end == ReadingEnd::kComplete) {
     output->finish(std::ssize(run.times_s) + run.left_out.scans);
   }
-  memory.tell_of_scans_without_pose(options.poses, options.input);
+  report_scans_without_pose(memory, options.poses, options.input);
   return run;
 }
 
 void print_summary(const UpsampleRun& run, const nn::Upsampler& upsampler,
                    const UpsampleOptions& options) {
   to_stdout("{} scans, {} rows -> {} rows of {} columns, by {}", run.times_s.size(),
-            select_rows(upsampler.sensor(), upsampler.measured_rows()).rows(),
+            upsampler.measured_sensor().rows(),
             upsampler.sensor().rows(), upsampler.sensor().columns, upsampler.name());
   if (const nn::SuperResolver* network = upsampler.network()) {
     to_stdout(" ({} parameters, {:.3f} GMAC a scan)", network->parameters(),
@@ -111,10 +107,10 @@ void print_summary(const UpsampleRun& run, const nn::Upsampler& upsampler,
     const bool there = std::filesystem::exists(std::filesystem::path(options.out) / name);
     return there ? fmt::format(", {}", name) : "";
   };
-  to_stdout("results: {}/scans.npy{}{}, sensor.json, upsample.json{}{}{}{}\n", options.out,
+  to_stdout("results: {}/scans.npy{}{}, sensor.json, upsample.json{}{}{}\n", options.out,
             if_there("confidence.npy"), if_there("intensity.npy"),
             options.formats.kitti_bin ? ", bin" : "", options.formats.pcd ? ", pcd" : "",
-            options.formats.las ? ", las" : "", options.formats.png ? ", png" : "");
+            options.formats.png ? ", png" : "");
 }
 
 }  // namespace
@@ -144,7 +140,6 @@ is valid.)");
   declare_threads(command, options.threads);
   command.option("--bin", &options.formats.kitti_bin, "Also write KITTI .bin files")
       .option("--pcd", &options.formats.pcd, "Also write .pcd files")
-      .option("--las", &options.formats.las, "Also write .las files")
       .option("--png", &options.formats.png, "Also write pictures of the range images");
 }
 
@@ -153,13 +148,13 @@ int run(const UpsampleOptions& options) {
   use_threads(options.threads);
   refuse_to_write_into_recording(options.input, options.out);
   UpsampledInput input = upsampled_input(options, options);
-  require_memory(options.poses, input.upsampler_or_null());
+  require_memory(options.poses, input.upsampler);
   const ScanPoses poses = read_scan_poses(options.poses, interrupt, [&] { return input.open(); });
   const std::unique_ptr<ScanSource> source = input.open();
-  const std::size_t told = print_warnings(*source, options.input);
-  const UpsampleRun run = upsample(*source, input, poses, options, interrupt);
-  print_later_warnings(*source, told);
-  if (!run.times_s.empty()) print_summary(run, *input.upsampler, options);
+  const std::size_t printed = print_warnings(*source, options.input);
+  const UpsampleRun run = upsample(*source, input.upsampler, poses, options, interrupt);
+  print_later_warnings(*source, printed);
+  if (!run.times_s.empty()) print_summary(run, *input.upsampler.method(), options);
   return exit_status_of(run, std::ssize(run.times_s), source->size());
 }
 

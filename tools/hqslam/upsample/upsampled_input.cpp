@@ -8,7 +8,6 @@
 #include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
-#include "hqslam/nn/upsampled_cloud.h"
 #include "hqslam/recordings/recording.h"
 
 namespace hqslam::tools {
@@ -28,11 +27,6 @@ struct Request {
 
   const std::string& input() const { return sender != nullptr ? sender->name : recording.input; }
 };
-
-/// Whether scans come from packets, whose columns can be chosen.
-bool has_any_columns(const Request& request) {
-  return request.sender != nullptr || recordings::is_capture_or_bag(request.recording.input);
-}
 
 std::optional<SensorModel> sensor_of(const Request& request) {
   if (request.sender != nullptr) return request.sender->sensor;
@@ -70,7 +64,7 @@ std::optional<SensorModel> found_alone(const ScanSource* source, const SensorMod
   if (source == nullptr) return std::nullopt;
   SensorModel found = source->sensor();
   found.columns = measured.columns;
-  return fits(found, measured) ? std::optional(found) : std::nullopt;
+  return pipeline::fits(found, measured) ? std::optional(found) : std::nullopt;
 }
 
 /// Points of few beams, taken for those of many, would lie in wrong rows: whether the points tell
@@ -91,56 +85,31 @@ bool has_few_beams(const ScanSource* source, const SensorModel& taken_for) {
   return 2 * std::ssize(found_rad) < between && !std::ranges::all_of(found_rad, is_a_row);
 }
 
-[[noreturn]] void fail_for_sensor(const Request& request, const SensorModel& found,
-                                  const SensorModel& full, RowSelection measured_rows) {
-  const SensorModel measured = select_rows(full, measured_rows);
-  throw Error(
-      "{}: expects scans of '{}' ({} x {}) or its rows {}, {}, ... alone ({} x {}), beams within "
-      "{} degrees, but {} is of '{}' ({} x {}); give weights made for that sensor, or name the "
-      "sensor if it is another one",
-      request.upsampling.upsample, full.name, full.rows(), full.columns, measured_rows.offset,
-      measured_rows.offset + measured_rows.stride, measured.rows(), measured.columns,
-      kBeamTolerance_deg, request.input(), found.name, found.rows(), found.columns);
-}
-
-/// In images of more columns than a turn has, gaps would be taken for the sky. Sensors do not keep
-/// their speed to the percent.
-void check_columns(const Request& request, int found, int expected) {
-  constexpr double kFewestShare = 0.9;
-  if (found >= kFewestShare * expected) return;
-  throw Error(
-      "{}: expects {} columns a turn, {} has {}; let the sensor turn more slowly, interpolate, or "
-      "train for it (docs/training.md)",
-      request.upsampling.upsample, expected, request.input(), found);
-}
-
-bool asks_for_confidence(const UpsamplingChoice& choice) {
-  return choice.least_confidence || choice.tolerance_m;
-}
-
 [[noreturn]] void fail_for_confidence(const Request& request) {
   throw Error(
-      "{}: does not say how sure it is of a pixel; leave --confidence and --tolerance out, or give "
-      "weights of kind du-mix",
+      "{}: gives no confidence; leave --confidence and --tolerance out, or give weights of kind "
+      "du-mix",
       request.upsampling.upsample);
 }
 
-UpsampledInput with_network(const Request& request) {
-  nn::SuperResolverOptions options = request.network;
+void check_confidence(const Request& request, const pipeline::UpsamplingMethod& method) {
   const UpsamplingChoice& choice = request.upsampling;
-  if (choice.least_confidence) options.least_confidence = choice.least_confidence;
-  if (choice.tolerance_m) options.tolerance_m = *choice.tolerance_m;
-  nn::SuperResolver network = nn::SuperResolver::load(choice.upsample, options);
-  if (asks_for_confidence(choice) && !has_confidence(network.description())) {
-    fail_for_confidence(request);
-  }
-  SensorModel full = network.sensor();
-  const RowSelection measured_rows = network.description().measured_rows;
+  if (!choice.least_confidence && !choice.tolerance_m) return;
+  const auto* network = std::get_if<nn::SuperResolver>(&method);
+  if (network == nullptr || !has_confidence(network->description())) fail_for_confidence(request);
+}
+
+[[noreturn]] void fail_for_sensor(const Request& request, const SensorModel& found,
+                                  const SensorModel& full, RowSelection measured_rows) {
+  pipeline::fail_for_sensor(found, full, measured_rows, request.upsampling.upsample,
+                            request.input());
+}
+
+/// The recording's sensor for a network with this one.
+SensorModel recorded_for_network(const Request& request, SensorModel full) {
+  const RowSelection measured_rows = *full.measured_rows;
+  full.measured_rows.reset();
   const SensorModel measured = select_rows(full, measured_rows);
-  if (choice.rows > 0 && choice.rows != measured.rows()) {
-    throw Error("{}: was made for {} measured rows, --rows asks for {}; leave it out",
-                choice.upsample, measured.rows(), choice.rows);
-  }
   const auto source = opened_as_points_tell(request);
   const std::optional<SensorModel> found = found_alone(source.get(), measured);
   if (found && request.recording.sensor.empty()) print_later_warnings(*source, 0);
@@ -150,27 +119,17 @@ UpsampledInput with_network(const Request& request) {
   if (!measured_alone && has_few_beams(source.get(), recorded)) {
     fail_for_sensor(request, source->sensor(), full, measured_rows);
   }
-  if (has_any_columns(request)) {
-    check_columns(request, recorded.columns, full.columns);
-    recorded.columns = full.columns;
-  }
   if (request.sender != nullptr && !request.sender->knows_beams) {
-    if (recorded.rows() == full.rows()) recorded = full;
-    if (recorded.rows() == measured.rows()) recorded = measured;
+    for (const SensorModel& same_rows : {full, measured}) {
+      if (recorded.rows() != same_rows.rows()) continue;
+      recorded.beam_elevation_rad = same_rows.beam_elevation_rad;
+      recorded.beam_azimuth_offset_rad = same_rows.beam_azimuth_offset_rad;
+    }
   }
   if (measured_alone && recorded.rows() == full.rows()) {
     recorded = select_rows(recorded, measured_rows);
   }
-  if (fits(recorded, full)) {
-    return {{}, recorded, measured_rows, nn::Upsampler(std::move(network), recorded)};
-  }
-  if (fits(recorded, measured)) {
-    full.scan_period_s = recorded.scan_period_s;
-    full.min_range_m = recorded.min_range_m;
-    full.max_range_m = recorded.max_range_m;
-    return {{}, recorded, std::nullopt, nn::Upsampler(std::move(network), full)};
-  }
-  fail_for_sensor(request, recorded, full, measured_rows);
+  return recorded;
 }
 
 /// Of a recording for interpolation, whose sensor has all rows.
@@ -188,111 +147,66 @@ int recorded_rows_of(const Request& request, const SensorModel& full) {
   return full.rows();
 }
 
-UpsampledInput with_interpolation(const Request& request) {
-  const UpsamplingChoice& choice = request.upsampling;
-  if (asks_for_confidence(choice)) fail_for_confidence(request);
-  const nn::Interpolation interpolation = nn::interpolation_from_name(choice.upsample);
-  const SensorModel full = required_sensor_of(request);
-  const int recorded = recorded_rows_of(request, full);
-  if (recorded < full.rows()) {
-    const RowSelection measured_rows = selection_for(full.rows(), recorded);
-    if (choice.rows > 0 && choice.rows != recorded) {
-      throw Error("{}: has {} rows, --rows asks for {}; leave it out", request.input(), recorded,
-                  choice.rows);
-    }
-    return {{},
-            select_rows(full, measured_rows),
-            std::nullopt,
-            nn::Upsampler(interpolation, full, measured_rows)};
-  }
-  if (choice.rows == 0 && full.rows() < kFewestRowsToThin) {
+SensorModel recorded_as_measured(const Request& request) {
+  SensorModel recorded = required_sensor_of(request);
+  if (request.recording.sensor.empty()) return recorded;
+  const auto source = opened_as_points_tell(request);
+  if (has_few_beams(source.get(), recorded)) {
     throw Error(
-        "{}: has all {} rows of sensor '{}', so there is nothing between them to fill; name the "
-        "sensor with the rows to fill (os1-64 for scans of an os1-16), or say with hqslam run "
-        "--rows how many of the {} to look at",
-        request.input(), full.rows(), full.name, full.rows());
+        "{}: expected scans of '{}' with {} rows, found beams of '{}' with {}; name the sensor "
+        "that recorded them",
+        request.input(), recorded.name, recorded.rows(), source->sensor().name,
+        source->sensor().rows());
   }
-  const RowSelection measured_rows = selection_for(
-      full.rows(), choice.rows > 0 ? choice.rows : full.rows() / kInterpolationFactor);
-  return {{}, full, measured_rows, nn::Upsampler(interpolation, full, measured_rows)};
+  return recorded;
 }
 
-UpsampledInput as_measured(const Request& request) {
-  UpsampledInput input{{}, required_sensor_of(request)};
-  const int rows = input.recorded.rows();
-  if (!request.recording.sensor.empty()) {
-    const auto source = opened_as_points_tell(request);
-    if (has_few_beams(source.get(), input.recorded)) {
-      throw Error(
-          "{}: expected scans of '{}' with {} rows, found beams of '{}' with {}; name the sensor "
-          "that recorded them",
-          request.input(), input.recorded.name, rows, source->sensor().name,
-          source->sensor().rows());
+pipeline::Upsampler upsampler_for(const Request& request) {
+  const UpsamplingChoice& choice = request.upsampling;
+  pipeline::UpsamplingOptions options{choice.upsample, choice.rows, {}, request.network};
+  if (choice.least_confidence) options.network.least_confidence = choice.least_confidence;
+  if (choice.tolerance_m) options.network.tolerance_m = *choice.tolerance_m;
+  pipeline::UpsamplingMethod method = pipeline::load_method(options, sensor_of(request));
+  check_confidence(request, method);
+  SensorModel recorded;
+  if (const std::optional<SensorModel> full = pipeline::sensor_of(method)) {
+    recorded = recorded_for_network(request, *full);
+  } else if (std::holds_alternative<nn::Interpolation>(method)) {
+    options.all_rows = required_sensor_of(request);
+    const int rows = recorded_rows_of(request, *options.all_rows);
+    recorded = *options.all_rows;
+    if (rows < recorded.rows()) {
+      recorded = select_rows(recorded, selection_for(recorded.rows(), rows));
     }
+  } else {
+    recorded = recorded_as_measured(request);
   }
-  if (request.upsampling.rows > 0 && request.upsampling.rows != rows) {
-    input.rows = selection_for(rows, request.upsampling.rows);
-  }
-  return input;
-}
-
-UpsampledInput upsampled_input(const Request& request) {
-  const std::string& method = request.upsampling.upsample;
-  UpsampledInput input = method.empty()                 ? as_measured(request)
-                         : nn::is_interpolation(method) ? with_interpolation(request)
-                                                        : with_network(request);
-  input.recording = request.recording;
-  return input;
+  return {recorded, std::move(method), options, request.input()};
 }
 
 }  // namespace
 
-bool fits(const SensorModel& sensor, const SensorModel& expected) {
-  if (sensor.rows() != expected.rows() || sensor.columns != expected.columns) return false;
-  for (int row = 0; row < sensor.rows(); ++row) {
-    const double off_rad = sensor.beam_elevation_rad[row] - expected.beam_elevation_rad[row];
-    if (std::abs(off_rad) * kDegreesPerRadian > kBeamTolerance_deg) return false;
-  }
-  return true;
-}
-
 std::unique_ptr<ScanSource> UpsampledInput::open() {
-  return with_imu_of(recording, opened ? std::move(opened) : open_input(recording, recorded));
+  return with_imu_of(recording,
+                     opened ? std::move(opened) : open_input(recording, upsampler.recorded()));
 }
-
-OrganizedCloud UpsampledInput::measured(const OrganizedCloud& scan) const {
-  if (recorded.elevation_correction_rad.empty()) return rows ? select_rows(scan, *rows) : scan;
-  OrganizedCloud cloud = calibrated(scan, recorded);
-  return rows ? select_rows(cloud, *rows) : cloud;
-}
-
-OrganizedCloud UpsampledInput::upsampled(const OrganizedCloud& measured,
-                                         const nn::RecalledImage& recalled) {
-  return upsampler ? nn::upsampled_cloud(*upsampler, measured, recalled) : measured;
-}
-
-SensorModel UpsampledInput::measuring() const {
-  return rows ? select_rows(recorded, *rows) : recorded;
-}
-
-SensorModel UpsampledInput::seen() const { return upsampler ? upsampler->sensor() : measuring(); }
 
 UpsampledInput upsampled_input(const InputChoice& recording, const UpsamplingChoice& upsampling,
                                const nn::SuperResolverOptions& network) {
   auto stream = open_stream(recording);
   Request request{recording, upsampling, network};
   if (stream) request.of_stream = stream->sensor();
-  UpsampledInput input = upsampled_input(request);
+  UpsampledInput input{recording, upsampler_for(request)};
   if (stream) {
-    stream->use_columns(input.recorded.columns);
+    stream->use_columns(input.upsampler.recorded().columns);
     input.opened = std::move(stream);
   }
   return input;
 }
 
-UpsampledInput upsampled_sender(const Sender& sender, const UpsamplingChoice& upsampling) {
+pipeline::Upsampler upsampler_for_sender(const Sender& sender, const UpsamplingChoice& upsampling) {
   const InputChoice named{sender.name};
-  return upsampled_input(Request{named, upsampling, {}, &sender});
+  return upsampler_for(Request{named, upsampling, {}, &sender});
 }
 
 }  // namespace hqslam::tools

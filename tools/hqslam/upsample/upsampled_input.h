@@ -6,39 +6,21 @@
 
 #include "hqslam/core/scan_source.h"
 #include "hqslam/core/sensor_model.h"
-#include "hqslam/nn/upsampler.h"
+#include "hqslam/pipeline/upsampler.h"
 #include "recording/recording_choice.h"
 
 namespace hqslam::tools {
 
-/// Sensors of one type differ by this much from their data sheet.
-inline constexpr double kBeamTolerance_deg = 0.25;
-/// Whether a network made for `expected` can upsample what `sensor` sees: as many rows and columns,
-/// and beams that look the same way.
-bool fits(const SensorModel& sensor, const SensorModel& expected);
-
-/// A recording, or a sensor that sends now, and what is made of its scans before they are used.
+/// A recording, and what upsamples its scans.
 struct UpsampledInput {
-  InputChoice recording;                  ///< of a sensor that sends now only its name, as `input`
-  SensorModel recorded;                   ///< to open the recording with
-  std::optional<RowSelection> rows = {};  ///< that are looked at; nothing: all of them
-  std::optional<nn::Upsampler> upsampler = {};  ///< fills the rows between them; nothing: none
+  InputChoice recording;
+  pipeline::Upsampler upsampler;
 
   /// A capture or a bag that had to be opened to know its sensor: what open() gives first.
   std::unique_ptr<ScanSource> opened = {};
 
   /// The recording from its beginning. Throws Error.
   std::unique_ptr<ScanSource> open();
-  /// The rows of a recorded scan that are looked at.
-  OrganizedCloud measured(const OrganizedCloud& scan) const;
-  /// What is used of them: with the rows between them filled, if anything fills them. recalled: of
-  /// a network with a memory (DriveMemory).
-  OrganizedCloud upsampled(const OrganizedCloud& measured, const nn::RecalledImage& recalled = {});
-  const nn::Upsampler* upsampler_or_null() const { return upsampler ? &*upsampler : nullptr; }
-  /// Behind what `measured` returns.
-  SensorModel measuring() const;
-  /// Behind what `upsampled` returns.
-  SensorModel seen() const;
 };
 
 /// A recording either has the measured rows alone or all rows of the sensor, of which the measured
@@ -56,7 +38,7 @@ struct Sender {
   SensorModel sensor;
   bool knows_beams = true;  ///< false: they may still turn out to be those that a network wants
 };
-/// The same of one; there is nothing to open.
-UpsampledInput upsampled_sender(const Sender& sender, const UpsamplingChoice& upsampling);
+/// What upsamples its scans. Throws Error.
+pipeline::Upsampler upsampler_for_sender(const Sender& sender, const UpsamplingChoice& upsampling);
 
 }  // namespace hqslam::tools

@@ -57,13 +57,10 @@ struct Pipeline::Implementation {
   Upsampler upsampler;
   DriveMemory memory{upsampler.method()};
   SlamSystem system;
+  std::vector<std::size_t> only_segment = {};  ///< of LeGO-LOAM: 0 for every scan
 
   const slam::Slam* slam() const { return std::get_if<slam::Slam>(&system); }
   slam::Slam* slam() { return std::get_if<slam::Slam>(&system); }
-  const LegoLoam& lego_loam() const { return std::get<LegoLoam>(system); }
-  std::vector<std::size_t> one_of_all_scans() const {
-    return std::vector<std::size_t>(lego_loam().trajectory().size(), 0);
-  }
 };
 
 Pipeline::Pipeline(const SensorModel& recorded, const PipelineOptions& options)
@@ -97,7 +94,7 @@ LocatedScan Pipeline::process(const Scan& points, slam::ScanTrace* trace) {
 
 LocatedScan Pipeline::process(const OrganizedCloud& recorded, double stamp_s,
                               slam::ScanTrace* trace) {
-  auto& [upsampler, memory, system] = *implementation_;
+  auto& [upsampler, memory, system, only_segment] = *implementation_;
   LocatedScan located;
   OrganizedCloud measured = upsampler.measured(recorded);
   if (upsampler.method() == nullptr) {
@@ -107,9 +104,12 @@ LocatedScan Pipeline::process(const OrganizedCloud& recorded, double stamp_s,
     located.cloud = upsampler.upsampled(measured, memory.recall(measured, trajectory(), stamp_s));
     located.upsampling_s = seconds_since(start);
   }
-  slam::Slam* slam = implementation_->slam();
-  located.report = slam != nullptr ? slam->process(located.cloud, stamp_s, trace)
-                                   : report_of(std::get<LegoLoam>(system), located.cloud, stamp_s);
+  if (slam::Slam* slam = implementation_->slam()) {
+    located.report = slam->process(located.cloud, stamp_s, trace);
+  } else {
+    located.report = report_of(std::get<LegoLoam>(system), located.cloud, stamp_s);
+    only_segment.push_back(0);
+  }
   if (upsampler.has_scan_memory()) {
     const Clock::time_point start = Clock::now();
     memory.insert(measured, trajectory(), slam::is_registered(located.report.mapping_status));
@@ -135,12 +135,12 @@ slam::MountingOptions Pipeline::mounting() const {
 
 std::vector<std::size_t> Pipeline::submap_of_scan() const {
   const slam::Slam* slam = implementation_->slam();
-  return slam != nullptr ? slam->submap_of_scan() : implementation_->one_of_all_scans();
+  return slam != nullptr ? slam->submap_of_scan() : implementation_->only_segment;
 }
 
-std::vector<std::size_t> Pipeline::segment_of_scan() const {
+const std::vector<std::size_t>& Pipeline::segment_of_scan() const {
   const slam::Slam* slam = implementation_->slam();
-  return slam != nullptr ? slam->segment_of_scan() : implementation_->one_of_all_scans();
+  return slam != nullptr ? slam->segment_of_scan() : implementation_->only_segment;
 }
 
 std::vector<std::pair<std::size_t, Eigen::Matrix<double, 6, 6>>> Pipeline::corrected_covariances()
