@@ -1,3 +1,5 @@
+#include "compare/compare_command.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,7 +10,6 @@
 #include "compare/upsampling_comparison.h"
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
-#include "lab_commands.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
 #include "recording/scan_poses.h"
@@ -228,7 +229,7 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
   if (used == 0 && reading.left_out.scans > 0 && reading.end == ReadingEnd::kComplete) {
     throw Error(reading.left_out.text());
   }
-  if (reading.left_out.scans > 0) to_stderr("hqslam: {}\n", reading.left_out.text());
+  if (reading.left_out.scans > 0) to_stderr("hqslam-lab: {}\n", reading.left_out.text());
   memory.tell_of_scans_without_pose(options.poses, options.input);
   return used;
 }

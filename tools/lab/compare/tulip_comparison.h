@@ -3,10 +3,10 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "compare/compare_command.h"
 #include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/evaluation/cloud_error.h"
-#include "lab_commands.h"
 
 namespace hqslam::tools {
 

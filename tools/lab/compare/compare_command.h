@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hqslam/nn/super_resolver.h"
+#include "recording/recording_choice.h"
+
+namespace CLI {
+class App;
+}
+
+namespace hqslam::tools {
+
+struct CompareOptions : InputChoice {
+  std::vector<std::string> weights;
+  std::string poses;  ///< for networks with a memory; empty: they have none of other scans
+  bool no_look_ahead = false;
+  std::int64_t every = 1;
+  std::string json;   ///< file to write; empty: none
+  std::string curve;  ///< page to write about the last weights' confidence; empty: none
+  float tolerance_m = nn::SuperResolverOptions{}.tolerance_m;  ///< of that confidence
+  bool filters = false;
+  bool layers = false;
+  std::string protocol = "own";  ///< or "tulip"
+  int threads = 0;               ///< 0: what OpenMP chooses
+};
+
+void declare(CLI::App& app, CompareOptions& options);
+/// Returns an ExitStatus. Throws Error.
+int run(const CompareOptions& options);
+
+}  // namespace hqslam::tools
