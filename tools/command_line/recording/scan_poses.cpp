@@ -50,11 +50,12 @@ LookAhead look_ahead_of(pipeline::LookAheadMemory& memory, const pipeline::Upsam
           }};
 }
 
-void require_memory(const std::string& poses, const pipeline::Upsampler& upsampler) {
-  if (poses.empty() || upsampler.has_scan_memory()) return;
-  throw Error("--poses {}: expected weights with a memory, which alone use poses, found none; leave "
-              "it out",
-              poses);
+void require_memory(const std::string& poses, bool has_memory) {
+  if (poses.empty() || has_memory) return;
+  throw Error(
+      "--poses {}: expected weights with a memory, which alone use poses, found none; leave "
+      "it out",
+      poses);
 }
 
 void report_scans_without_pose(const pipeline::LookAheadMemory& memory, const std::string& poses,

@@ -37,7 +37,7 @@ std::string no_pose_message(const std::string& poses, std::int64_t scans,
 /// For read_scans: a memory takes in the scans ahead. Both must outlive what is returned.
 LookAhead look_ahead_of(pipeline::LookAheadMemory& memory, const pipeline::Upsampler& upsampler);
 /// Throws Error where poses are named and the method has no memory that uses them.
-void require_memory(const std::string& poses, const pipeline::Upsampler& upsampler);
+void require_memory(const std::string& poses, bool has_memory);
 /// Prints to stderr how many scans had no pose; throws Error if none had one. poses, recording:
 /// names of files, for the message.
 void report_scans_without_pose(const pipeline::LookAheadMemory& memory, const std::string& poses,

@@ -11,8 +11,8 @@
 #include "calibrate/calibration_page.h"
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
-#include "hqslam/slam/beam_calibration.h"
 #include "hqslam/pipeline/pipeline.h"
+#include "hqslam/slam/beam_calibration.h"
 #include "recording/reading.h"
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
@@ -171,8 +171,8 @@ int run(const CalibrateOptions& options) {
   const SensorModel sensor = corrected(rows_used.recorded(), rows_used.selected_rows(), found);
   validate(sensor);  // no other command would take corrections that are too large
   write_sensor_json(sensor, options.out);
-  const CalibrationReport report{options.input, pipeline.sensor(), drive.path_m, std::ssize(drive.scans),
-                                 found};
+  const CalibrationReport report{options.input, pipeline.sensor(), drive.path_m,
+                                 std::ssize(drive.scans), found};
   write_text_file(calibration_html(report), page);
   to_stdout("{}\n{}", aligned_text(beam_table(report)), calibration_summary(report));
   to_stdout("results: {}, {}\n", options.out, page);

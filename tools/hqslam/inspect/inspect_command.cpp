@@ -50,7 +50,7 @@ struct SeenScan {
 
 SeenScan scan_of(const InspectOptions& options, UpsampledInput& input) {
   const pipeline::Upsampler& upsampler = input.upsampler;
-  require_memory(options.poses, upsampler);
+  require_memory(options.poses, upsampler.has_scan_memory());
   const ScanPoses poses =
       read_scan_poses(options.poses, InterruptGuard(), [&] { return input.open(); });
   pipeline::LookAheadMemory memory(upsampler.method(), poses);

@@ -15,8 +15,8 @@ namespace hqslam::tools {
 /// dropped"
 std::string status_line(const LiveStatus& status);
 
-/// Waits until the sensor's packets are recognized, with a line each second. Returns false if it was
-/// interrupted before. Throws Error.
+/// Waits until the sensor's packets are recognized, with a line each second. Returns false if it
+/// was interrupted before. Throws Error.
 bool wait_for_sensor(live::LiveSensor& sensor, const InterruptGuard& interrupt);
 
 /// Calls write(); returns what went wrong, in one line, "" where nothing did.

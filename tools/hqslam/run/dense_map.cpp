@@ -27,8 +27,7 @@ ScanPoses poses_of(const SlamRun& run) {
 void declare_dense_map(Command& command, slam::DenseMapOptions& options,
                        const std::vector<const char*>& needs) {
   command
-      .option("--map-voxel", &options.voxel_m,
-              "Of the dense map: metres from point to point",
+      .option("--map-voxel", &options.voxel_m, "Of the dense map: metres from point to point",
               {.shows_default = true, .within = std::pair(0.02, 1.0), .needs = needs})
       .option("--map-confidence", &options.least_confidence,
               "Of the dense map: least probability that a point is on a surface",

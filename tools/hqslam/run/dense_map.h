@@ -51,9 +51,8 @@ DenseMapRun build_dense_map(const InputChoice& recording, const UpsamplingChoice
 DenseMapPictures pictures_of(const DenseMapRun& run, const Trajectory& path);
 
 /// The .ply, by which the others are known as ours, is the last.
-inline constexpr const char* kDenseMapFiles[] = {"dense_map.pcd",
-                                                 "dense_map_above.png", "dense_map_perspective.png",
-                                                 "dense_map.ply"};
+inline constexpr const char* kDenseMapFiles[] = {"dense_map.pcd", "dense_map_above.png",
+                                                 "dense_map_perspective.png", "dense_map.ply"};
 
 /// Throws Error if one of the files is there and was not written by hqslam, or is one of `inputs`.
 void guard_dense_map(const std::filesystem::path& folder, const Paths& inputs);

@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "recording/recording_choice.h"
 #include "hqslam/slam/dense_map.h"
+#include "recording/recording_choice.h"
 #include "run/dense_map.h"
 #include "run/occupancy_grid.h"
 

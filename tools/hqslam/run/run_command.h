@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "recording/recording_choice.h"
 #include "hqslam/slam/dense_map.h"
+#include "recording/recording_choice.h"
 #include "run/dense_map.h"
 #include "run/occupancy_grid.h"
 #include "run/slam_run.h"

@@ -72,8 +72,7 @@ UpsampleRun upsample(ScanSource& source, pipeline::Upsampler& upsampler, const S
     const OrganizedCloud measured = upsampler.measured(read.scan.cloud);
     OrganizedCloud cloud;
     const double time_s = seconds_of([&] {
-      cloud =
-          upsampler.upsampled(measured, memory.recall(measured, read.index, read.scan.stamp_s));
+      cloud = upsampler.upsampled(measured, memory.recall(measured, read.index, read.scan.stamp_s));
     });
     if (!output) output.emplace(make_output(options, upsampler, cloud, source.size()));
     output->append(range_image(cloud), cloud, read.scan.stamp_s);
@@ -93,8 +92,8 @@ UpsampleRun upsample(ScanSource& source, pipeline::Upsampler& upsampler, const S
 void print_summary(const UpsampleRun& run, const nn::Upsampler& upsampler,
                    const UpsampleOptions& options) {
   to_stdout("{} scans, {} rows -> {} rows of {} columns, by {}", run.times_s.size(),
-            upsampler.measured_sensor().rows(),
-            upsampler.sensor().rows(), upsampler.sensor().columns, upsampler.name());
+            upsampler.measured_sensor().rows(), upsampler.sensor().rows(),
+            upsampler.sensor().columns, upsampler.name());
   if (const nn::SuperResolver* network = upsampler.network()) {
     to_stdout(" ({} parameters, {:.3f} GMAC a scan)", network->parameters(),
               1e-9 * static_cast<double>(network->multiply_adds()));
@@ -148,7 +147,7 @@ int run(const UpsampleOptions& options) {
   use_threads(options.threads);
   refuse_to_write_into_recording(options.input, options.out);
   UpsampledInput input = upsampled_input(options, options);
-  require_memory(options.poses, input.upsampler);
+  require_memory(options.poses, input.upsampler.has_scan_memory());
   const ScanPoses poses = read_scan_poses(options.poses, interrupt, [&] { return input.open(); });
   const std::unique_ptr<ScanSource> source = input.open();
   const std::size_t printed = print_warnings(*source, options.input);

@@ -7,6 +7,7 @@
 
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/left_out.h"
 #include "hqslam/core/point_fields.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/slam/saved_map.h"
@@ -58,7 +59,8 @@ ViewCloud scan_of(const std::string& path, const ViewOptions& options) {
   for (std::int64_t used = 0;; ++used) {
     const std::optional<RecordedScan> scan = next_usable(*source, left_out);
     const std::int64_t i = used + left_out.scans;  // those left out count
-    if (scan && i == options.scan) return cloud_of(returns_of(input.upsampler.measured(scan->cloud)));
+    if (scan && i == options.scan)
+      return cloud_of(returns_of(input.upsampler.measured(scan->cloud)));
     if (scan && i < options.scan) continue;
     throw Error("{}: expected a scan {}, found {} scans{}; --scan counts them from 0", path,
                 options.scan, used, left_out.scans > 0 ? " that can be used" : "");

@@ -108,7 +108,7 @@ std::vector<UpsampledInput> slam_inputs(const InputChoice& recording, const Sens
   std::vector<UpsampledInput> inputs;
   for (const int rows : kRowCounts) {
     if (sensor.rows() % rows == 0) {
-      inputs.push_back({recording, sensor, selection_for(sensor.rows(), rows)});
+      inputs.push_back({recording, pipeline::Upsampler(sensor, {.rows = rows})});
     } else {
       to_stderr("slam, {} rows: left out, they do not divide the sensor's {}\n", rows,
                 sensor.rows());
@@ -119,30 +119,31 @@ std::vector<UpsampledInput> slam_inputs(const InputChoice& recording, const Sens
     const nn::NetworkDescription& description = network.description();
     if (network.multiply_adds() < kMostMultiplyAdds && description.sensor.rows() == sensor.rows() &&
         description.sensor.columns == sensor.columns) {
-      const RowSelection rows = description.measured_rows;
-      inputs.push_back({recording, sensor, rows, nn::Upsampler(std::move(network), sensor)});
+      inputs.push_back(
+          {recording, pipeline::Upsampler(sensor, std::move(network), {.method = path})});
     }
   }
   return inputs;
 }
 
-void measure_slam(UpsampledInput& input, int threads, const InterruptGuard& interrupt,
+void measure_slam(UpsampledInput input, int threads, const InterruptGuard& interrupt,
                   Measurements& measurements) {
   if (interrupt.stop_requested()) return;
-  const nn::Upsampler* upsampler = input.upsampler_or_null();
-  to_stderr("slam, {} rows{}, {} thread{} ...\n", input.measuring().rows(),
-            upsampler != nullptr ? fmt::format(" upsampled by {}", upsampler->name()) : "", threads,
+  const nn::Upsampler* method = input.upsampler.method();
+  to_stderr("slam, {} rows{}, {} thread{} ...\n", input.upsampler.measured_sensor().rows(),
+            method != nullptr ? fmt::format(" upsampled by {}", method->name()) : "", threads,
             threads > 1 ? "s" : "");
-  measurements.slam.push_back(time_slam(input, threads, interrupt));
+  measurements.slam.push_back(time_slam(std::move(input), threads, interrupt));
 }
 
 Measurements measure(const InputChoice& input, const SensorModel& sensor,
                      const std::vector<std::string>& weights, const InterruptGuard& interrupt) {
   Measurements measurements;
   measurements.sensor = sensor.name;
-  std::vector<UpsampledInput> inputs = slam_inputs(input, sensor, weights);
   for (int threads = 1; threads <= kMostThreads; ++threads) {
-    for (UpsampledInput& seen : inputs) measure_slam(seen, threads, interrupt, measurements);
+    for (UpsampledInput& slam_input : slam_inputs(input, sensor, weights)) {
+      measure_slam(std::move(slam_input), threads, interrupt, measurements);
+    }
   }
   const std::unique_ptr<ScanSource> source = open_input(input, sensor);
   const std::vector<RangeImage> images = sample_images(*source, scans_in(input, *source));

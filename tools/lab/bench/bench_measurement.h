@@ -38,7 +38,7 @@ struct SlamTiming {
 };
 
 /// Only upsampling and SLAM are timed.
-SlamTiming time_slam(UpsampledInput& input, int threads, const InterruptGuard& interrupt);
+SlamTiming time_slam(UpsampledInput input, int threads, const InterruptGuard& interrupt);
 
 /// Single steps on some scans of the drive, one thread, milliseconds per scan.
 struct StepTiming {

@@ -17,7 +17,6 @@
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
-#include "upsample/drive_memory.h"
 #include "upsample/upsampled_input.h"
 
 namespace hqslam::tools {
@@ -48,13 +47,13 @@ nn::SuperResolver network_of(const std::string& weights, const SensorModel& sens
                              const nn::SuperResolverOptions& options = {}) {
   nn::SuperResolver network = nn::SuperResolver::load(weights, options);
   const SensorModel& made_for = network.sensor();
-  if (!fits(sensor, made_for)) {
+  if (!pipeline::fits(sensor, made_for)) {
     throw Error(
         "{}: upsamples scans of '{}' ({} x {}, beams within {} degrees), but the recording is of "
         "'{}' "
         "({} x {}); give weights made for that sensor",
-        weights, made_for.name, made_for.rows(), made_for.columns, kBeamTolerance_deg, sensor.name,
-        sensor.rows(), sensor.columns);
+        weights, made_for.name, made_for.rows(), made_for.columns, pipeline::kBeamTolerance_deg,
+        sensor.name, sensor.rows(), sensor.columns);
   }
   return network;
 }
@@ -195,16 +194,16 @@ template <typename Use>
 std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sensor,
                            const InterruptGuard& interrupt, const Use& use,
                            const nn::Upsampler* upsampler = nullptr) {
-  require_memory(options.poses, upsampler);
+  require_memory(options.poses, upsampler != nullptr && upsampler->has_scan_memory());
   const ScanPoses poses =
       read_scan_poses(options.poses, interrupt, [&] { return open_input(options, sensor); });
   const auto measured_of = [&](const OrganizedCloud& truth) {
     return select_rows(truth, selection_for(truth.rows, kMeasuredRows));
   };
-  const auto remembered = [&](const RecordedScan& scan) {
-    return measured_of(calibrated(scan.cloud, sensor));
+  pipeline::LookAheadMemory memory(upsampler, poses, !options.no_look_ahead);
+  const auto insert = [&](const ReadScan& read) {
+    memory.insert(measured_of(calibrated(read.scan.cloud, sensor)), read.index, read.scan.stamp_s);
   };
-  LookAheadMemory memory(upsampler, poses, remembered, !options.no_look_ahead);
   const auto source = open_input(options, sensor);
   const std::size_t told = print_warnings(*source, options.input);
   Progress progress("compare", source->size());
@@ -215,14 +214,14 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
     progress.update(++looked_at, source->read_share());
     const OrganizedCloud truth = calibrated(read.scan.cloud, sensor);
     const OrganizedCloud measured = measured_of(truth);
-    const nn::RecalledImage recalled = memory.recall(read, measured);
+    const nn::RecalledImage recalled = memory.recall(measured, read.index, read.scan.stamp_s);
     if ((looked_at - 1) % options.every != 0) return true;
     if (points_of(measured).empty()) throw ScanError("has no return in the measured rows");
     use(truth, recalled);
     ++used;
     return true;
   };
-  read_scans(*source, interrupt, reading, compare, memory.look_ahead());
+  read_scans(*source, interrupt, reading, compare, {memory.look_ahead_scans(), insert});
   progress.finish();
   print_later_warnings(*source, told);
   if (reading.end == ReadingEnd::kUnreadableScan) throw Error(reading.end_message);
@@ -230,7 +229,7 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
     throw Error(reading.left_out.text());
   }
   if (reading.left_out.scans > 0) to_stderr("hqslam-lab: {}\n", reading.left_out.text());
-  memory.tell_of_scans_without_pose(options.poses, options.input);
+  report_scans_without_pose(memory, options.poses, options.input);
   return used;
 }
 

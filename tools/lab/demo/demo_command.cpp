@@ -12,7 +12,6 @@
 #include <string>
 #include <vector>
 
-#include "commands.h"
 #include "compare/upsampling_comparison.h"
 #include "files/installed_weights.h"
 #include "files/result_files.h"
@@ -23,6 +22,7 @@
 #include "recording/recording_choice.h"
 #include "report/page.h"
 #include "report/turning_view.h"
+#include "run/run_command.h"
 #include "run/run_output.h"
 #include "simulate/simulate_command.h"
 #include "terminal/command_options.h"
@@ -70,7 +70,7 @@ void score(const std::string& drive, std::vector<DemoRow>& rows, const Interrupt
   for (const DemoRow& row : rows) {
     if (!row.way.upsample.empty()) {
       UpsampledInput input = upsampled_input({drive}, {row.way.upsample, row.way.rows});
-      methods.push_back({row.way.name, std::move(*input.upsampler)});
+      methods.push_back({row.way.name, std::move(*input.upsampler.method())});
     }
   }
   UpsamplingComparison comparison(std::move(methods));
@@ -142,7 +142,8 @@ std::vector<std::pair<std::string, RangeImage>> example_images(const std::string
       continue;
     }
     UpsampledInput input = upsampled_input({drive}, {row.way.upsample, row.way.rows});
-    images.emplace_back(row.way.name, input.upsampler->run(select_rows(truth, seen)).image);
+    images.emplace_back(row.way.name,
+                        input.upsampler.method()->run(select_rows(truth, seen)).image);
   }
   return images;
 }

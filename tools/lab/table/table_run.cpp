@@ -13,12 +13,12 @@
 #include "hqslam/nn/hqs/outlier_removal.h"
 #include "hqslam/nn/instruction_set.h"
 #include "hqslam/nn/upsampled_cloud.h"
+#include "hqslam/pipeline/drive_memory.h"
 #include "hqslam/slam/lego_loam_as_published.h"
 #include "hqslam/slam/slam.h"
 #include "recording/reading.h"
 #include "table/table_work.h"
 #include "timing/timing.h"
-#include "upsample/drive_memory.h"
 #include "upsample/upsampled_input.h"
 
 namespace hqslam::tools {
@@ -196,34 +196,34 @@ class Pass {
  public:
   explicit Pass(const TablePass& pass)
       : input_(shared_input(pass)),
-        memory_(input_.upsampler_or_null()),
+        memory_(upsampler().method()),
         score_every_((pass.drive.scans + pass.scored_scans - 1) / pass.scored_scans) {
     for (const TableMethod& method : pass.methods) {
-      runs_.emplace_back(method, input_.seen(), input_.upsampler_or_null(), pass.loop_closing);
+      runs_.emplace_back(method, upsampler().sensor(), upsampler().method(), pass.loop_closing);
     }
   }
 
   UpsampledInput& input() { return input_; }
 
   void add(const RecordedScan& scan, std::int64_t index) {
-    const OrganizedCloud measured = input_.measured(scan.cloud);
-    if (!input_.upsampler) {
+    const OrganizedCloud measured = upsampler().measured(scan.cloud);
+    nn::Upsampler* method = upsampler().method();
+    if (method == nullptr) {
       for (MethodRun& run : runs_) run.add(measured, scan.stamp_s);
       return;
     }
     const RangeImage image = range_image(measured);
     nn::UpsampledImage upsampled;
     const double shared_s = seconds_of([&] {
-      upsampled = input_.upsampler->run(
+      upsampled = method->run(
           image, memory_.recall(measured, runs_.front().slam().trajectory(), scan.stamp_s));
     });
     for (MethodRun& run : runs_) {
-      run.add_upsampled(upsampled, shared_s, measured, *input_.upsampler, scan,
-                        index % score_every_ == 0);
+      run.add_upsampled(upsampled, shared_s, measured, *method, scan, index % score_every_ == 0);
     }
     // Where the first method of the pass has it.
     const TimedSlam& slam = runs_.front().slam();
-    memory_.remember(measured, slam.trajectory(), slam.is_located());
+    memory_.insert(measured, slam.trajectory(), slam.is_located());
   }
 
   std::vector<TableResult> results(const TablePass& pass,
@@ -237,9 +237,10 @@ class Pass {
       result.timings.threads = omp_get_max_threads();
       result.timings.processor = processor_name();
       result.timings.instruction_set = nn::name(nn::chosen_instruction_set());
-      if (input_.upsampler && input_.upsampler->network() != nullptr) {
-        result.network = NetworkSize{input_.upsampler->network()->parameters(),
-                                     input_.upsampler->network()->multiply_adds()};
+      const nn::Upsampler* method = upsampler().method();
+      if (method != nullptr && method->network() != nullptr) {
+        result.network =
+            NetworkSize{method->network()->parameters(), method->network()->multiply_adds()};
       }
       results.push_back(std::move(result));
     }
@@ -247,8 +248,10 @@ class Pass {
   }
 
  private:
+  pipeline::Upsampler& upsampler() { return input_.upsampler; }
+
   UpsampledInput input_;
-  DriveMemory memory_;
+  pipeline::DriveMemory memory_;
   std::int64_t score_every_;
   std::vector<MethodRun> runs_;
 };

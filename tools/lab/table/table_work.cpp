@@ -36,7 +36,7 @@ SensorModel sensor_of(const TableDrive& drive) {
 void require_weights(const SensorModel& sensor, const TableDrive& drive, const TablePlan& plan) {
   for (const TableMethod& method : plan.methods) {
     const std::string weights = weights_of(method, sensor.name);
-    if (!weights.empty()) upsampled_sender({drive.name, sensor}, {weights, method.rows});
+    if (!weights.empty()) upsampler_for_sender({drive.name, sensor}, {weights, method.rows});
   }
 }
 
