@@ -1,4 +1,4 @@
-#include "upsample/drive_memory.h"
+#include "hqslam/pipeline/drive_memory.h"
 
 #include <doctest/doctest.h>
 
@@ -9,7 +9,7 @@
 #include "temporary_directory.h"
 #include "tools/program/untrained_weights.h"
 
-namespace hqslam::tools {
+namespace hqslam::pipeline {
 namespace {
 
 constexpr double kSpeed_m_per_s = 20.0;
@@ -30,13 +30,13 @@ nn::ColumnPoses poses_of_scan_from(int first_column) {
           static_cast<float>(sensor.scan_period_s * ((turned + 0.5) / sensor.columns - 0.5));
     }
   }
-  Trajectory way;
+  Trajectory trajectory;
   for (int scan = 0; scan < 3; ++scan) {
     Pose pose = Pose::Identity();
     pose.translation().x() = kSpeed_m_per_s * sensor.scan_period_s * (scan - 1);
-    way.push_back({sensor.scan_period_s * scan, pose});
+    trajectory.push_back({sensor.scan_period_s * scan, pose});
   }
-  return column_poses({way, 1}, cloud, sensor);
+  return column_poses({trajectory, 1}, cloud, sensor);
 }
 
 }  // namespace
@@ -74,20 +74,17 @@ TEST_CASE("without looking ahead a scan recalls those before it, also of a senso
   for (int scan = 0; scan < 30; ++scan) {
     poses.trajectory.push_back({0.1 * scan, Pose::Identity()});
   }
-  LookAheadMemory memory(
-      &upsampler, poses, [&](const RecordedScan&) { return measured; }, false);
-  CHECK(memory.look_ahead().scans == 0);
+  LookAheadMemory memory(&upsampler, poses, /*looks_ahead=*/false);
+  CHECK(memory.look_ahead_scans() == 0);
   for (int scan = 0; scan < 30; ++scan) {
-    ReadScan read;
-    read.index = scan;
-    read.scan.stamp_s = 0.1 * scan;
-    const nn::RecalledImage recalled = memory.recall(read, measured);
-    const auto remembered =
+    const nn::RecalledImage recalled = memory.recall(measured, scan, 0.1 * scan);
+    const auto pixels =
         std::ranges::count_if(recalled.image.range_m, [](float range_m) { return range_m > 0.0F; });
     CAPTURE(scan);
-    CHECK((remembered > 10000) == (scan > 0));
+    CHECK((pixels > 10000) == (scan > 0));
   }
-  CHECK_NOTHROW(memory.tell_of_scans_without_pose("poses.tum", "drive"));
+  CHECK(memory.scans_with_pose() == 30);
+  CHECK(memory.scans_without_pose() == 0);
 }
 
-}  // namespace hqslam::tools
+}  // namespace hqslam::pipeline
