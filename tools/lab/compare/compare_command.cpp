@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "compare/confidence_curve.h"
-#include "compare/tulip_comparison.h"
 #include "compare/upsampling_comparison.h"
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
@@ -27,10 +26,13 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kMeasuredRows = 16;
 
+/// In every file that --json writes: tells it from others.
+constexpr const char* kJsonMarker = R"("written_by": "hqslam-lab compare")";
+
 void guard_outputs(const CompareOptions& options) {
   Paths inputs = options.weights;
   inputs.push_back(options.input);
-  if (!options.json.empty()) guard_output_file(options.json, inputs, kCompareJsonMarker);
+  if (!options.json.empty()) guard_output_file(options.json, inputs, kJsonMarker);
   if (!options.curve.empty()) guard_output_file(options.curve, inputs, kConfidencePageMarker);
 }
 
@@ -272,19 +274,13 @@ filter) of every layer as if the network ended there.)");
               "Instead, score what each step of the first weights' layers makes of the scans",
               {.excludes = {"--filters", "--curve"}})
       .option("--json", &options.json, "Also write the table into this file",
-              {.excludes = {"--filters", "--layers"}})
-      .option("--protocol", &options.protocol,
-              "tulip: project KITTI .bin files, upsample and score them as the code of TULIP does",
-              {.shows_default = true,
-               .one_of = {"own", "tulip"},
-               .excludes = {"--filters", "--layers"}});
+              {.excludes = {"--filters", "--layers"}});
   declare_threads(command, options.threads);
 }
 
 int run(const CompareOptions& options) {
   use_threads(options.threads);
   guard_outputs(options);
-  if (options.protocol == "tulip") return compare_with_tulip(options);
   const InterruptGuard interrupt;
   const SensorModel sensor = required_recording_sensor(options);
   require_rows_to_compute(options, sensor);

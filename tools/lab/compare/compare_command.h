@@ -23,8 +23,7 @@ struct CompareOptions : InputChoice {
   float tolerance_m = nn::SuperResolverOptions{}.tolerance_m;  ///< of that confidence
   bool filters = false;
   bool layers = false;
-  std::string protocol = "own";  ///< or "tulip"
-  int threads = 0;               ///< 0: what OpenMP chooses
+  int threads = 0;  ///< 0: what OpenMP chooses
 };
 
 void declare(CLI::App& app, CompareOptions& options);
