@@ -49,7 +49,6 @@ class SegmentedTrajectory {
   std::vector<std::uint32_t> keyframe_of_scan_;  ///< the last up to each
   std::vector<std::size_t> segment_of_scan_;
   std::size_t last_segment_ = 0;
-  std::uint32_t first_keyframe_ = 0;  ///< of the last segment
   /// Of scans on all segments but the first.
   struct OwnCovariance {
     std::size_t scan = 0;

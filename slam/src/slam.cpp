@@ -62,14 +62,6 @@ Slam::Implementation::Implementation(const SensorModel& sensor_, const SlamOptio
   }
 }
 
-void Slam::Implementation::extend(const SavedMap& given) {
-  const auto first_keyframe = static_cast<std::uint32_t>(given.places.size());
-  mapping = Mapping(options.mapping, first_keyframe);
-  loop_closing.emplace(options.mapping, given);
-  path.begin_segment(0, first_keyframe, true);
-  drift.lose(Matrix6::Zero(), true);
-}
-
 /// The way of a scan, in the frame of the sensor turned level.
 ScanReport Slam::Implementation::process_level(const OrganizedCloud& cloud, double stamp_s,
                                                ScanTrace* trace) {
@@ -214,17 +206,6 @@ Slam::Slam(const SensorModel& sensor, const SlamOptions& options)
 Slam::Slam(const SensorModel& sensor, const SlamOptions& options, const SavedMap& map,
            const std::optional<Pose>& T_map_level_start)
     : implementation_(std::make_unique<Implementation>(sensor, options, &map, T_map_level_start)) {}
-Slam Slam::extending(const SensorModel& sensor, const SlamOptions& options, const SavedMap& map) {
-  if (map.places.empty() || !options.loop_closing.enabled) {
-    throw Error(
-        "expected a map with places, and loop closing, which recognizes them, found {} places and "
-        "loop closing switched {}",
-        map.places.size(), options.loop_closing.enabled ? "on" : "off");
-  }
-  Slam slam(sensor, options);
-  slam.implementation_->extend(map);
-  return slam;
-}
 Slam::~Slam() = default;
 Slam::Slam(Slam&&) noexcept = default;
 Slam& Slam::operator=(Slam&&) noexcept = default;

@@ -47,8 +47,6 @@ struct Slam::Implementation {
 
   Implementation(const SensorModel& sensor, const SlamOptions& options, const SavedMap* given_map,
                  const std::optional<Pose>& T_map_level_start);
-  /// Makes a map of its own that goes on from a given one.
-  void extend(const SavedMap& given);
 
   // slam.cpp
   ScanReport process(const OrganizedCloud& cloud, double stamp_s, ScanTrace* trace);

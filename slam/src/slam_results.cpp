@@ -74,7 +74,6 @@ SavedMap Slam::saved_map() const {
         "on");
   }
   const std::vector<FeatureMaps> submaps = loop_closing->whole_map(implementation_->mapping.map());
-  const std::size_t given_places = loop_closing->finished().poses().held;
   SavedMap result;
   for (std::size_t submap = 0; submap < submaps.size(); ++submap) {
     std::vector<SavedPlace> places = loop_closing->finished().places(submap);
@@ -83,12 +82,6 @@ SavedMap Slam::saved_map() const {
     result = {map.edges.points_m(),  map.posts.points_m(),  map.planes.points_m(),
               std::move(places),     map.edges.intensity(), map.posts.intensity(),
               map.planes.intensity()};
-    if (given_places > 0) break;  // the first is the map that is extended
-  }
-  if (given_places > 0 && result.places.size() <= given_places) {
-    throw Error(
-        "expected a drive that comes by a place of the map that it extends, found that none was "
-        "recognized; nothing can be added");
   }
   return result;
 }

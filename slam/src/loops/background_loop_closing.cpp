@@ -19,11 +19,6 @@ constexpr double kViewSpacing_m = 4.0;
 BackgroundLoopClosing::BackgroundLoopClosing(const MappingOptions& options, bool searches)
     : options_(options), loop_closing_(std::make_unique<LoopClosing>(options, searches)) {}
 
-BackgroundLoopClosing::BackgroundLoopClosing(const MappingOptions& options, const SavedMap& given)
-    : options_(options),
-      loop_closing_(std::make_unique<LoopClosing>(options, given)),
-      keyframes_begun_(given.places.size()) {}
-
 std::optional<LoopResult> BackgroundLoopClosing::collect() {
   if (!work_.valid() || --scans_until_due_ > 0) return std::nullopt;
   LoopResult result = collected();

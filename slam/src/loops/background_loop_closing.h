@@ -18,8 +18,6 @@ namespace hqslam::slam {
 class BackgroundLoopClosing {
  public:
   BackgroundLoopClosing(const MappingOptions& options, bool searches);
-  /// Goes on from a given map: before the first keyframe are one for each of its places.
-  BackgroundLoopClosing(const MappingOptions& options, const SavedMap& given);
 
   /// Call with every scan, before it is looked for: what was found out, if this scan is the one
   /// that it was waited for. Corrections are given for all keyframes up to now.

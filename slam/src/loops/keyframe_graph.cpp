@@ -33,25 +33,6 @@ double size_of(const Matrix6& covariance) {
 
 }  // namespace
 
-KeyframeGraph::KeyframeGraph(const MappingOptions& options, const SavedMap& given)
-    : options_(options), submaps_{FeatureMaps(options, given)}, segments_{Segment()} {
-  for (const SavedPlace& place : given.places) {
-    const std::size_t node = nodes_.size();
-    if (node > 0) {
-      graph_.odometry.push_back({node - 1, node,
-                                 graph_.T_map_node.back().inverse() * place.T_map_sensor,
-                                 kLeastSigma_m, kLeastSigma_rad});
-      T_node_next_.push_back(graph_.odometry.back().T_from_to);
-      edge_drift_m_.push_back(0.0);
-    }
-    T_map_keyframe_.push_back(place.T_map_sensor);
-    graph_.T_map_node.push_back(place.T_map_sensor);
-    nodes_.push_back({static_cast<std::uint32_t>(node), 0, 0.0, {}});
-    contexts_.push_back(place.context);
-  }
-  graph_.held = nodes_.size();
-}
-
 void KeyframeGraph::add_keyframe(const LoopKeyframe& keyframe) {
   if (T_map_keyframe_.empty() || keyframe.begins_segment) {
     segments_.push_back(

@@ -57,9 +57,6 @@ struct LoopedDrift {
 class KeyframeGraph {
  public:
   explicit KeyframeGraph(const MappingOptions& options) : options_(options) {}
-  /// Goes on from a given map: that is the first segment and submap, with a keyframe and a node for
-  /// each of its places, which stay where they are; its points are the first keyframe's.
-  KeyframeGraph(const MappingOptions& options, const SavedMap& given);
 
   void add_keyframe(const LoopKeyframe& keyframe);
   /// The last keyframe, which has a view, becomes a node.
@@ -86,10 +83,7 @@ class KeyframeGraph {
   bool empty() const { return nodes_.empty(); }
   std::size_t last() const { return nodes_.size() - 1; }
   const Pose& T_map_last() const { return graph_.T_map_node.back(); }
-  /// Of a given map's node, which had none in this drive, that of the last.
-  std::size_t scan_of(std::size_t node) const {
-    return (node < graph_.held ? nodes_.back() : nodes_[node]).scan;
-  }
+  std::size_t scan_of(std::size_t node) const { return nodes_[node].scan; }
   double path_m() const { return path_m_; }  ///< up to the last keyframe
   double path_m(std::size_t node) const { return nodes_[node].path_m; }
   const PoseGraph& poses() const { return graph_; }

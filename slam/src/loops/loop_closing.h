@@ -36,9 +36,6 @@ class LoopClosing {
   /// If it does not search it keeps what leaves the window, no more.
   LoopClosing(const MappingOptions& options, bool searches)
       : options_(options), searches_(searches), graph_(options) {}
-  /// Goes on from a given map, whose places are looked for.
-  LoopClosing(const MappingOptions& options, const SavedMap& given)
-      : options_(options), searches_(true), graph_(options, given) {}
 
   /// In: the keyframes since the last call.
   LoopResult process(std::vector<LoopKeyframe> keyframes);

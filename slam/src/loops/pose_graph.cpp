@@ -99,9 +99,7 @@ bool solve(const PoseGraph& graph, ceres::LossFunction* loop_loss,
     problem.AddParameterBlock(node.translation_m.data(), 3);
     problem.AddParameterBlock(node.rotation.coeffs().data(), 4, &unit_quaternion);
   }
-  std::vector<std::size_t> held = first_of_components(graph);
-  for (std::size_t node = 0; node < graph.held; ++node) held.push_back(node);
-  for (const std::size_t node : held) {
+  for (const std::size_t node : first_of_components(graph)) {
     problem.SetParameterBlockConstant(nodes[node].translation_m.data());
     problem.SetParameterBlockConstant(nodes[node].rotation.coeffs().data());
   }

@@ -5,8 +5,6 @@
 #include <vector>
 
 #include "hqslam/core/pose.h"
-#include "hqslam/core/sensor_model.h"
-#include "hqslam/slam/options.h"
 #include "hqslam/slam/scan_context.h"
 
 namespace hqslam::slam {
@@ -29,14 +27,6 @@ struct SavedMap {
   std::vector<float> posts_intensity = {};
   std::vector<float> planes_intensity = {};
 };
-
-/// A map of any point cloud (metres, z up), in its frame: what drives with this sensor through it
-/// would have left behind, as far as the cloud tells. Planes are the cloud's own; edges, posts and
-/// contexts are those that a virtual sensor sees at places every 4 m on the ground
-/// (src/foreign_map/). Throws Error: points not finite or more than 100 km from the origin, too
-/// few, or no ground among them; a sensor with one row.
-SavedMap map_of_cloud(const std::vector<Eigen::Vector3f>& points_m, const SensorModel& sensor,
-                      const SlamOptions& options);
 
 /// An .npz file that numpy reads, too: edges_m, posts_m and planes_m (N x 3, float32, metres),
 /// T_map_place (M x 3 x 4, float64) and place_contexts (M x 20 x 60, float32; ScanContext's unit

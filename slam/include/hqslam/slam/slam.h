@@ -92,12 +92,6 @@ class Slam {
   /// also if there is no place in the map.
   Slam(const SensorModel& sensor, const SlamOptions& options, const SavedMap& map,
        const std::optional<Pose>& T_map_level_start = std::nullopt);
-  /// Makes a map of its own that goes on from one that another drive left behind. Until loop
-  /// closing recognizes a place of that, poses are in a frame of their own, in another submap, with
-  /// infinite covariances; from then on in its frame, the scans before included, and saved_map() is
-  /// the given map, whose places stay, with what the drive added. Throws Error, also if the map has
-  /// no place or loop closing is switched off.
-  static Slam extending(const SensorModel& sensor, const SlamOptions& options, const SavedMap& map);
   ~Slam();
   Slam(Slam&&) noexcept;  ///< moved from: only assign or destroy
   Slam& operator=(Slam&&) noexcept;
@@ -150,10 +144,8 @@ class Slam {
   std::vector<Eigen::Vector3f> map_points_m(std::optional<std::size_t> submap = {},
                                             std::vector<float>* intensity = nullptr) const;
 
-  /// What later drives are located in: of several submaps the one with most places, of a map that
-  /// was to be extended that. Throws Error unless loop closing is switched on, which knows the
-  /// places; after a drive in a given map; and where no place of a map to be extended was
-  /// recognized.
+  /// What later drives are located in: of several submaps the one with most places. Throws Error
+  /// unless loop closing is switched on, which keeps the places, and after a drive in a given map.
   SavedMap saved_map() const;
 
  private:
