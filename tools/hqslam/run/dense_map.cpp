@@ -8,7 +8,6 @@
 #include "commands.h"
 #include "hqslam/core/error.h"
 #include "recording/reference.h"
-#include "report/cloud_picture.h"
 #include "run/occupancy_grid.h"
 #include "run/slam_run.h"
 #include "timing/timing.h"
@@ -61,10 +60,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kPictureColumns = 1600;
-constexpr int kAboveRows = 1200;
-constexpr int kPerspectiveRows = 900;
-
 std::string no_scan_message(const DenseMapRun& run, const MapOptions& options) {
   if (run.without_pose == 0 && run.left_out.scans > 0) return run.left_out.text();
   return no_pose_message(options.poses, run.without_pose, options.input);
@@ -85,15 +80,6 @@ void check_near_origin(const ScanPoses& poses, const std::string& path) {
 
 }  // namespace
 
-DenseMapPictures pictures_of(const DenseMapRun& run, const Trajectory& path) {
-  std::vector<Eigen::Vector3f> points_m;
-  points_m.reserve(run.points.size());
-  for (const slam::DenseMapPoint& point : run.points) points_m.push_back(point.point_m);
-  const CloudScene scene{points_m, path, run.voxel_m};
-  return {cloud_from_above(scene, kAboveRows, kPictureColumns),
-          cloud_in_perspective(scene, kPerspectiveRows, kPictureColumns)};
-}
-
 void guard_dense_map(const fs::path& folder, const Paths& inputs) {
   const auto is_own = [&](const char* name) {
     return has_marker((folder / name).string(), "written by hqslam");
@@ -113,8 +99,6 @@ void write_dense_map(const DenseMapRun& run, const fs::path& folder) {
     if (!run.las && std::string_view(name).ends_with(".las")) continue;
     slam::write_dense_map(run.points, parts.add(folder / name), run.intensity);
   }
-  write_png(run.pictures.above, parts.add(folder / "dense_map_above.png"));
-  write_png(run.pictures.perspective, parts.add(folder / "dense_map_perspective.png"));
   parts.rename();
   if (!run.las) fs::remove(folder / "dense_map.las");  // of an earlier map
 }
@@ -135,7 +119,6 @@ void declare(CLI::App& app, MapOptions& options) {
                   R"(Writes into --out, in the frame of the poses:
   dense_map.pcd, dense_map.ply   x y z, intensity where the recording has it,
                                  confidence, times_seen per voxel, binary
-  dense_map_above.png, dense_map_perspective.png
 and with --occupancy-grid
   map.pgm, map.yaml              where a robot can drive, for Nav2
 hqslam run --dense-map --occupancy-grid does the same with the poses that it finds.)");
@@ -169,12 +152,10 @@ int run(const MapOptions& options) {
     return kInterrupted;
   }
   if (run.scans == 0) throw Error(no_scan_message(run, options));
-  run.pictures = pictures_of(run, poses.trajectory);
   write_dense_map(run, options.out);
   to_stdout(
-      "{}\nresults: {}/dense_map.pcd, dense_map.ply, {}dense_map_above.png, "
-      "dense_map_perspective.png\n",
-      dense_map_summary(run), options.out, run.las ? "dense_map.las, " : "");
+      "{}\nresults: {}/dense_map.pcd, dense_map.ply{}\n", dense_map_summary(run), options.out,
+      run.las ? ", dense_map.las" : "");
   if (options.occupancy_grid) {
     const auto grid = build_occupancy_grid(options, options, poses, options.grid, interrupt);
     if (interrupt.stop_requested()) {

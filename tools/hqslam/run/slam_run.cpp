@@ -300,8 +300,8 @@ std::string results_line(const SlamRun& run, const std::string& out) {
       "report.html{}{}{}\n",
       out, run.saved_map ? ", saved_map.npz" : "",
       run.dense_map_summary.empty() ? ""
-      : run.dense_map_las           ? ", dense_map.pcd, dense_map.ply, dense_map.las and pictures"
-                                    : ", dense_map.pcd, dense_map.ply and pictures",
+      : run.dense_map_las           ? ", dense_map.pcd, dense_map.ply, dense_map.las"
+                                    : ", dense_map.pcd, dense_map.ply",
       run.occupancy_grid_summary.empty() ? "" : ", map.pgm, map.yaml");
 }
 
