@@ -69,7 +69,6 @@ TEST_CASE("options that would do nothing are refused with what they need") {
                 "--capture says nothing of a stack of range images"));
   }
   CHECK(holds(refused("info '{}' --stream 7502", drive).error, "leave --stream out"));
-  CHECK(holds(refused("compare '{}' --tolerance 3", drive).error, "--curve"));
   CHECK(holds(
       refused("upsample '{0}' --sensor os1-64 --method linear --poses '{0}/truth.tum' --out '{1}'",
               drive, out.file("y"))

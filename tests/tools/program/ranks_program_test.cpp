@@ -108,7 +108,7 @@ TEST_CASE("what processes cannot share is refused in one line") {
   write_file(folder.file("recipe.json"), "{");
   const ProgramResult broken = run_on_ranks(2, arguments);
   CHECK(broken.status == 2);
-  CHECK(count(broken.error, "hqslam: ") == 1);  // rank 0 alone has looked at it
+  CHECK(count(broken.error, "hqslam-lab: ") == 1);  // rank 0 alone has looked at it
 }
 
 TEST_CASE("two processes make the table that one makes, and one shows what they left") {

@@ -243,7 +243,7 @@ TEST_CASE(
   for (const char* time : {"computed", "there already"}) {
     CAPTURE(time);
     const ProgramResult result = succeeds(arguments);
-    CHECK(missing(result.error, {"hqslam: bin: 2 scans were left out, the first of them: ",
+    CHECK(missing(result.error, {"hqslam-lab: bin: 2 scans were left out, the first of them: ",
                                  files[2].filename().string()}) == "");
   }
   for (const char* page : {"table.md", "table.html"}) {

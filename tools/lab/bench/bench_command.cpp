@@ -1,3 +1,5 @@
+#include "bench/bench_command.h"
+
 #include <fmt/format.h>
 #include <omp.h>
 #include <stdlib.h>
@@ -17,7 +19,6 @@
 #include "hqslam/core/scan_source.h"
 #include "hqslam/nn/weights_file.h"
 #include "hqslam/sim/drive.h"
-#include "lab_commands.h"
 #include "recording/recording_choice.h"
 #include "simulate/simulate_command.h"
 #include "terminal/command_options.h"
@@ -282,7 +283,7 @@ int run(const BenchOptions& options) {
   measurements.input =
       drive ? fmt::format("simulated {}, {} scans", options.drive, options.scans) : input.input;
   if (interrupt.stop_requested()) {
-    to_stderr("hqslam: interrupted\n");
+    to_stderr("hqslam-lab: interrupted\n");
     return kInterrupted;
   }
   if (options.json) {

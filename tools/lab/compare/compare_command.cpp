@@ -1,14 +1,13 @@
+#include "compare/compare_command.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "compare/confidence_curve.h"
-#include "compare/tulip_comparison.h"
 #include "compare/upsampling_comparison.h"
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
-#include "lab_commands.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
 #include "recording/scan_poses.h"
@@ -26,11 +25,13 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kMeasuredRows = 16;
 
+/// In every file that --json writes: tells it from others.
+constexpr const char* kJsonMarker = R"("written_by": "hqslam-lab compare")";
+
 void guard_outputs(const CompareOptions& options) {
   Paths inputs = options.weights;
   inputs.push_back(options.input);
-  if (!options.json.empty()) guard_output_file(options.json, inputs, kCompareJsonMarker);
-  if (!options.curve.empty()) guard_output_file(options.curve, inputs, kConfidencePageMarker);
+  if (!options.json.empty()) guard_output_file(options.json, inputs, kJsonMarker);
 }
 
 /// There must be rows between the measured ones.
@@ -155,39 +156,6 @@ Json scores_json(const std::vector<UpsamplingScore>& scores) {
   return json;
 }
 
-/// The curve of the last weights, if it was asked for.
-std::optional<ConfidenceCurve> curve_of(const CompareOptions& options, const SensorModel& sensor) {
-  if (options.curve.empty()) return std::nullopt;
-  if (options.weights.empty()) throw Error("compare: --curve needs --weights");
-  return ConfidenceCurve(nn::Upsampler(network_of(options.weights.back(), sensor,
-                                                  {.filter_result = false,
-                                                   .tolerance_m = options.tolerance_m,
-                                                   .least_confidence = 0.0F}),
-                                       sensor),
-                         options.tolerance_m);
-}
-
-Json curve_json(const ConfidenceCurve& curve) {
-  Json points = Json::array();
-  for (const OperatingPoint& point : curve.points()) {
-    Json& json = points.emplace_back(Json{{"least_confidence", point.least_confidence}});
-    add_figures(point, operating_figures(), json);
-  }
-  Json bins = Json::array();
-  for (const ReliabilityBin& bin : curve.reliability()) {
-    bins.push_back(
-        {{"confidence", bin.confidence}, {"right_share", bin.right_share}, {"pixels", bin.pixels}});
-  }
-  return {
-      {"points", points}, {"reliability", bins}, {"calibration_error", curve.calibration_error()}};
-}
-
-void finish_curve(const ConfidenceCurve& curve, const CompareOptions& options) {
-  write_text_file(confidence_html(curve, options.weights.back(), options.input), options.curve);
-  to_stdout("{}confidence against what was right: {:.3f} off on average; page: {}\n",
-            markdown_of(operating_table(curve.points())), curve.calibration_error(), options.curve);
-}
-
 /// Hands every `every`-th scan of the recording to `use`, with what a memory for `upsampler` has of
 /// the scans before and after it. Returns how many.
 template <typename Use>
@@ -228,7 +196,7 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
   if (used == 0 && reading.left_out.scans > 0 && reading.end == ReadingEnd::kComplete) {
     throw Error(reading.left_out.text());
   }
-  if (reading.left_out.scans > 0) to_stderr("hqslam: {}\n", reading.left_out.text());
+  if (reading.left_out.scans > 0) to_stderr("hqslam-lab: {}\n", reading.left_out.text());
   memory.tell_of_scans_without_pose(options.poses, options.input);
   return used;
 }
@@ -256,34 +224,19 @@ filter) of every layer as if the network ended there.)");
               {.needs = {"--poses"}})
       .option("--every", &options.every, "Take every n-th scan (default: all)",
               {.within = kAnyCount})
-      .option(
-          "--curve", &options.curve,
-          "Also write a page about the confidence of the last weights (du-mix): every operating "
-          "point, and whether it can be believed")
-      .option("--tolerance", &options.tolerance_m,
-              "With --curve: how far off in metres a range may be and count as right; with 100 and "
-              "more it is the confidence that there is a return at all",
-              {.shows_default = true, .within = kTolerance_m, .needs = {"--curve"}})
       .option("--filters", &options.filters,
-              "Instead, try settings of the outlier filter on the first weights' results",
-              {.excludes = {"--curve"}})
+              "Instead, try settings of the outlier filter on the first weights' results", {})
       .option("--layers", &options.layers,
               "Instead, score what each step of the first weights' layers makes of the scans",
-              {.excludes = {"--filters", "--curve"}})
+              {.excludes = {"--filters"}})
       .option("--json", &options.json, "Also write the table into this file",
-              {.excludes = {"--filters", "--layers"}})
-      .option("--protocol", &options.protocol,
-              "tulip: project KITTI .bin files, upsample and score them as the code of TULIP does",
-              {.shows_default = true,
-               .one_of = {"own", "tulip"},
-               .excludes = {"--filters", "--layers"}});
+              {.excludes = {"--filters", "--layers"}});
   declare_threads(command, options.threads);
 }
 
 int run(const CompareOptions& options) {
   use_threads(options.threads);
   guard_outputs(options);
-  if (options.protocol == "tulip") return compare_with_tulip(options);
   const InterruptGuard interrupt;
   const SensorModel sensor = required_recording_sensor(options);
   require_rows_to_compute(options, sensor);
@@ -304,12 +257,10 @@ int run(const CompareOptions& options) {
     print_scores(comparison.scores());
   } else {
     UpsamplingComparison comparison(methods_of(options, sensor));
-    std::optional<ConfidenceCurve> curve = curve_of(options, sensor);
     used = for_each_scan(
         options, sensor, interrupt,
         [&](const OrganizedCloud& scan, const nn::RecalledImage& recalled) {
           comparison.add(scan, recalled);
-          if (curve) curve->add(scan, recalled);
         },
         comparison.with_memory());
     if (used == 0 && interrupt.stop_requested()) return kInterrupted;
@@ -324,10 +275,6 @@ int run(const CompareOptions& options) {
             {"scans", used},
             {"true_neighbours_mae_all_m", comparison.true_neighbours_mae_m()},
             {"methods", scores_json(comparison.scores())}};
-    if (curve && used > 0) {
-      json["curve"] = curve_json(*curve);
-      finish_curve(*curve, options);
-    }
   }
   to_stdout("{} scans of {}\n", used, options.input);
   if (!options.json.empty()) {

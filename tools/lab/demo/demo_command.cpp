@@ -1,3 +1,5 @@
+#include "demo/demo_command.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -10,13 +12,13 @@
 #include <string>
 #include <vector>
 
+#include "commands.h"
 #include "compare/upsampling_comparison.h"
 #include "files/installed_weights.h"
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/point_fields.h"
-#include "lab_commands.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
 #include "report/page.h"
@@ -195,7 +197,7 @@ int run(const DemoOptions& options) {
   namespace fs = std::filesystem;
   const InterruptGuard interrupt;
   const auto interrupted = [] {
-    to_stderr("hqslam: interrupted\n");
+    to_stderr("hqslam-lab: interrupted\n");
     return kInterrupted;
   };
   const fs::path out = fs::absolute(options.out).lexically_normal();

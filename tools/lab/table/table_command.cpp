@@ -1,3 +1,5 @@
+#include "table/table_command.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -9,7 +11,6 @@
 
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
-#include "lab_commands.h"
 #include "ranks/ranks.h"
 #include "table/table_drive.h"
 #include "table/table_report.h"
@@ -175,10 +176,12 @@ int run(const TableOptions& options) {
         "--scans");
   }
   for (const DriveFigures& drive : drives) {
-    if (drive.left_out.scans > 0) to_stderr("hqslam: {}: {}\n", drive.name, drive.left_out.text());
+    if (drive.left_out.scans > 0)
+      to_stderr("hqslam-lab: {}: {}\n", drive.name, drive.left_out.text());
   }
   if (complete) return kOk;
-  to_stderr("hqslam: interrupted; what is finished is kept, the same command goes on from there\n");
+  to_stderr(
+      "hqslam-lab: interrupted; what is finished is kept, the same command goes on from there\n");
   return kInterrupted;
 }
 

@@ -1,3 +1,5 @@
+#include "train/train_command.h"
+
 #include <fmt/format.h>
 #include <omp.h>
 
@@ -15,8 +17,8 @@
 #include "hqslam/nn/training/checkpoint.h"
 #include "hqslam/nn/training/training_configuration.h"
 #include "hqslam/nn/weights_file.h"
-#include "lab_commands.h"
 #include "ranks/ranks.h"
+#include "recording/recording_choice.h"
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
@@ -262,7 +264,7 @@ int run(const TrainOptions& options) {
             training.validation.size(), trainer.state().optimiser.steps);
   const int status = train(training, trainer, interrupt, *ranks);
   if (status == kInterrupted && ranks->rank() == 0) {
-    to_stderr("hqslam: interrupted at step {}; the same command goes on from there\n",
+    to_stderr("hqslam-lab: interrupted at step {}; the same command goes on from there\n",
               trainer.state().optimiser.steps);
   }
   to_stdout("results: {}\n", options.out);

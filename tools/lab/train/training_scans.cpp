@@ -46,7 +46,7 @@ std::string stack_of_recording(const std::string& folder, const SensorModel& sen
     while (const auto scan = next_usable(*source, left_out)) {
       writer.append(range_image(scan->cloud));
     }
-    if (left_out.scans > 0) to_stderr("hqslam: {}: {}\n", folder, left_out.text());
+    if (left_out.scans > 0) to_stderr("hqslam-lab: {}: {}\n", folder, left_out.text());
   });
   return path.string();
 }
