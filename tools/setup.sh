@@ -15,7 +15,7 @@ packages=(
   libpcap-dev libsqlite3-dev liblz4-dev libzstd-dev libbz2-dev      # recordings, live
   libembree-dev                                                     # the simulated city
   libceres-dev                                                      # slam
-  libcli11-dev                                                      # the command line
+  libcli11-dev libcpp-httplib-dev                                   # the programs
   doctest-dev                                                       # the tests
 )
 if [[ "${1:-}" == checks ]]; then

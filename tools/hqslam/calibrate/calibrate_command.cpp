@@ -13,6 +13,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/pipeline/pipeline.h"
 #include "hqslam/slam/beam_calibration.h"
+#include "pages/page.h"
 #include "recording/reading.h"
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
@@ -138,7 +139,7 @@ int run(const CalibrateOptions& options) {
   }
   const std::string page = page_path(options.out);
   guard_output_file(options.out, {options.input, options.sensor}, is_calibrated_sensor);
-  guard_output_file(page, {options.input}, kCalibrationPageMarker);
+  guard_output_file(page, {options.input}, page_marker("hqslam calibrate"));
   UpsamplingChoice rows;
   rows.rows = options.rows;
   UpsampledInput input = upsampled_input(options, rows);

@@ -6,8 +6,9 @@
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
-#include "inspect/layers_report.h"
+#include "inspect/layers_page.h"
 #include "inspect/slam_scan_page.h"
+#include "pages/page.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
 #include "recording/scan_poses.h"
@@ -83,7 +84,8 @@ void print_differences(const std::vector<nn::ReferenceDifference>& differences) 
 
 /// SLAM up to one scan of the recording, and the page of that scan.
 int inspect_slam(const InspectOptions& options) {
-  guard_output_file(options.out, {options.input, options.weights}, kSlamScanPageMarker);
+  guard_output_file(options.out, {options.input, options.weights},
+                    page_marker("hqslam inspect --slam"));
   UpsampledInput input = upsampled_input(options, {options.weights, options.rows});
   const std::unique_ptr<ScanSource> source = input.open();
   pipeline::PipelineOptions pipeline;
@@ -149,7 +151,8 @@ int run(const InspectOptions& options) {
   if (options.weights.empty()) throw Error("inspect: expected --weights, or --slam");
   if (!options.list) {
     if (options.out.empty()) throw Error("inspect: no --out, expected a page to write or --list");
-    guard_output_file(options.out, {options.input, options.weights}, kLayersPageMarker);
+    guard_output_file(options.out, {options.input, options.weights},
+                      page_marker("hqslam inspect"));
   }
   UpsampledInput input = upsampled_input(options, {options.weights});
   nn::SuperResolver network = nn::SuperResolver::load(options.weights);
@@ -158,8 +161,6 @@ int run(const InspectOptions& options) {
   report.recording = options.input;
   report.weights = options.weights;
   report.scan = options.scan;
-  report.min_range_m = network.sensor().min_range_m;
-  report.max_range_m = network.sensor().max_range_m;
   report.network = network.description();
   const auto& measured_rows = input.upsampler.selected_rows();
   report.measured = measured_rows ? select_rows(scan, *measured_rows) : scan;

@@ -7,7 +7,6 @@
 
 #include "hqslam/core/error.h"
 #include "recording/reference.h"
-#include "report/cloud_picture.h"
 #include "run/occupancy_grid.h"
 #include "run/slam_run.h"
 #include "timing/timing.h"
@@ -57,20 +56,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kPictureColumns = 1600;
-constexpr int kAboveRows = 1200;
-constexpr int kPerspectiveRows = 900;
-
 }  // namespace
-
-DenseMapPictures pictures_of(const DenseMapRun& run, const Trajectory& path) {
-  std::vector<Eigen::Vector3f> points_m;
-  points_m.reserve(run.points.size());
-  for (const slam::DenseMapPoint& point : run.points) points_m.push_back(point.point_m);
-  const CloudScene scene{points_m, path, run.voxel_m};
-  return {cloud_from_above(scene, kAboveRows, kPictureColumns),
-          cloud_in_perspective(scene, kPerspectiveRows, kPictureColumns)};
-}
 
 void guard_dense_map(const fs::path& folder, const Paths& inputs) {
   const auto is_own = [&](const char* name) {
@@ -90,8 +76,6 @@ void write_dense_map(const DenseMapRun& run, const fs::path& folder) {
   for (const char* name : {"dense_map.ply", "dense_map.pcd"}) {
     slam::write_dense_map(run.points, parts.add(folder / name), run.intensity);
   }
-  write_png(run.pictures.above, parts.add(folder / "dense_map_above.png"));
-  write_png(run.pictures.perspective, parts.add(folder / "dense_map_perspective.png"));
   parts.rename();
 }
 

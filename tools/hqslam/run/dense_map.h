@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "files/result_files.h"
-#include "hqslam/evaluation/png.h"
 #include "hqslam/slam/dense_map.h"
 #include "recording/recording_choice.h"
 #include "recording/scan_poses.h"
@@ -25,12 +24,6 @@ void declare_dense_map(Command& command, slam::DenseMapOptions& options,
 /// The poses of a run, but for scans that were not located, or are in another part of the map.
 ScanPoses poses_of(const SlamRun& run);
 
-/// A dense map as people look at it.
-struct DenseMapPictures {
-  RgbImage above;
-  RgbImage perspective;
-};
-
 /// A dense map, finished or not, and how its scans were put into it.
 struct DenseMapRun : MapReading {
   std::vector<slam::DenseMapPoint> points;  ///< in the frame of the poses
@@ -38,7 +31,6 @@ struct DenseMapRun : MapReading {
   double voxel_m = 0.0;
   bool is_full = false;  ///< points were left out because memory is bounded
   double wall_s = 0.0;
-  DenseMapPictures pictures;  ///< of pictures_of
 };
 
 /// Reads the recording twice (MapInput): first all scans are put into the map, then they vote about
@@ -47,12 +39,8 @@ DenseMapRun build_dense_map(const InputChoice& recording, const UpsamplingChoice
                             const ScanPoses& poses, const slam::DenseMapOptions& options,
                             const InterruptGuard& interrupt);
 
-/// path: of the sensor, in the map's frame.
-DenseMapPictures pictures_of(const DenseMapRun& run, const Trajectory& path);
-
 /// The .ply, by which the others are known as ours, is the last.
-inline constexpr const char* kDenseMapFiles[] = {"dense_map.pcd", "dense_map_above.png",
-                                                 "dense_map_perspective.png", "dense_map.ply"};
+inline constexpr const char* kDenseMapFiles[] = {"dense_map.pcd", "dense_map.ply"};
 
 /// Throws Error if one of the files is there and was not written by hqslam, or is one of `inputs`.
 void guard_dense_map(const std::filesystem::path& folder, const Paths& inputs);

@@ -34,7 +34,6 @@ void declare(CLI::App& app, MapOptions& options) {
                   R"(Writes into --out, in the frame of the poses:
   dense_map.pcd, dense_map.ply   x y z, intensity where the recording has it,
                                  confidence, times_seen per voxel, binary
-  dense_map_above.png, dense_map_perspective.png
 and with --occupancy-grid
   map.pgm, map.yaml              where a robot can drive, for Nav2
 hqslam run --dense-map --occupancy-grid does the same with the poses that it finds.)");
@@ -62,18 +61,14 @@ int run(const MapOptions& options) {
   if (options.occupancy_grid) guard_occupancy_grid(options.out, inputs);
   make_result_folder(options.out);
   const FolderLock lock(options.out);
-  DenseMapRun run = build_dense_map(options, options, poses, options.map, interrupt);
+  const DenseMapRun run = build_dense_map(options, options, poses, options.map, interrupt);
   if (interrupt.stop_requested()) {
     to_stderr("hqslam: interrupted; no dense map was written\n");
     return kInterrupted;
   }
   if (run.scans == 0) throw Error(no_scan_message(run, options));
-  run.pictures = pictures_of(run, poses.trajectory);
   write_dense_map(run, options.out);
-  to_stdout(
-      "{}\nresults: {}/dense_map.pcd, dense_map.ply, dense_map_above.png, "
-      "dense_map_perspective.png\n",
-      dense_map_summary(run), options.out);
+  to_stdout("{}\nresults: {}/dense_map.pcd, dense_map.ply\n", dense_map_summary(run), options.out);
   if (options.occupancy_grid) {
     const auto grid = build_occupancy_grid(options, options, poses, options.grid, interrupt);
     if (interrupt.stop_requested()) {

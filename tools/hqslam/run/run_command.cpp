@@ -166,13 +166,14 @@ void add_dense_map(const RunOptions& options, const InterruptGuard& interrupt, R
   output.write_dense_map(run, dense_map);
 }
 
-/// The same of the occupancy grid.
-void add_occupancy_grid(const RunOptions& options, const InterruptGuard& interrupt, SlamRun& run) {
+/// What goes wrong here costs the occupancy grid alone.
+void add_occupancy_grid(const RunOptions& options, const InterruptGuard& interrupt,
+                        RunOutput& output, SlamRun& run) {
   const OccupancyGridRun grid =
       build_occupancy_grid(options, options, poses_of(run), options.grid, interrupt);
   if (interrupt.stop_requested()) return;
-  write_occupancy_grid(grid.map, options.out);
   run.occupancy_grid_summary = grid.summary;
+  output.write_occupancy_grid(run, grid.map);
 }
 
 /// SLAM over the recording, with intermediate results now and then.
@@ -219,7 +220,6 @@ void declare(CLI::App& app, RunOptions& options) {
       "and with --dense-map:\n"
       "  dense_map.pcd, dense_map.ply   x y z, intensity where the recording has it,\n"
       "                                 confidence, times_seen per voxel, binary\n"
-      "  dense_map_above.png, dense_map_perspective.png\n"
       "and with --occupancy-grid, with cells along the frame's x and y:\n"
       "  map.pgm, map.yaml              where a robot can drive, for Nav2\n"
       "The results of an earlier run in --out are replaced from the first scan on.\n"
@@ -288,8 +288,9 @@ SlamRun run_and_write(const RunOptions& options, const InterruptGuard& interrupt
       run.failed_maps.emplace_back(error.what());
     }
   };
+  // The grid, which is small, comes first: the report with the dense map has both.
+  add(options.occupancy_grid, [&] { add_occupancy_grid(options, interrupt, output, run); });
   add(options.dense_map, [&] { add_dense_map(options, interrupt, output, run); });
-  add(options.occupancy_grid, [&] { add_occupancy_grid(options, interrupt, run); });
   return run;
 }
 

@@ -120,7 +120,7 @@ std::string results_line(const SlamRun& run, const std::string& out) {
       "results: {}/trajectory.tum, trajectory.kitti, covariances.csv, map.pcd, timings.json, "
       "report.html{}{}{}\n",
       out, run.saved_map ? ", saved_map.npz" : "",
-      run.dense_map_summary.empty() ? "" : ", dense_map.pcd, dense_map.ply and pictures",
+      run.dense_map_summary.empty() ? "" : ", dense_map.pcd, dense_map.ply",
       run.occupancy_grid_summary.empty() ? "" : ", map.pgm, map.yaml");
 }
 

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "hqslam/slam/sensor_path.h"
-#include "run/run_output.h"
+#include "run/report_page.h"
 
 namespace hqslam::tools {
 namespace {
@@ -16,7 +16,7 @@ ViewCloud cloud_of(const DenseMapRun& map) {
   return cloud;
 }
 
-/// Whether the way to the next pose is known; of the last one it is not.
+/// Whether the relative pose of the next pose is known; the last one has no next.
 bool knows_way(const SlamRun& run, std::size_t from) {
   return from + 1 < run.trajectory.size() && is_way_known(run, from);
 }

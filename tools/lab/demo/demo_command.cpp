@@ -18,12 +18,13 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/point_fields.h"
+#include "pages/page.h"
+#include "pages/text_table.h"
+#include "pages/turning_view.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
-#include "report/page.h"
-#include "report/turning_view.h"
+#include "run/report_page.h"
 #include "run/run_command.h"
-#include "run/run_output.h"
 #include "simulate/simulate_command.h"
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
@@ -161,27 +162,27 @@ TurningView view_of(const std::filesystem::path& out, const std::vector<DemoRow>
   return view;
 }
 
-/// A page that needs no other file but the runs' reports, to which the table's rows lead: the view,
-/// the table with its notes, and one scan in every form that SLAM got to see.
+/// tools/web/demo.html: the view, the table with its notes, whose rows lead to the reports of the
+/// runs, and one scan in every form that SLAM was given.
 std::string demo_html(const TurningView& view, const TextTable& table,
                       const std::vector<std::string>& notes,
                       const std::vector<std::pair<std::string, RangeImage>>& images,
                       double max_range_m) {
-  Page page("hqslam-lab demo");
-  page.heading(1, "hqslam-lab demo");
-  page.style(kTurningViewStyle);
-  page.html(turning_view_html(view));
-  page.table(table);
-  page.list(notes);
+  PageJson data = {{"title", "One drive, four ways"},
+                   {"subtitle", "A drive through a simulated city with 64 beams, with 16, and with "
+                                "16 upsampled to 64"},
+                   {"view", turning_view_json(view)},
+                   {"table", json_of(table)},
+                   {"notes", notes},
+                   {"max_range_m", max_range_m},
+                   {"images", PageJson::array()}};
   for (const auto& [caption, image] : images) {
-    page.heading(2, caption);
-    page.picture(color_by_range(image, max_range_m), caption, /*rows=*/true);
+    data["images"].push_back({{"caption", caption},
+                              {"rows", image.rows},
+                              {"columns", image.columns},
+                              {"ranges", range_block(image)}});
   }
-  page.paragraph(
-      "One scan from the middle of the drive as range images, unrolled from behind over the left, "
-      "front and right: near is bright, far is dark blue, black is no return or, in the network's "
-      "image, a pixel that it is not sure of.");
-  return page.text();
+  return page_html("demo", std::move(data));
 }
 
 }  // namespace
@@ -203,7 +204,7 @@ int run(const DemoOptions& options) {
   };
   const fs::path out = fs::absolute(options.out).lexically_normal();
   constexpr std::array<const char*, 1> kPage = {"demo.html"};
-  guard_results(out, kPage, has_marker((out / kPage[0]).string(), "<title>hqslam-lab demo</title>"),
+  guard_results(out, kPage, has_marker((out / kPage[0]).string(), page_marker("hqslam-lab demo")),
                 "was not written by hqslam-lab demo");
   SimulateOptions simulate;
   simulate.drive = "block";

@@ -4,10 +4,10 @@
 #include <cstddef>
 #include <functional>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "report/page.h"
+#include "pages/page.h"
+#include "pages/text_table.h"
 #include "table/table_figures.h"
 #include "table/table_statistics.h"
 
@@ -18,11 +18,16 @@ struct ErrorPanel {
   std::string title;
   double rmse_m = 0.0;
   std::vector<Eigen::Vector2d> path_m;
-  std::vector<double> error_m;  ///< one per pose
+  std::vector<double> error_m;     ///< one per pose
+  std::vector<double> distance_m;  ///< along the reference up to each pose
 };
 
-/// The paper's figure 2: trajectories of one drive, coloured by their error, side by side.
+/// The paper's figure 2: trajectories of one drive, coloured by their error, side by side. Long
+/// trajectories are thinned to kMostPoses; the error of a pose is then the largest of those left
+/// out before it.
 struct ErrorMap {
+  static constexpr std::size_t kMostPoses = 2000;
+
   std::vector<Eigen::Vector2d> reference_m;
   std::vector<ErrorPanel> panels;
 };
@@ -35,20 +40,6 @@ struct ErrorScale {
 /// The largest error of all panels, but at most three times the median of the panels' largest
 /// ones: one trajectory that leaves the map does not take the colours from all others.
 ErrorScale error_scale(const ErrorMap& map);
-
-/// "0.42 m", with "or more" where errors are larger.
-std::string top_text(const ErrorScale& scale);
-
-/// "RMSE 0.109, largest 0.31 m"
-std::string error_text(const ErrorPanel& panel);
-
-/// One panel, without its title, as an SVG element: the reference in grey, the trajectory in
-/// colours with a ring at its start, a scale bar.
-std::string panel_svg(const ErrorMap& map, std::size_t panel, const ErrorScale& scale);
-
-/// All panels with their titles and a colour bar, as an .svg file. `title` stands above. Throws
-/// Error if there is no panel.
-std::string error_map_svg(const ErrorMap& map, const std::string& title);
 
 /// A number with three digits that count: "0.042", "3.78", "31.7", "6717".
 std::string three_digits(double value);
@@ -70,8 +61,8 @@ struct ReportPart {
   std::string title;
   std::string text;
   std::vector<TextTable> tables;
-  std::string page_text = {};     ///< behind `text`, on the page alone
-  std::string figures_html = {};  ///< the same, below the tables
+  std::string page_text = {};  ///< behind `text`, on the page alone
+  PageJson figures = PageJson::array();  ///< on the page alone, below the tables
 };
 
 /// All that a table says: table.md and table.html are written from it.
@@ -80,25 +71,19 @@ struct TableReport {
   std::vector<TextTable> lead;  ///< tables of all parts together
   std::vector<ReportPart> parts;
   std::vector<std::string> notes;  ///< what the columns mean and how it was measured
-  std::string style = {};          ///< of the page's figures
   std::string json;                ///< table.json
-  /// Pictures: names of files and what is in them.
-  std::vector<std::pair<std::string, std::string>> pictures = {};
 };
 
-/// "town-loop-closing-off.svg"
-std::string picture_name(const std::string& drive, std::size_t loop_closing);
-
-/// Of drives: tables, error maps and error over distance.
+/// The report of drives: tables, error maps and error over distance.
 TableReport drives_report(const std::vector<DriveFigures>& drives);
-/// Of many drives from seeds, together and by kind: tables, and each method's drift minus the one's
+/// The report of many drives from seeds, together and by kind: tables, and each method's drift minus the one's
 /// that it is paired with: a dot per drive, the mean and its interval.
 TableReport statistics_report(const TableSample& sample);
 
 /// What is printed: the tables of all parts together, or those of the first part, which is all.
 std::string printed(const TableReport& report);
 std::string markdown_of(const TableReport& report);
-/// A page that needs no other file.
+/// tools/web/table.html
 std::string html_of(const TableReport& report);
 
 /// In every table.json: tells one from other files.
@@ -129,7 +114,7 @@ struct StatisticsColumn {
 const std::vector<StatisticsColumn>& summary_columns();
 const std::vector<StatisticsColumn>& pair_columns();
 
-/// The trajectories of a drive's methods against LiDAR-64's; nothing in it if that is not there.
+/// The trajectories of a drive's methods against LiDAR-64's; empty if that is not there.
 ErrorMap error_map_of(const DriveFigures& drive, std::size_t loop_closing);
 
 }  // namespace hqslam::tools

@@ -23,7 +23,7 @@
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
 #include "timing/timing.h"
-#include "train/learning_curve.h"
+#include "train/training_page.h"
 #include "train/training_scans.h"
 
 namespace hqslam::tools {
@@ -45,7 +45,7 @@ struct Training {
 
 /// Throws Error if the results would replace what is not this training's.
 void guard_training(const Training& training) {
-  constexpr std::array<const char*, 3> kResults = {"checkpoint.npz", "weights.npz", "curve.svg"};
+  constexpr std::array<const char*, 3> kResults = {"checkpoint.npz", "weights.npz", "curve.html"};
   guard_results(training.out, kResults, std::filesystem::exists(training.checkpoint_path()),
                 "there is no checkpoint.npz of a training",
                 {training.configuration_path, training.configuration.start_from});
@@ -124,7 +124,8 @@ void write_results(const Training& training, const nn::TrainingState& state) {
   nn::write_weights((training.out / "weights.npz").string(),
                     {network, state.average, training_json(training, state),
                      nn::make_self_test(network, state.average, sample)});
-  write_text_file(learning_curve_svg(training.curve), (training.out / "curve.svg").string());
+  write_text_file(training_html(training.out.string(), training.curve),
+                  (training.out / "curve.html").string());
 }
 
 /// Reads the validation scans; returns those to train on, null if asked to stop.
@@ -207,7 +208,7 @@ int train(Training& training, nn::Trainer& trainer, const InterruptGuard& interr
 void declare(CLI::App& app, TrainOptions& options) {
   Command command = add_command(
       app, "train", "Train a super-resolution network on simulated or own scans",
-      R"(Writes into --out: weights.npz (for --weights and --upsample), checkpoint.npz, curve.svg.
+      R"(Writes into --out: weights.npz (for --weights and --upsample), checkpoint.npz, curve.html.
 The drives of the recipe are simulated once (0.26 MB for a scan of 64 x 1024) and read
 from --drives scan by scan.
 Ctrl-C stops after the step; the same command goes on exactly where it stopped. The recipes

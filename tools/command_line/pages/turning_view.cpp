@@ -1,41 +1,18 @@
-#include "report/turning_view.h"
-
-#include <fmt/format.h>
+#include "pages/turning_view.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "report/cloud_picture.h"
-#include "report/point_blocks.h"
+#include "hqslam/core/median.h"
+#include "pages/page.h"
+#include "pages/point_blocks.h"
 
 namespace hqslam::tools {
-
-const char* const kTurningViewStyle = R"css(
-.turning-view { margin: 1rem 0; }
-.turning-view .stage { position: relative; aspect-ratio: 16 / 9; background: #11141c; border-radius: 8px; overflow: hidden; }
-.turning-view canvas { width: 100%; height: 100%; display: block; touch-action: none; cursor: grab; outline-offset: -2px; }
-.turning-view .over { position: absolute; bottom: .7rem; color: #e4e7eb; font-size: .8rem; pointer-events: none; text-shadow: 0 0 4px #000; }
-.turning-view .scale { left: .9rem; }
-.turning-view .scale i { display: block; height: 4px; border: 2px solid; border-top: 0; }
-.turning-view .key { right: .9rem; display: flex; gap: .5rem; align-items: center; }
-.turning-view .key i { width: 7rem; height: .55rem; border-radius: 3px; }
-.turning-view .controls { display: flex; flex-wrap: wrap; gap: .4rem .9rem; align-items: center; padding: .5rem 0 0; font-size: .85rem; }
-.turning-view label { display: flex; gap: .35rem; align-items: center; }
-.turning-view label i { width: .7rem; height: .7rem; border-radius: 50%; }
-.turning-view button, .turning-view select { font: inherit; color: inherit; background: var(--panel); border: 1px solid var(--rule); border-radius: 6px; padding: .15rem .55rem; }
-.turning-view .full { position: absolute; top: .7rem; right: .7rem; color: #e4e7eb; background: #11141cc0; border-color: #4a505c; font-size: .8rem; }
-.turning-view button:hover { border-color: var(--quiet); }
-.turning-view .scan { flex: 1; min-width: 8rem; }
-.turning-view output { min-width: 9rem; font-variant-numeric: tabular-nums; }
-.turning-view figcaption { padding-top: .3rem; }
-.turning-view:not(.drawn) > :not(.without), .turning-view.drawn > .without, .turning-view [hidden] { display: none; }
-.turning-view:fullscreen { margin: 0; padding: .6rem; background: var(--page); display: flex; flex-direction: column; }
-.turning-view:fullscreen .stage { flex: 1; min-height: 0; aspect-ratio: auto; }
-)css";
 
 namespace {
 
@@ -94,6 +71,24 @@ Json json_of(const ViewCloud& cloud, std::size_t most_points) {
           {"points", base64(bytes)}};
 }
 
+/// The coordinates of an axis between which all points are but a share of them at either end.
+std::array<double, 2> range_of(const std::vector<Eigen::Vector3f>& points_m, int axis,
+                               double share) {
+  std::vector<float> values;
+  for (const Eigen::Vector3f& point_m : points_m) {
+    if (point_m.allFinite()) values.push_back(point_m[axis]);
+  }
+  if (values.empty()) return {0.0, 1.0};
+  const double low = quantile(values, share);
+  return {low, quantile(values, 1.0 - share)};
+}
+
+/// The heights between which colours change: all but those of a few points, at least 1 m.
+std::array<double, 2> range_of_heights(const std::vector<Eigen::Vector3f>& points_m) {
+  const auto [low_m, high_m] = range_of(points_m, 2, 0.01);
+  return {low_m, std::max(low_m + 1.0, high_m)};
+}
+
 /// How much of the room each cloud gets, so that none has less than its part of it unless it needs
 /// less.
 std::vector<std::size_t> shared_out(std::size_t room, const std::vector<std::size_t>& wanted) {
@@ -142,7 +137,9 @@ Json json_of(const ViewScan& scan, std::size_t most_points) {
           {"upsampled", json_of(scan.upsampled, most[1])}};
 }
 
-Json data_of(const TurningView& view) {
+}  // namespace
+
+Json turning_view_json(const TurningView& view) {
   static const Points kNone;
   const Points& points_m = !view.clouds.empty()  ? view.clouds.front().points_m
                            : !view.scans.empty() ? view.scans.front().measured.points_m
@@ -179,64 +176,6 @@ Json data_of(const TurningView& view) {
     data["scans"].push_back(json_of(scan, kMostScanPoints / view.scans.size()));
   }
   return data;
-}
-
-/// As a script's contents: nothing in it ends the script.
-std::string script_text(const std::string& json) {
-  std::string text;
-  for (const char c : json) text += c == '<' ? std::string("\\u003c") : std::string(1, c);
-  return text;
-}
-
-constexpr const char* kStage = R"html(<figure class="turning-view">
-<p class="without quiet">The view that turns needs a browser with WebGL 2 and JavaScript.</p>
-<div class="stage"><canvas tabindex="0" aria-label="Points in three dimensions"></canvas>
-<button class="full">Full screen</button>
-<div class="over scale"><span></span><i></i></div>
-<div class="over key"><span class="low"></span><i></i><span class="high"></span></div></div>
-)html";
-
-constexpr const char* kScanControls = R"html(<div class="controls"{}>
-<button class="play">Play</button><input type="range" class="scan" min="0" value="0" aria-label="Scan"><output></output>
-<label><input type="checkbox" class="measured" checked><i style="background:#ffd24a"></i>measured</label>
-<label{}><input type="checkbox" class="upsampled" checked><i style="background:#35c3f3"></i>upsampled</label>
-</div>
-)html";
-
-}  // namespace
-
-std::string turning_view_data(const TurningView& view) {
-  return data_of(view).dump(-1, ' ', /*ensure_ascii=*/true, Json::error_handler_t::replace);
-}
-
-std::string turning_view_html(const TurningView& view) {
-  const auto hidden_unless = [](bool is_there) { return is_there ? "" : " hidden"; };
-  const bool upsamples = std::ranges::any_of(
-      view.scans, [](const ViewScan& scan) { return !scan.upsampled.points_m.empty(); });
-  std::string html = kStage;
-  html += fmt::format(
-      "<div class=\"controls\">\n"
-      "<label{}>Points <select class=\"cloud\"></select></label>\n"
-      "<label>Colour <select class=\"colour\"><option>height</option><option>confidence</option>"
-      "<option>intensity</option></select></label>\n"
-      "<button data-view=\"overview\">Overview</button><button data-view=\"above\">From above"
-      "</button><button data-view=\"behind\"{}>Behind the sensor</button>\n"
-      "<label{}><input type=\"checkbox\" class=\"map\" checked>map</label>\n"
-      "<label{}><input type=\"checkbox\" class=\"way\" checked><i style=\"background:#ff7a5c\"></i>"
-      "path</label>\n<label{}><i style=\"background:#d58cff\"></i>loops</label></div>\n",
-      hidden_unless(view.clouds.size() > 1), hidden_unless(!view.scans.empty()),
-      hidden_unless(!view.scans.empty()), hidden_unless(!view.path_m.empty()),
-      hidden_unless(!view.loops_m.empty()));
-  html += fmt::format(fmt::runtime(kScanControls), hidden_unless(!view.scans.empty()),
-                      hidden_unless(upsamples));
-  html +=
-      "<figcaption>Drag to turn, Shift or right button to move, wheel to zoom (click first); two "
-      "fingers move and zoom; arrow keys, + and -.</figcaption>\n<script "
-      "type=\"application/json\">";
-  html += script_text(turning_view_data(view));
-  html += "</script>\n</figure>\n<script>";
-  html += kTurningViewScript;
-  return html + "</script>\n";
 }
 
 }  // namespace hqslam::tools

@@ -1,21 +1,19 @@
-#include "report/turning_view.h"
-
-namespace hqslam::tools {
-
-// Three passes make a picture: points into a picture in memory, with the depth of every pixel; that
-// onto the canvas, darkened where something nearer is beside it, so that edges are seen; then the
-// path and the sensor over all of it. Places are in metres from the camera's target, so that
-// numbers stay small wherever the map lies.
-const char* const kTurningViewScript = R"js(
 'use strict';
+// A cloud of points that is turned, moved and zoomed with mouse, fingers or keys, with the path of
+// the sensor and single scans over it. It needs WebGL 2.
+//
+// A picture is made in three passes: the points are drawn into memory, with the depth of every
+// pixel; that picture goes onto the canvas, darkened beside what is nearer, so that edges are seen;
+// the path and the sensor are drawn over it. Places are in metres from the camera's target, so that
+// numbers stay small wherever the map is.
 const kPointVertices = `#version 300 es
-in uint point;                // x, y, z in steps from the block's corner, and how sure it is
+in uint point;                // x, y, z in steps from the block's corner, and its confidence
 in float bright;
 uniform mat4 toClip;
 uniform vec3 corner;
 uniform float step, side, least;  // metres of a step; pixels of a point 1 m away, and at least
 uniform vec2 heights;
-uniform int by;               // height, sureness, brightness
+uniform int by;               // height, confidence, brightness
 uniform vec3 palette[5];
 flat out vec3 colour;
 void main() {
@@ -40,8 +38,8 @@ void main() {
 // One triangle that covers the canvas.
 const kWholeCanvas = `#version 300 es
 void main() { gl_Position = vec4(4 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID & 2) - 1, 0, 1); }`;
-// Eye-dome lighting (Boucheny 2009): pixels are the darker, the nearer those beside them are, by
-// factors of their distance. The depth buffer has 1 - near / distance.
+// Eye-dome lighting (Boucheny 2009): a pixel is the darker, the nearer the pixels beside it are, as
+// factors of its distance. The depth buffer holds 1 - near / distance.
 const kShadedPixels = `#version 300 es
 precision highp float;
 uniform highp sampler2D depths;
@@ -87,25 +85,54 @@ void main() { pixel = vec4(colour, 1); }`;
 
 const rgb = hex => [16, 8, 0].map(bits => (parseInt(hex, 16) >> bits & 255) / 255);
 const kHeights = ['3a4c96', '2a8498', '56b276', 'd6c85c', 'f6ecce'].map(rgb);
-const kSureness = ['c0392b', 'e67e22', 'e8d36b', '7fc8a9', '4aa3df'].map(rgb);
+const kConfidence = ['c0392b', 'e67e22', 'e8d36b', '7fc8a9', '4aa3df'].map(rgb);
 const kBrightness = ['262a52', '6a3d8f', 'c34f72', 'f28f4e', 'fbe9a8'].map(rgb);
-const kPalettes = [kHeights, kSureness, kBrightness];
+const kPalettes = [kHeights, kConfidence, kBrightness];
 const kMeasured = rgb('ffd24a'), kUpsampled = rgb('35c3f3');
 const kPath = rgb('ff7a5c'), kLoops = rgb('d58cff'), kSensor = rgb('ffffff');
 const kBackground = rgb('11141c');
 
-const bytesOf = text => Uint8Array.from(atob(text), letter => letter.charCodeAt(0));
-const clamp = (value, least, most) => Math.max(least, Math.min(most, value));
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const less = (a, b) => a.map((value, i) => value - b[i]);
 
-function turningView(root) {
-  const find = name => root.querySelector(name);
+/** The elements of a view: controls above, the canvas below. */
+function turningStage(data) {
+  const box = (name, colour, text) => el('label', {}, el('input', {type: 'checkbox', class: name, checked: true}),
+                                         colour ? el('i', {style: `background:${colour};border-radius:50%`}) : null, text);
+  const upsamples = data.scans.some(scan => scan.upsampled.blocks.length);
+  const hasScans = data.scans.length > 0, when = (condition, element) => { element.hidden = !condition; return element; };
+  return el('figure', {class: 'turning-view'},
+    el('div', {class: 'controls'},
+      el('button', {'data-view': 'overview'}, 'Overview'), el('button', {'data-view': 'above'}, 'From above'),
+      when(hasScans, el('button', {'data-view': 'behind'}, 'Behind the sensor')),
+      when(data.clouds.length > 1, el('label', {}, 'Points ', el('select', {class: 'cloud'}))),
+      el('label', {}, 'Colour ', el('select', {class: 'colour'}, ...['height', 'confidence', 'intensity'].map(name => el('option', {}, name)))),
+      when(hasScans, box('map', '', 'map')), when(data.path.length, box('path', '#ff7a5c', 'path')),
+      when(data.loops.length, el('label', {}, el('i', {style: 'background:#d58cff;border-radius:50%'}), 'loops: places recognized again'))),
+    when(hasScans, el('div', {class: 'controls scans'},
+      el('button', {class: 'play'}, 'Play'), el('input', {type: 'range', class: 'scan', min: 0, value: 0, 'aria-label': 'Scan'}), el('output'),
+      box('measured', '#ffd24a', 'measured'), when(upsamples, box('upsampled', '#35c3f3', 'upsampled')))),
+    el('div', {class: 'stage'}, el('canvas', {tabindex: 0, 'aria-label': 'Points in three dimensions'}),
+      el('button', {class: 'full'}, 'Full screen'),
+      el('div', {class: 'over metres'}, el('span'), el('i')),
+      el('div', {class: 'over key'}, el('span', {class: 'low'}), el('i'), el('span', {class: 'high'}))),
+    el('figcaption', {}, 'Drag to turn, Shift or right button to move, wheel to zoom (click first); two fingers move and zoom; arrow keys, + and -.'));
+}
+
+/**
+ * Puts a view of data (C++: turning_view.h) into the element `into`. Returns its figure, of which
+ * renew(data) shows other data with as many clouds from the same place, and sensorAt(pose) moves
+ * the arrow of the first scan; null without WebGL 2.
+ */
+function turningView(into, data) {
+  const root = turningStage(data), find = name => root.querySelector(name);
   const canvas = find('canvas');
   const gl = canvas.getContext('webgl2', {antialias: false, alpha: false});
-  if (!gl) return;
-  root.classList.add('drawn');
-  const data = JSON.parse(find('script').textContent);
+  if (!gl) {
+    into.append(el('p', {class: 'notice'}, 'The view that turns needs a browser with WebGL 2.'));
+    return null;
+  }
+  into.append(root);
 
   function program(vertices, pixels) {
     const result = gl.createProgram();
@@ -170,7 +197,7 @@ function turningView(root) {
     });
   }
 
-  // What is looked at, from how far and from where: yaw 0 looks along x, pitch down.
+  // The camera looks at the target from a distance; yaw 0 looks along x, pitch is downwards.
   const camera = {target: [...data.centre], distance: 2.4 * data.radius, yaw: 1.1, pitch: .62};
   let goal = null;  // where the camera glides to
   let shown = {cloud: 0, scan: 0, by: 0};
@@ -188,7 +215,7 @@ function turningView(root) {
     return {ahead, right, up, x, y, near, toClip, focal: y * canvas.height / 2};
   }
 
-  // Blocks that are seen, each with as many points as its distance asks for.
+  // Draws the blocks within the picture, each with as many points as its distance needs.
   function drawCloud(cloud, look, colours) {
     if (!cloud.buffer) {
       cloud.buffer = bufferOf(bytesOf(cloud.points));
@@ -286,7 +313,7 @@ function turningView(root) {
     gl.uniform3fv(lines.shift, less(data.centre, camera.target));
     gl.uniform2f(lines.pixel, 2 / canvas.width, 2 / canvas.height);
     gl.uniform1f(lines.near, look.near);
-    if (find('.way').checked) {
+    if (find('.path').checked) {
       drawLines(path, kPath, 3);
       drawLines(loops, kLoops, 8);
     }
@@ -298,8 +325,8 @@ function turningView(root) {
   function showScale(look) {
     const pixelsPerMetre = look.focal / camera.distance * canvas.clientHeight / canvas.height;
     const metres = [.1, .2, .5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000].find(m => m * pixelsPerMetre > 60) || 5000;
-    find('.scale i').style.width = metres * pixelsPerMetre + 'px';
-    find('.scale span').textContent = metres + ' m';
+    find('.metres i').style.width = metres * pixelsPerMetre + 'px';
+    find('.metres span').textContent = metres + ' m';
   }
 
   // Pictures are drawn as long as something moves, then once with all points.
@@ -438,7 +465,7 @@ function turningView(root) {
     find('.play').textContent = timer ? 'Stop' : 'Play';
   }
   find('.play').onclick = play;
-  root.renew = fresh => {  // of a page that goes on
+  root.renew = fresh => {  // for a page that is updated
     const clouds = [...data.clouds, ...data.scans.flatMap(scan => [scan.measured, scan.upsampled])];
     for (const old of [path, loops, ...clouds]) { gl.deleteBuffer(old.buffer); gl.deleteBuffer(old.shine); }
     Object.assign(data, fresh);
@@ -446,6 +473,10 @@ function turningView(root) {
     find('.scan').max = data.scans.length;
     choose();
     show(Math.min(shown.scan, data.scans.length));
+  };
+  root.sensorAt = pose => {
+    Object.assign(data.scans[0], pose);
+    show(shown.scan);
   };
   find('.scan').max = data.scans.length;
   find('.scan').oninput = event => show(Number(event.target.value));
@@ -462,7 +493,7 @@ function turningView(root) {
     shown.by = colour.selectedIndex;
     const stops = kPalettes[shown.by].map(stop => `rgb(${stop.map(part => 255 * part)})`);
     find('.key i').style.background = `linear-gradient(90deg, ${stops})`;
-    const ends = [data.heights.map(height => height.toFixed(1) + ' m'), ['unsure', 'sure'],
+    const ends = [data.heights.map(height => height.toFixed(1) + ' m'), ['0', '1: certain'],
                   bright.map(value => String(Number(value.toPrecision(2))))][shown.by];
     find('.key .low').textContent = ends[0];
     find('.key .high').textContent = ends[1];
@@ -471,18 +502,28 @@ function turningView(root) {
   find('.cloud').onchange = find('.colour').onchange = choose;
   new ResizeObserver(() => redraw()).observe(canvas);
 
-  // A link can say how it looks: page.html#yaw=0.5&pitch=0.3&distance=40&scan=3&colour=2
-  const said = Object.fromEntries([...new URLSearchParams(location.hash.slice(1))]
+  // A link can name the view: page.html#yaw=0.5&pitch=0.3&distance=40&scan=3&colour=2
+  const asked = Object.fromEntries([...new URLSearchParams(location.hash.slice(1))]
       .map(([name, value]) => [name, Number(value)]));
-  for (const name of ['yaw', 'pitch', 'distance']) if (Number.isFinite(said[name])) camera[name] = said[name];
-  if (said.cloud in data.clouds) find('.cloud').selectedIndex = said.cloud;
-  if (said.colour in kPalettes) find('.colour').selectedIndex = said.colour;
+  for (const name of ['yaw', 'pitch', 'distance']) if (Number.isFinite(asked[name])) camera[name] = asked[name];
+  if (asked.cloud in data.clouds) find('.cloud').selectedIndex = asked.cloud;
+  if (asked.colour in kPalettes) find('.colour').selectedIndex = asked.colour;
   choose();
-  const apart = data.scans.map(scan => Math.abs(scan.number - said.scan));  // NaN: none was said
+  const apart = data.scans.map(scan => Math.abs(scan.number - asked.scan));  // NaN: none was asked for
   if (data.scans.length) show(apart.indexOf(Math.min(...apart)) + 1);
   if (shown.scan) camera.target = [...data.scans[shown.scan - 1].at];
+  return root;
 }
-document.querySelectorAll('.turning-view').forEach(turningView);
-)js";
 
-}  // namespace hqslam::tools
+/** The points of a cloud, x and y in metres: what a map from above is drawn from. */
+function placesOf(cloud) {
+  const words = new Uint32Array(bytesOf(cloud.points).buffer), xs = new Float32Array(words.length), ys = new Float32Array(words.length);
+  let i = 0;
+  for (const [x, y, , end] of cloud.blocks) {
+    for (const last = i + end; i < last; ++i) {
+      xs[i] = cloud.origin[0] + (512 * x + (words[i] & 511) + .5) * cloud.step;
+      ys[i] = cloud.origin[1] + (512 * y + (words[i] >> 9 & 511) + .5) * cloud.step;
+    }
+  }
+  return [xs, ys];
+}
