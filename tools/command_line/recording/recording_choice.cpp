@@ -229,7 +229,7 @@ std::unique_ptr<ScanSource> with_imu_of(const InputChoice& choice,
 std::unique_ptr<ScanSource> open_input(const InputChoice& choice, const SensorModel& sensor) {
   recordings::OpenOptions options = open_options(choice);
   if (!recordings::is_capture_or_bag(choice.input)) {
-    return open_recording(choice.input, sensor, options.files);
+    return open_scan_files(choice.input, sensor, options.files);
   }
   options.columns = sensor.columns;
   return recordings::open_stream(choice.input, options);

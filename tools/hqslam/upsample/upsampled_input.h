@@ -12,7 +12,6 @@
 namespace hqslam::tools {
 
 /// Sensors of one type differ by this much from their data sheet.
-inline constexpr double kBeamTolerance_deg = 0.25;
 /// Whether a network made for `expected` can upsample what `sensor` sees: as many rows and columns,
 /// and beams that look the same way.
 bool fits(const SensorModel& sensor, const SensorModel& expected);
