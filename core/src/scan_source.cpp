@@ -225,7 +225,7 @@ class SourceWithImu : public ScanSource {
 
 }  // namespace
 
-std::unique_ptr<ScanSource> open_recording(const std::string& path,
+std::unique_ptr<ScanSource> open_scan_files(const std::string& path,
                                            const std::optional<SensorModel>& sensor,
                                            const RecordingOptions& options) {
   if (sensor) validate(*sensor);

@@ -26,7 +26,7 @@ const SensorModel& small_sensor() {
 
 /// To images, as hqslam run reads a recording.
 void read_scans(const std::string& path) {
-  const auto source = open_recording(path, small_sensor());
+  const auto source = open_scan_files(path, small_sensor());
   while (source->next()) {
   }
 }

@@ -234,7 +234,7 @@ TEST_CASE("a network of two modes is trained, upsamples with a confidence, and s
   const auto upsampled_returns = [&](const std::string& out, const std::string& option) {
     succeeds("upsample '{}' --weights '{}' --out '{}' --pcd {}", drive, weights, folder.file(out),
              option);
-    const auto scan = open_recording(folder.file(out), sensor_preset("os1-64"))->next();
+    const auto scan = open_scan_files(folder.file(out), sensor_preset("os1-64"))->next();
     REQUIRE(scan);
     REQUIRE(scan->cloud.confidence.size() == 64 * 1024);
     int computed = 0;

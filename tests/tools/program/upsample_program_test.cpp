@@ -296,7 +296,7 @@ TEST_CASE("a recording's intensities come through upsampling into clouds and int
   }
   CHECK(computed > 1000);
   CHECK(scan_of(upsampled, &sensor, "").time_offset_s.size() == upsampled.scan.points_m.size());
-  const auto images = open_recording(folder.file("up"), std::nullopt);
+  const auto images = open_scan_files(folder.file("up"), std::nullopt);
   images->next();
   const std::vector<float> of_image = returns_of(images->next()->cloud).intensity;
   CHECK(std::ranges::equal(of_image, upsampled.scan.intensity, [](float a, float b) {

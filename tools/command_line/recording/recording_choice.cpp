@@ -123,21 +123,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-recordings::OpenOptions open_options(const InputChoice& choice) {
-  recordings::OpenOptions options;
-  options.sensor = choice.sensor;
-  options.stream = choice.stream;
-  options.kept_return = kept_return_named(choice.kept_return);
-  if (choice.row_order == "lowest-first") options.files.row_order = RowOrder::kLowestFirst;
-  if (choice.motion_corrected) options.files.capture_time = CaptureTime::kMotionCorrected;
-  if (choice.capture == "rolling") options.files.without_times = CaptureTime::kRolling;
-  if (choice.capture == "corrected") {
-    options.files.without_times = CaptureTime::kMotionCorrected;
-  }
-  options.files.stamps = choice.stamps;
-  return options;
-}
-
 /// Of a simulated drive that may have been stopped; 0 where a folder is none.
 std::int64_t planned_scans(const std::string& input) {
   const std::string drive = file_of_drive(input, "drive.json");
@@ -166,73 +151,44 @@ std::string file_of_drive(const std::string& input, const char* name) {
   return fs::is_directory(input) && fs::is_regular_file(path) ? path.string() : "";
 }
 
-void refuse_idle_options(const InputChoice& choice) {
-  const bool is_stream = recordings::is_capture_or_bag(choice.input);
-  const bool is_stack = fs::path(choice.input).extension() == ".npy" ||
-                        (!file_of_drive(choice.input, "scans.npy").empty() &&
-                         !file_of_drive(choice.input, "sensor.json").empty());
-  struct Option {
-    const char* name;
-    bool is_given;
-    bool is_used;
-  };
-  const InputChoice usual;
-  for (const Option& option : std::initializer_list<Option>{
-           {"--stream", choice.stream != usual.stream, is_stream},
-           {"--return", choice.kept_return != usual.kept_return, is_stream},
-           {"--row-order", choice.row_order != usual.row_order, is_stack},
-           {"--motion-corrected", choice.motion_corrected, is_stack},
-           {"--capture", choice.capture != usual.capture, !is_stream && !is_stack},
-           {"--stamps", choice.stamps != usual.stamps, !is_stream}}) {
-    if (!option.is_given || option.is_used) continue;
-    throw Error("{}: {} says nothing of {}; leave {} out", choice.input, option.name,
-                is_stream  ? "a capture or a bag"
-                : is_stack ? "a stack of range images"
-                           : "files of points",
-                option.name);
+recordings::OpenOptions open_options(const InputChoice& choice) {
+  recordings::OpenOptions options;
+  options.sensor = choice.sensor;
+  options.stream = choice.stream;
+  options.kept_return = kept_return_named(choice.kept_return);
+  if (choice.row_order == "lowest-first") options.files.row_order = RowOrder::kLowestFirst;
+  if (choice.motion_corrected) options.files.capture_time = CaptureTime::kMotionCorrected;
+  if (choice.capture == "rolling") options.files.without_times = CaptureTime::kRolling;
+  if (choice.capture == "corrected") {
+    options.files.without_times = CaptureTime::kMotionCorrected;
   }
+  options.files.stamps = choice.stamps;
+  options.imu = choice.imu;
+  return options;
 }
 
-std::optional<SensorModel> recording_sensor(const InputChoice& choice) {
-  if (const auto stream = open_stream(choice)) return stream->sensor();
-  const std::string path =
-      choice.sensor.empty() ? file_of_drive(choice.input, "sensor.json") : choice.sensor;
-  return path.empty() ? std::nullopt : std::optional(load_sensor(path));
+pipeline::UpsamplingOptions upsampling_options(const UpsamplingChoice& choice) {
+  pipeline::UpsamplingOptions options{choice.upsample, choice.rows};
+  options.network.least_confidence = choice.least_confidence;
+  if (choice.tolerance_m) options.network.tolerance_m = *choice.tolerance_m;
+  return options;
 }
 
-SensorModel required_recording_sensor(const InputChoice& choice) {
-  std::optional<SensorModel> known = recording_sensor(choice);
-  if (known) return *known;
-  const auto source = open_as_points_tell(choice);
-  print_later_warnings(*source, 0);  // which sensor was found in the points
-  return source->sensor();
+void check_confidence(const UpsamplingChoice& choice, const pipeline::Upsampler& upsampler) {
+  if (!choice.least_confidence && !choice.tolerance_m) return;
+  if (upsampler.has_confidence()) return;
+  throw Error(
+      "{}: gives no confidence; leave --confidence and --tolerance out, or give weights of kind "
+      "du-mix",
+      choice.upsample);
 }
 
-std::unique_ptr<ScanSource> open_as_points_tell(const InputChoice& choice) {
-  recordings::OpenOptions options = open_options(choice);
-  options.sensor.clear();
-  return recordings::open_recording(choice.input, options);
-}
-
-std::unique_ptr<recordings::StreamSource> open_stream(const InputChoice& choice) {
-  refuse_idle_options(choice);
-  if (!recordings::is_capture_or_bag(choice.input)) return nullptr;
-  return recordings::open_stream(choice.input, open_options(choice));
-}
-
-std::unique_ptr<ScanSource> with_imu_of(const InputChoice& choice,
-                                        std::unique_ptr<ScanSource> source) {
-  if (choice.imu.empty()) return recordings::with_imu_of_drive(std::move(source), choice.input);
-  return with_imu(std::move(source), read_imu_csv(choice.imu), choice.imu);
-}
-
-std::unique_ptr<ScanSource> open_input(const InputChoice& choice, const SensorModel& sensor) {
-  recordings::OpenOptions options = open_options(choice);
-  if (!recordings::is_capture_or_bag(choice.input)) {
-    return open_recording(choice.input, sensor, options.files);
-  }
-  options.columns = sensor.columns;
-  return recordings::open_stream(choice.input, options);
+pipeline::UpsampledRecording upsampled_recording(const InputChoice& recording,
+                                                 const UpsamplingChoice& upsampling) {
+  pipeline::UpsampledRecording opened = pipeline::open_upsampled(
+      recording.input, open_options(recording), upsampling_options(upsampling));
+  check_confidence(upsampling, opened.upsampler);
+  return opened;
 }
 
 std::int64_t scans_in(const InputChoice& choice, const ScanSource& source) {
@@ -253,9 +209,9 @@ std::size_t print_warnings(const ScanSource& source, const std::string& input) {
   return source.warnings().size();
 }
 
-void print_later_warnings(const ScanSource& source, std::size_t told) {
+void print_later_warnings(const ScanSource& source, std::size_t printed) {
   const std::vector<std::string> warnings = source.warnings();
-  for (std::size_t i = told; i < warnings.size(); ++i) to_stderr("hqslam: {}\n", warnings[i]);
+  for (std::size_t i = printed; i < warnings.size(); ++i) to_stderr("hqslam: {}\n", warnings[i]);
 }
 
 void refuse_to_write_into_recording(const std::string& input, const std::string& out) {

@@ -18,7 +18,6 @@
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
-#include "upsample/upsampled_input.h"
 
 namespace hqslam::tools {
 namespace {
@@ -142,18 +141,17 @@ int run(const CalibrateOptions& options) {
   guard_output_file(page, {options.input}, page_marker("hqslam calibrate"));
   UpsamplingChoice rows;
   rows.rows = options.rows;
-  UpsampledInput input = upsampled_input(options, rows);
+  pipeline::UpsampledRecording input = upsampled_recording(options, rows);
   if (input.upsampler.recorded().measured_rows) {
     throw Error(
         "{}: expected a recording of measured rows, found computed ones; give the recording that "
         "was upsampled",
         options.input);
   }
-  const std::unique_ptr<ScanSource> source = input.open();
   pipeline::PipelineOptions without_loops;
   without_loops.slam_options.loop_closing.enabled = false;
   pipeline::Pipeline pipeline(std::move(input.upsampler), without_loops);
-  FollowedDrive drive = follow(options.input, *source, pipeline, options.path_m);
+  FollowedDrive drive = follow(options.input, input.recording, pipeline, options.path_m);
   if (drive.is_lost) {
     to_stderr("hqslam: {}: tracking was lost after {:.1f} m; only the scans before are used\n",
               options.input, drive.path_m);

@@ -123,7 +123,6 @@ void declare(CLI::App& app, InfoOptions& options) {
 }
 
 int run(const InfoOptions& options) {
-  refuse_idle_options({options.input, options.sensor, options.stream});
   if (!options.write_sensor.empty()) {
     guard_output_file(options.write_sensor, {options.input, options.sensor},
                       [](const std::string&) { return false; });  // users change them
@@ -131,7 +130,11 @@ int run(const InfoOptions& options) {
   recordings::OpenOptions open;
   open.sensor = options.sensor;
   open.stream = options.stream;
-  open.files.without_times = CaptureTime::kMotionCorrected;  // and looked at below
+  const bool is_stack = fs::path(options.input).extension() == ".npy";
+  const bool is_stream = recordings::is_capture_or_bag(options.input);
+  if (!is_stream && !is_stack && file_of_drive(options.input, "scans.npy").empty()) {
+    open.files.without_times = CaptureTime::kMotionCorrected;  // no warning: it is checked below
+  }
   recordings::RecordingInfo info = recordings::inspect(options.input, open);
   print_line("file", fmt::format("{}: {}", options.input, info.kind));
   for (const recordings::Stream& stream : info.streams) {
@@ -153,7 +156,6 @@ int run(const InfoOptions& options) {
   print_line("points", info.has_point_times ? "each with its own time: corrected for motion by SLAM"
                                             : "without times: taken as corrected for motion");
   std::string capture;
-  const bool is_stack = fs::path(options.input).extension() == ".npy";
   const bool is_untimed = !info.sensor.motion_corrected &&  // else a folder's sensor.json says so
                           (is_stack || (info.streams.empty() && !info.has_point_times));
   if (complaint.empty() && is_untimed) {

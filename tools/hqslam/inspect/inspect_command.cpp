@@ -16,7 +16,6 @@
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
-#include "upsample/upsampled_input.h"
 
 namespace hqslam::tools {
 namespace {
@@ -49,11 +48,11 @@ struct SeenScan {
   nn::RecalledImage recalled;
 };
 
-SeenScan scan_of(const InspectOptions& options, UpsampledInput& input) {
+SeenScan scan_of(const InspectOptions& options, pipeline::UpsampledRecording& input) {
   const pipeline::Upsampler& upsampler = input.upsampler;
   require_memory(options.poses, upsampler.has_scan_memory());
   const ScanPoses poses =
-      read_scan_poses(options.poses, InterruptGuard(), [&] { return input.open(); });
+      read_scan_poses(options.poses, InterruptGuard(), [&] { return input.reopened(); });
   pipeline::LookAheadMemory memory(upsampler.method(), poses);
   SeenScan seen;
   const auto look = [&](const ReadScan& read) {
@@ -62,7 +61,7 @@ SeenScan scan_of(const InspectOptions& options, UpsampledInput& input) {
     if (read.index != options.scan) return;
     seen.image = range_image(calibrated(read.scan.cloud, upsampler.recorded()));
   };
-  for_scans_up_to(options, *input.open(), look, look_ahead_of(memory, upsampler));
+  for_scans_up_to(options, input.recording, look, look_ahead_of(memory, upsampler));
   report_scans_without_pose(memory, options.poses, options.input);
   return seen;
 }
@@ -86,8 +85,9 @@ void print_differences(const std::vector<nn::ReferenceDifference>& differences) 
 int inspect_slam(const InspectOptions& options) {
   guard_output_file(options.out, {options.input, options.weights},
                     page_marker("hqslam inspect --slam"));
-  UpsampledInput input = upsampled_input(options, {options.weights, options.rows});
-  const std::unique_ptr<ScanSource> source = input.open();
+  pipeline::UpsampledRecording input =
+      upsampled_recording(options, {options.weights, options.rows});
+  ScanSource& source = input.recording;
   pipeline::PipelineOptions pipeline;
   pipeline.slam_options = slam_options(options.slam_settings);
   SlamSession session(std::move(input.upsampler), pipeline, options.input);
@@ -95,14 +95,14 @@ int inspect_slam(const InspectOptions& options) {
   page.recording = options.input;
   page.scan = options.scan;
   Progress progress("slam", options.scan + 1);
-  const std::size_t printed = source->warnings().size();
-  for_scans_up_to(options, *source, [&](const ReadScan& read) {
+  const std::size_t printed = source.warnings().size();
+  for_scans_up_to(options, source, [&](const ReadScan& read) {
     slam::ScanTrace* trace = read.index == options.scan ? &page.trace : nullptr;
     page.report = session.process(read.scan, read.index, read.reading_s, trace).report;
     progress.update(read.index + 1);
   });
   progress.finish();
-  print_later_warnings(*source, printed);
+  print_later_warnings(source, printed);
   write_text_file(slam_scan_html(page), options.out);
   to_stdout("results: {}\n", options.out);
   return kOk;
@@ -151,10 +151,9 @@ int run(const InspectOptions& options) {
   if (options.weights.empty()) throw Error("inspect: expected --weights, or --slam");
   if (!options.list) {
     if (options.out.empty()) throw Error("inspect: no --out, expected a page to write or --list");
-    guard_output_file(options.out, {options.input, options.weights},
-                      page_marker("hqslam inspect"));
+    guard_output_file(options.out, {options.input, options.weights}, page_marker("hqslam inspect"));
   }
-  UpsampledInput input = upsampled_input(options, {options.weights});
+  pipeline::UpsampledRecording input = upsampled_recording(options, {options.weights});
   nn::SuperResolver network = nn::SuperResolver::load(options.weights);
   const auto [scan, recalled] = scan_of(options, input);
   LayersReport report;

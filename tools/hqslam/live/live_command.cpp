@@ -15,7 +15,6 @@
 #include "terminal/command_options.h"
 #include "terminal/terminal.h"
 #include "timing/timing.h"
-#include "upsample/upsampled_input.h"
 
 namespace hqslam::tools {
 namespace {
@@ -31,16 +30,37 @@ live::LiveOptions sensor_options(const LiveOptions& options) {
   return sensor;
 }
 
+/// Two units of one type may differ from their data sheet by more than weights can bear: for a
+/// sensor whose own beams are still unknown, those of the weights are assumed.
+void assume_beams(SensorModel& sensor, const pipeline::UpsamplingMethod& method) {
+  std::optional<SensorModel> full = pipeline::sensor_of(method);
+  if (!full) return;
+  const RowSelection rows = *std::exchange(full->measured_rows, std::nullopt);
+  for (const SensorModel& expected : {*full, select_rows(*full, rows)}) {
+    if (sensor.rows() == expected.rows()) sensor.beam_elevation_rad = expected.beam_elevation_rad;
+  }
+}
+
+pipeline::Upsampler upsampler_of(const live::NamedSensor& named, const LiveOptions& options,
+                                 const std::string& name) {
+  const pipeline::UpsamplingOptions upsampling = upsampling_options(options);
+  SensorModel sensor = named.sensor;
+  pipeline::UpsamplingMethod method = pipeline::load_method(upsampling, sensor);
+  if (!named.knows_beams) assume_beams(sensor, method);
+  pipeline::Upsampler upsampler(sensor, std::move(method), upsampling, name);
+  check_confidence(options, upsampler);
+  return upsampler;
+}
+
 /// Refuses weights that the sensor cannot be upsampled with before its packets come, as far as it
 /// is known then.
 void require_possible(const LiveOptions& options) {
-  const auto [sensor, knows_beams, knows_columns] = live::named_sensor(options.sensor);
-  const pipeline::Upsampler upsampler = upsampler_for_sender(
-      Sender{fmt::format("--sensor {}", options.sensor), sensor, knows_beams}, options);
-  const int columns = upsampler.recorded().columns;
-  if (!knows_columns || columns == sensor.columns) return;
+  const live::NamedSensor named = live::named_sensor(options.sensor);
+  const int columns =
+      upsampler_of(named, options, fmt::format("--sensor {}", options.sensor)).recorded().columns;
+  if (!named.knows_columns || columns == named.sensor.columns) return;
   throw Error("{}: the sensor sends {} columns a turn, {} expects {}; set it to another mode",
-              options.sensor, sensor.columns, options.upsample, columns);
+              options.sensor, named.sensor.columns, options.upsample, columns);
 }
 
 void print_sensor(const live::LiveSensor& sensor, int columns) {
@@ -138,7 +158,7 @@ int run(const LiveOptions& options) {
   }
   if (!wait_for_sensor(sensor, interrupt)) return kOk;
   const std::string port = fmt::format("UDP port {}", sensor.port());
-  pipeline::Upsampler upsampler = upsampler_for_sender(Sender{port, sensor.sensor()}, options);
+  pipeline::Upsampler upsampler = upsampler_of({sensor.sensor()}, options, port);
   const int columns = upsampler.recorded().columns;
   print_sensor(sensor, columns);
   sensor.start(columns);

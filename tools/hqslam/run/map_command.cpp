@@ -3,7 +3,6 @@
 #include "hqslam/core/error.h"
 #include "recording/scan_poses.h"
 #include "terminal/terminal.h"
-#include "upsample/upsampled_input.h"
 
 namespace hqslam::tools {
 namespace {
@@ -53,8 +52,9 @@ int run(const MapOptions& options) {
   use_threads(options.threads);
   options_of(options.grid);  // refused before the work, not after it
   refuse_to_write_into_recording(options.input, options.out);
-  const ScanPoses poses = read_scan_poses(options.poses, interrupt,
-                                          [&] { return upsampled_input(options, options).open(); });
+  const ScanPoses poses = read_scan_poses(options.poses, interrupt, [&] {
+    return std::move(upsampled_recording(options, options).recording);
+  });
   check_near_origin(poses, options.poses);
   const Paths inputs = {options.input, options.poses, options.upsample};
   guard_dense_map(options.out, inputs);

@@ -9,12 +9,12 @@ namespace hqslam::tools {
 
 namespace {
 
-UpsampledInput input_of(const InputChoice& recording, const UpsamplingChoice& upsampling,
-                        double voxel_m) {
-  nn::SuperResolverOptions network;
-  network.tolerance_m = static_cast<float>(voxel_m);
-  network.least_confidence = slam::DenseMapOptions::kLeastPointConfidence;
-  return upsampled_input(recording, {upsampling.upsample, upsampling.rows}, network);
+pipeline::UpsampledRecording input_of(const InputChoice& recording,
+                                      const UpsamplingChoice& upsampling, double voxel_m) {
+  pipeline::UpsamplingOptions options{upsampling.upsample, upsampling.rows};
+  options.network.tolerance_m = static_cast<float>(voxel_m);
+  options.network.least_confidence = slam::DenseMapOptions::kLeastPointConfidence;
+  return pipeline::open_upsampled(recording.input, open_options(recording), options);
 }
 
 }  // namespace
@@ -27,9 +27,9 @@ MapReading MapInput::read(const ScanPoses& poses, const std::string& label,
                           const InterruptGuard& interrupt,
                           const std::function<void(const ReadScan&, const slam::SensorPath&)>& use,
                           const LookAhead& look_ahead) {
-  const auto source = input_.open();
+  recordings::Recording source = input_.reopened();
   const auto& scans = poses.scan_of_pose;
-  std::optional<std::int64_t> most = source->size();
+  std::optional<std::int64_t> most = source.size();
   if (scans && !scans->empty()) {
     most = std::min(most.value_or(scans->back() + 1), scans->back() + 1);
   }
@@ -43,10 +43,10 @@ MapReading MapInput::read(const ScanPoses& poses, const std::string& label,
     } else {
       ++reading.without_pose;
     }
-    progress.update(read.index + 1, source->read_share());
+    progress.update(read.index + 1, source.read_share());
     return !most || read.index + 1 < *most;
   };
-  read_scans(*source, interrupt, reading, use_if_known, look_ahead);
+  read_scans(source, interrupt, reading, use_if_known, look_ahead);
   progress.finish();
   return reading;
 }

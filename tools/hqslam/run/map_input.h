@@ -9,7 +9,6 @@
 #include "recording/reading.h"
 #include "recording/scan_poses.h"
 #include "terminal/terminal.h"
-#include "upsample/upsampled_input.h"
 
 namespace hqslam::tools {
 
@@ -50,7 +49,7 @@ class MapInput {
                   const std::function<void(const ReadScan&, const slam::SensorPath&)>& use,
                   const LookAhead& look_ahead);
 
-  UpsampledInput input_;
+  pipeline::UpsampledRecording input_;
   std::optional<RowSelection> measured_rows_;
 };
 

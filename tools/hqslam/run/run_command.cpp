@@ -17,7 +17,6 @@
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
-#include "upsample/upsampled_input.h"
 
 namespace hqslam::tools {
 namespace {
@@ -263,16 +262,16 @@ SlamRun run_and_write(const RunOptions& options, const InterruptGuard& interrupt
   use_threads(options.threads);
   refuse_to_write_into_recording(options.input, options.out);
   options_of(options.grid);  // refused before the drive, not after it
-  UpsampledInput input = upsampled_input(options, options);
-  const std::unique_ptr<ScanSource> source = input.open();
-  const std::size_t printed = print_warnings(*source, options.input);
-  const std::optional<TrajectoryFile> reference = reference_of(options, *source);
+  pipeline::UpsampledRecording input = upsampled_recording(options, options);
+  ScanSource& source = input.recording;
+  const std::size_t printed = print_warnings(source, options.input);
+  const std::optional<TrajectoryFile> reference = reference_of(options, source);
   RunOutput output(options.out, inputs_of(options));
 
   SlamSession session(std::move(input.upsampler), pipeline_options(options), options.input);
   session.run().located_in = options.map_file;
-  process_all(*source, session, output, interrupt);
-  print_later_warnings(*source, printed);
+  process_all(source, session, output, interrupt);
+  print_later_warnings(source, printed);
   SlamRun run = session.finished(options.save_map);
   if (run.scans.empty()) return run;  // interrupted at once: an earlier run's results stay
   if (reference) {

@@ -19,7 +19,6 @@
 #include "terminal/terminal.h"
 #include "timing/timing.h"
 #include "upsample/upsample_output.h"
-#include "upsample/upsampled_input.h"
 
 namespace hqslam::tools {
 namespace {
@@ -146,15 +145,16 @@ int run(const UpsampleOptions& options) {
   const InterruptGuard interrupt;
   use_threads(options.threads);
   refuse_to_write_into_recording(options.input, options.out);
-  UpsampledInput input = upsampled_input(options, options);
+  pipeline::UpsampledRecording input = upsampled_recording(options, options);
   require_memory(options.poses, input.upsampler.has_scan_memory());
-  const ScanPoses poses = read_scan_poses(options.poses, interrupt, [&] { return input.open(); });
-  const std::unique_ptr<ScanSource> source = input.open();
-  const std::size_t printed = print_warnings(*source, options.input);
-  const UpsampleRun run = upsample(*source, input.upsampler, poses, options, interrupt);
-  print_later_warnings(*source, printed);
+  const ScanPoses poses =
+      read_scan_poses(options.poses, interrupt, [&] { return input.reopened(); });
+  ScanSource& source = input.recording;
+  const std::size_t printed = print_warnings(source, options.input);
+  const UpsampleRun run = upsample(source, input.upsampler, poses, options, interrupt);
+  print_later_warnings(source, printed);
   if (!run.times_s.empty()) print_summary(run, *input.upsampler.method(), options);
-  return exit_status_of(run, std::ssize(run.times_s), source->size());
+  return exit_status_of(run, std::ssize(run.times_s), source.size());
 }
 
 }  // namespace hqslam::tools

@@ -15,7 +15,6 @@
 #include "pages/turning_view.h"
 #include "terminal/command_options.h"
 #include "terminal/terminal.h"
-#include "upsample/upsampled_input.h"
 
 namespace hqslam::tools {
 namespace {
@@ -44,11 +43,10 @@ ViewCloud saved_map_in(const std::string& path) {
 }
 
 ViewCloud scan_of(const std::string& path, const ViewOptions& options) {
-  UpsampledInput input = upsampled_input({path, options.sensor}, {});
-  const std::unique_ptr<ScanSource> source = input.open();
+  pipeline::UpsampledRecording input = upsampled_recording({path, options.sensor}, {});
   LeftOut left_out;
   for (std::int64_t used = 0;; ++used) {
-    const std::optional<RecordedScan> scan = next_usable(*source, left_out);
+    const std::optional<RecordedScan> scan = next_usable(input.recording, left_out);
     const std::int64_t i = used + left_out.scans;  // those left out count
     if (scan && i == options.scan)
       return cloud_of(returns_of(input.upsampler.measured(scan->cloud)));
@@ -98,9 +96,9 @@ int run(const ViewOptions& options) {
     view.clouds.push_back(cloud_in(path, options));
     points += view.clouds.back().points_m.size();
   }
-  write_text_file(page_html("view", {{"title", view.clouds.front().name},
-                                     {"view", turning_view_json(view)}}),
-                  options.out);
+  write_text_file(
+      page_html("view", {{"title", view.clouds.front().name}, {"view", turning_view_json(view)}}),
+      options.out);
   to_stdout("{} points\nresults: {}\n", points, options.out);
   return kOk;
 }

@@ -102,33 +102,32 @@ void measure_networks(const std::vector<std::string>& paths, const std::vector<R
 /// The recording as SLAM is to see it: with kRowCounts of its rows, those to which they can be
 /// thinned evenly, then upsampled by the networks of this sensor that are quick enough to stand
 /// before SLAM.
-std::vector<UpsampledInput> slam_inputs(const InputChoice& recording, const SensorModel& sensor,
-                                        const std::vector<std::string>& paths) {
+std::vector<pipeline::UpsamplingOptions> slam_inputs(const SensorModel& sensor,
+                                                     const std::vector<std::string>& paths) {
   constexpr std::int64_t kMostMultiplyAdds = 5'000'000'000;
-  std::vector<UpsampledInput> inputs;
+  std::vector<pipeline::UpsamplingOptions> inputs;
   for (const int rows : kRowCounts) {
     if (sensor.rows() % rows == 0) {
-      inputs.push_back({recording, pipeline::Upsampler(sensor, {.rows = rows})});
+      inputs.push_back({.rows = rows});
     } else {
       to_stderr("slam, {} rows: left out, they do not divide the sensor's {}\n", rows,
                 sensor.rows());
     }
   }
   for (const std::string& path : paths) {
-    nn::SuperResolver network = nn::SuperResolver::load(path);
-    const nn::NetworkDescription& description = network.description();
-    if (network.multiply_adds() < kMostMultiplyAdds && description.sensor.rows() == sensor.rows() &&
-        description.sensor.columns == sensor.columns) {
-      inputs.push_back(
-          {recording, pipeline::Upsampler(sensor, std::move(network), {.method = path})});
+    const nn::SuperResolver network = nn::SuperResolver::load(path);
+    if (network.multiply_adds() < kMostMultiplyAdds && network.sensor().rows() == sensor.rows() &&
+        network.sensor().columns == sensor.columns) {
+      inputs.push_back({.method = path});
     }
   }
   return inputs;
 }
 
-void measure_slam(UpsampledInput input, int threads, const InterruptGuard& interrupt,
-                  Measurements& measurements) {
+void measure_slam(const InputChoice& recording, const pipeline::UpsamplingOptions& upsampling,
+                  int threads, const InterruptGuard& interrupt, Measurements& measurements) {
   if (interrupt.stop_requested()) return;
+  auto input = pipeline::open_upsampled(recording.input, open_options(recording), upsampling);
   const nn::Upsampler* method = input.upsampler.method();
   to_stderr("slam, {} rows{}, {} thread{} ...\n", input.upsampler.measured_sensor().rows(),
             method != nullptr ? fmt::format(" upsampled by {}", method->name()) : "", threads,
@@ -140,13 +139,14 @@ Measurements measure(const InputChoice& input, const SensorModel& sensor,
                      const std::vector<std::string>& weights, const InterruptGuard& interrupt) {
   Measurements measurements;
   measurements.sensor = sensor.name;
+  const std::vector<pipeline::UpsamplingOptions> inputs = slam_inputs(sensor, weights);
   for (int threads = 1; threads <= kMostThreads; ++threads) {
-    for (UpsampledInput& slam_input : slam_inputs(input, sensor, weights)) {
-      measure_slam(std::move(slam_input), threads, interrupt, measurements);
+    for (const pipeline::UpsamplingOptions& upsampling : inputs) {
+      measure_slam(input, upsampling, threads, interrupt, measurements);
     }
   }
-  const std::unique_ptr<ScanSource> source = open_input(input, sensor);
-  const std::vector<RangeImage> images = sample_images(*source, scans_in(input, *source));
+  auto source = recordings::Recording::open(input.input, open_options(input));
+  const std::vector<RangeImage> images = sample_images(source, scans_in(input, source));
   to_stderr("components and projection on {} scans ...\n", images.size());
   measurements.step_images = static_cast<int>(images.size());
   measurements.steps = time_steps(images, sensor);
@@ -279,7 +279,7 @@ int run(const BenchOptions& options) {
     simulate_drive(simulate, interrupt);
     input.input = simulate.out;
   }
-  const SensorModel sensor = required_recording_sensor(input);
+  const SensorModel sensor = recordings::Recording::open(input.input, open_options(input)).sensor();
   Measurements measurements = measure(input, sensor, weights, interrupt);
   measurements.input =
       drive ? fmt::format("simulated {}, {} scans", options.drive, options.scans) : input.input;

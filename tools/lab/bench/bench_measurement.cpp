@@ -49,14 +49,14 @@ std::optional<double> peak_memory_mb() {
 
 }  // namespace
 
-SlamTiming time_slam(UpsampledInput input, int threads, const InterruptGuard& interrupt) {
+SlamTiming time_slam(pipeline::UpsampledRecording input, int threads,
+                     const InterruptGuard& interrupt) {
   omp_set_num_threads(threads);
   reset_peak_memory();
-  const std::unique_ptr<ScanSource> source = input.open();
-  SlamSession session(std::move(input.upsampler), {}, input.recording.input, false);
+  SlamSession session(std::move(input.upsampler), {}, input.path, false);
   const pipeline::Upsampler& upsampler = session.pipeline().upsampler();
   while (!interrupt.stop_requested()) {
-    const std::optional<RecordedScan> scan = source->next();
+    const std::optional<RecordedScan> scan = input.recording.next();
     if (!scan) break;
     session.process(*scan);
   }

@@ -8,14 +8,13 @@
 #include "compare/upsampling_comparison.h"
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
+#include "pages/text_table.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
 #include "recording/scan_poses.h"
-#include "pages/text_table.h"
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
-#include "upsample/upsampled_input.h"
 
 namespace hqslam::tools {
 namespace {
@@ -47,13 +46,13 @@ nn::SuperResolver network_of(const std::string& weights, const SensorModel& sens
                              const nn::SuperResolverOptions& options = {}) {
   nn::SuperResolver network = nn::SuperResolver::load(weights, options);
   const SensorModel& made_for = network.sensor();
-  if (!pipeline::fits(sensor, made_for)) {
+  if (sensor.columns != made_for.columns || !have_same_beams(sensor, made_for)) {
     throw Error(
         "{}: upsamples scans of '{}' ({} x {}, beams within {} degrees), but the recording is of "
         "'{}' "
         "({} x {}); give weights made for that sensor",
-        weights, made_for.name, made_for.rows(), made_for.columns, pipeline::kBeamTolerance_deg,
-        sensor.name, sensor.rows(), sensor.columns);
+        weights, made_for.name, made_for.rows(), made_for.columns, kBeamTolerance_deg, sensor.name,
+        sensor.rows(), sensor.columns);
   }
   return network;
 }
@@ -162,8 +161,9 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
                            const InterruptGuard& interrupt, const Use& use,
                            const nn::Upsampler* upsampler = nullptr) {
   require_memory(options.poses, upsampler != nullptr && upsampler->has_scan_memory());
-  const ScanPoses poses =
-      read_scan_poses(options.poses, interrupt, [&] { return open_input(options, sensor); });
+  const ScanPoses poses = read_scan_poses(options.poses, interrupt, [&] {
+    return recordings::Recording::open(options.input, open_options(options));
+  });
   const auto measured_of = [&](const OrganizedCloud& truth) {
     return select_rows(truth, selection_for(truth.rows, kMeasuredRows));
   };
@@ -171,14 +171,14 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
   const auto insert = [&](const ReadScan& read) {
     memory.insert(measured_of(calibrated(read.scan.cloud, sensor)), read.index, read.scan.stamp_s);
   };
-  const auto source = open_input(options, sensor);
-  const std::size_t told = print_warnings(*source, options.input);
-  Progress progress("compare", source->size());
+  auto source = recordings::Recording::open(options.input, open_options(options));
+  const std::size_t told = print_warnings(source, options.input);
+  Progress progress("compare", source.size());
   std::int64_t used = 0;
   std::int64_t looked_at = 0;
   Reading reading;
   const auto compare = [&](const ReadScan& read) {
-    progress.update(++looked_at, source->read_share());
+    progress.update(++looked_at, source.read_share());
     const OrganizedCloud truth = calibrated(read.scan.cloud, sensor);
     const OrganizedCloud measured = measured_of(truth);
     const nn::RecalledImage recalled = memory.recall(measured, read.index, read.scan.stamp_s);
@@ -188,9 +188,9 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
     ++used;
     return true;
   };
-  read_scans(*source, interrupt, reading, compare, {memory.look_ahead_scans(), insert});
+  read_scans(source, interrupt, reading, compare, {memory.look_ahead_scans(), insert});
   progress.finish();
-  print_later_warnings(*source, told);
+  print_later_warnings(source, told);
   if (reading.end == ReadingEnd::kUnreadableScan) throw Error(reading.end_message);
   if (used == 0 && reading.left_out.scans > 0 && reading.end == ReadingEnd::kComplete) {
     throw Error(reading.left_out.text());
@@ -237,7 +237,8 @@ int run(const CompareOptions& options) {
   use_threads(options.threads);
   guard_outputs(options);
   const InterruptGuard interrupt;
-  const SensorModel sensor = required_recording_sensor(options);
+  const SensorModel sensor =
+      recordings::Recording::open(options.input, open_options(options)).sensor();
   require_rows_to_compute(options, sensor);
   Json json;
   std::int64_t used = 0;

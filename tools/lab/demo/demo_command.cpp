@@ -30,7 +30,6 @@
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
 #include "timing/timing.h"
-#include "upsample/upsampled_input.h"
 
 namespace hqslam::tools {
 namespace {
@@ -70,15 +69,16 @@ void score(const std::string& drive, std::vector<DemoRow>& rows, const Interrupt
   std::vector<ComparedMethod> methods;
   for (const DemoRow& row : rows) {
     if (!row.way.upsample.empty()) {
-      UpsampledInput input = upsampled_input({drive}, {row.way.upsample, row.way.rows});
+      pipeline::UpsampledRecording input =
+          upsampled_recording({drive}, {row.way.upsample, row.way.rows});
       methods.push_back({row.way.name, std::move(*input.upsampler.method())});
     }
   }
   UpsamplingComparison comparison(std::move(methods));
-  const std::unique_ptr<ScanSource> source = upsampled_input({drive}, {}).open();
-  Progress progress("compare with 64 beams", source->size());
+  auto source = recordings::Recording::open(drive);
+  Progress progress("compare with 64 beams", source.size());
   Reading reading;
-  read_scans(*source, interrupt, reading, [&](const ReadScan& read) {
+  read_scans(source, interrupt, reading, [&](const ReadScan& read) {
     if (read.index % kComparedScans == 0) comparison.add(read.scan.cloud);
     progress.update(read.index + 1);
     return true;
@@ -142,7 +142,8 @@ std::vector<std::pair<std::string, RangeImage>> example_images(const std::string
       images.emplace_back(row.way.name, select_rows(truth, seen));
       continue;
     }
-    UpsampledInput input = upsampled_input({drive}, {row.way.upsample, row.way.rows});
+    pipeline::UpsampledRecording input =
+        upsampled_recording({drive}, {row.way.upsample, row.way.rows});
     images.emplace_back(row.way.name,
                         input.upsampler.method()->run(select_rows(truth, seen)).image);
   }
@@ -169,8 +170,9 @@ std::string demo_html(const TurningView& view, const TextTable& table,
                       const std::vector<std::pair<std::string, RangeImage>>& images,
                       double max_range_m) {
   PageJson data = {{"title", "One drive, four ways"},
-                   {"subtitle", "A drive through a simulated city with 64 beams, with 16, and with "
-                                "16 upsampled to 64"},
+                   {"subtitle",
+                    "A drive through a simulated city with 64 beams, with 16, and with "
+                    "16 upsampled to 64"},
                    {"view", turning_view_json(view)},
                    {"table", json_of(table)},
                    {"notes", notes},
@@ -236,7 +238,7 @@ int run(const DemoOptions& options) {
   if (!weights) {
     to_stdout("Without DU-Mix: its weights, weights/{}, are not there.\n\n", kWeights);
   }
-  const double max_range_m = required_recording_sensor({simulate.out}).max_range_m;
+  const double max_range_m = recordings::Recording::open(simulate.out).sensor().max_range_m;
   const std::string page = (out / kPage[0]).string();
   write_text_file(
       demo_html(view_of(out, rows), table, notes, example_images(simulate.out, rows), max_range_m),

@@ -147,7 +147,10 @@ ErrorMap error_map_of(const DriveFigures& drive, std::size_t loop_closing) {
   for (const MethodFigures& figures : drive.methods) {
     const auto& error = figures.against_all_rows[loop_closing];
     if (!error) continue;
-    ErrorPanel panel{figures.method.title, error->ape_rmse_m(), {}, error->ape.translation_m,
+    ErrorPanel panel{figures.method.title,
+                     error->ape_rmse_m(),
+                     {},
+                     error->ape.translation_m,
                      distances_m(reference, error->ape.pairs)};
     for (const std::size_t index : error->ape.pairs.estimate) {
       panel.path_m.push_back(

@@ -61,7 +61,7 @@ struct ReportPart {
   std::string title;
   std::string text;
   std::vector<TextTable> tables;
-  std::string page_text = {};  ///< behind `text`, on the page alone
+  std::string page_text = {};            ///< behind `text`, on the page alone
   PageJson figures = PageJson::array();  ///< on the page alone, below the tables
 };
 
@@ -76,8 +76,8 @@ struct TableReport {
 
 /// The report of drives: tables, error maps and error over distance.
 TableReport drives_report(const std::vector<DriveFigures>& drives);
-/// The report of many drives from seeds, together and by kind: tables, and each method's drift minus the one's
-/// that it is paired with: a dot per drive, the mean and its interval.
+/// The report of many drives from seeds, together and by kind: tables, and each method's drift
+/// minus the one's that it is paired with: a dot per drive, the mean and its interval.
 TableReport statistics_report(const TableSample& sample);
 
 /// What is printed: the tables of all parts together, or those of the first part, which is all.

@@ -19,7 +19,6 @@
 #include "recording/reading.h"
 #include "table/table_work.h"
 #include "timing/timing.h"
-#include "upsample/upsampled_input.h"
 
 namespace hqslam::tools {
 namespace {
@@ -36,12 +35,13 @@ std::string processor_name() {
 
 /// What the pass's methods have in common: nothing fills the rows where they see them as recorded,
 /// and no network's last filter runs.
-UpsampledInput shared_input(const TablePass& pass) {
+pipeline::UpsampledRecording shared_input(const TablePass& pass) {
   const TableMethod& method = pass.methods.front();
   const std::string weights = weights_of(method, pass.drive.sensor.name);
-  return upsampled_input(pass.drive.recording,
-                         {weights.empty() ? method.source : weights, method.rows},
-                         {.filter_result = false});
+  pipeline::UpsamplingOptions upsampling{weights.empty() ? method.source : weights, method.rows};
+  upsampling.network.filter_result = false;
+  return pipeline::open_upsampled(pass.drive.recording.input, open_options(pass.drive.recording),
+                                  upsampling);
 }
 
 std::optional<nn::OutlierRemoval> filter_of(const TableMethod& method,
@@ -203,7 +203,7 @@ class Pass {
     }
   }
 
-  UpsampledInput& input() { return input_; }
+  recordings::Recording& recording() { return input_.recording; }
 
   void add(const RecordedScan& scan, std::int64_t index) {
     const OrganizedCloud measured = upsampler().measured(scan.cloud);
@@ -250,7 +250,7 @@ class Pass {
  private:
   pipeline::Upsampler& upsampler() { return input_.upsampler; }
 
-  UpsampledInput input_;
+  pipeline::UpsampledRecording input_;
   pipeline::DriveMemory memory_;
   std::int64_t score_every_;
   std::vector<MethodRun> runs_;
@@ -270,11 +270,10 @@ void require_rising(const RecordedScan& scan, double last_stamp_s) {
 std::vector<TableResult> run_pass(const TablePass& pass, const InterruptGuard& interrupt,
                                   const std::function<void()>& on_scan) {
   Pass state(pass);
-  const std::unique_ptr<ScanSource> source = state.input().open();
   Reading reading;
   std::vector<std::int64_t> scan_of_pose;
   double last_stamp_s = -std::numeric_limits<double>::infinity();
-  read_scans(*source, interrupt, reading, [&](const ReadScan& read) {
+  read_scans(state.recording(), interrupt, reading, [&](const ReadScan& read) {
     require_rising(read.scan, last_stamp_s);
     last_stamp_s = read.scan.stamp_s;
     // SLAM looks at the times before anything else: of a scan that it leaves out nothing stays.

@@ -40,7 +40,7 @@ std::string stack_of_recording(const std::string& folder, const SensorModel& sen
   if (std::filesystem::exists(path)) return path.string();
   make_result_folder(store.path);
   replace_file(path.string(), [&](const std::string& part) {
-    const auto source = open_recording(folder, sensor);
+    const auto source = open_scan_files(folder, sensor);
     NpyStackWriter writer(part, sensor.rows(), sensor.columns);
     LeftOut left_out;
     while (const auto scan = next_usable(*source, left_out)) {

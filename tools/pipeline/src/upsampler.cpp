@@ -1,9 +1,7 @@
 #include "hqslam/pipeline/upsampler.h"
 
-#include <cmath>
 #include <utility>
 
-#include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/nn/upsampled_cloud.h"
@@ -27,27 +25,9 @@ void check_columns(const UpsamplingOptions& options, const std::string& source, 
       options.method, expected, source, found);
 }
 
-/// The sensor that the weights were made for, its measured rows alone.
-SensorModel measured_sensor_of(const UpsamplingMethod& method, const UpsamplingOptions& options) {
-  const std::optional<SensorModel> full = sensor_of(method);
-  if (full) return select_rows(*full, *full->measured_rows);
-  throw Error("'{}': expected weights, which name their sensor, found none; give the sensor",
-              options.method);
-}
-
-}  // namespace
-
-bool fits(const SensorModel& sensor, const SensorModel& expected) {
-  if (sensor.rows() != expected.rows() || sensor.columns != expected.columns) return false;
-  for (int row = 0; row < sensor.rows(); ++row) {
-    const double off_rad = sensor.beam_elevation_rad[row] - expected.beam_elevation_rad[row];
-    if (std::abs(off_rad) * kDegreesPerRadian > kBeamTolerance_deg) return false;
-  }
-  return true;
-}
-
-void fail_for_sensor(const SensorModel& found, const SensorModel& full, RowSelection measured_rows,
-                     const std::string& method, const std::string& source) {
+[[noreturn]] void fail_for_sensor(const SensorModel& found, const SensorModel& full,
+                                  RowSelection measured_rows, const std::string& method,
+                                  const std::string& source) {
   const SensorModel measured = select_rows(full, measured_rows);
   throw Error(
       "{}: expects scans of '{}' ({} x {}) or its rows {}, {}, ... alone ({} x {}), beams within "
@@ -57,6 +37,16 @@ void fail_for_sensor(const SensorModel& found, const SensorModel& full, RowSelec
       measured_rows.offset + measured_rows.stride, measured.rows(), measured.columns,
       kBeamTolerance_deg, source, found.name, found.rows(), found.columns);
 }
+
+/// The sensor that the weights were made for, its measured rows alone.
+SensorModel measured_sensor_of(const UpsamplingMethod& method, const UpsamplingOptions& options) {
+  const std::optional<SensorModel> full = sensor_of(method);
+  if (full) return select_rows(*full, *full->measured_rows);
+  throw Error("'{}': expected weights, which name their sensor, found none; give the sensor",
+              options.method);
+}
+
+}  // namespace
 
 Upsampler::Upsampler(const SensorModel& recorded, const UpsamplingOptions& options,
                      const std::string& source)
@@ -93,10 +83,10 @@ void Upsampler::fit_network(nn::SuperResolver network, const UpsamplingOptions& 
   }
   check_columns(options, source, recorded_.columns, full.columns);
   recorded_.columns = full.columns;
-  if (fits(recorded_, full)) {
+  if (have_same_beams(recorded_, full)) {
     rows_ = measured_rows;
     method_.emplace(std::move(network), recorded_);
-  } else if (fits(recorded_, measured)) {
+  } else if (have_same_beams(recorded_, measured)) {
     full.scan_period_s = recorded_.scan_period_s;
     full.min_range_m = recorded_.min_range_m;
     full.max_range_m = recorded_.max_range_m;

@@ -10,10 +10,10 @@
 namespace hqslam::pipeline {
 namespace {
 
-/// Whether weights made for `full` take scans of `recorded`, put into their columns.
-bool takes(SensorModel recorded, const SensorModel& full, RowSelection measured_rows) {
-  recorded.columns = full.columns;
-  return fits(recorded, full) || fits(recorded, select_rows(full, measured_rows));
+/// Whether weights made for `full` take scans of `recorded`.
+bool takes(const SensorModel& recorded, const SensorModel& full, RowSelection measured_rows) {
+  return have_same_beams(recorded, full) ||
+         have_same_beams(recorded, select_rows(full, measured_rows));
 }
 
 /// Of the weights of a name the file that was made for a sensor.
@@ -36,20 +36,21 @@ std::string weights_for(const std::string& name, const std::optional<SensorModel
       fmt::join(made_for, ", "), recorded->name);
 }
 
-bool is_file(const std::string& path) {
-  std::error_code error;
-  return std::filesystem::is_regular_file(path, error);
-}
-
 }  // namespace
+
+bool is_weights_name(const std::string& method) {
+  std::error_code error;
+  return !method.empty() && !std::filesystem::is_regular_file(method, error) &&
+         !installed_weights_files(method).empty();
+}
 
 UpsamplingMethod load_method(const UpsamplingOptions& options,
                              const std::optional<SensorModel>& recorded) {
   const std::string& method = options.method;
   if (method.empty()) return std::monostate();
   if (nn::is_interpolation(method)) return nn::interpolation_from_name(method);
-  const bool is_name = !is_file(method) && !installed_weights_files(method).empty();
-  return nn::SuperResolver::load(is_name ? weights_for(method, recorded) : method, options.network);
+  return nn::SuperResolver::load(is_weights_name(method) ? weights_for(method, recorded) : method,
+                                 options.network);
 }
 
 std::optional<SensorModel> sensor_of(const UpsamplingMethod& method) {

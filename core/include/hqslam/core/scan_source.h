@@ -86,7 +86,7 @@ inline constexpr const char* kStampsFromNames = "names";
 /// + 1/2) times the period for a simulated drive, the middle of each scan. Pixels of images that
 /// are not finite or negative count as invalid points. Throws Error: which file, what was expected,
 /// what was found, what to do; also for scans that cannot be the sensor's.
-std::unique_ptr<ScanSource> open_recording(const std::string& path,
+std::unique_ptr<ScanSource> open_scan_files(const std::string& path,
                                            const std::optional<SensorModel>& sensor,
                                            const RecordingOptions& options = {});
 

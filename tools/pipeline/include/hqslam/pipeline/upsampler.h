@@ -37,17 +37,6 @@ UpsamplingMethod load_method(const UpsamplingOptions& options,
 /// nothing for methods that fit any sensor.
 std::optional<SensorModel> sensor_of(const UpsamplingMethod& method);
 
-/// Two units of one type differ by at most this much from their data sheet.
-inline constexpr double kBeamTolerance_deg = 0.25;
-/// Whether a network made for `expected` can upsample scans of `sensor`: the same number of rows
-/// and columns, and beams within kBeamTolerance_deg.
-bool fits(const SensorModel& sensor, const SensorModel& expected);
-
-/// Throws the Error about a recording whose sensor `found` is neither `full` nor its measured rows.
-[[noreturn]] void fail_for_sensor(const SensorModel& found, const SensorModel& full,
-                                  RowSelection measured_rows, const std::string& method,
-                                  const std::string& source);
-
 /// Recorded scans in, scans with all rows out:
 ///
 ///   recorded -> measured: calibrated, the measured rows alone -> upsampled: all rows
@@ -77,6 +66,11 @@ class Upsampler {
   /// nullptr where scans stay as they are measured.
   nn::Upsampler* method() { return method_ ? &*method_ : nullptr; }
   const nn::Upsampler* method() const { return method_ ? &*method_ : nullptr; }
+  /// Whether it gives each computed pixel a confidence.
+  bool has_confidence() const {
+    return method_ && method_->network() != nullptr &&
+           nn::has_confidence(method_->network()->description());
+  }
   bool has_scan_memory() const { return method_ && method_->has_scan_memory(); }
 
   /// The measured rows of a recorded scan, with the corrections of each beam that a calibration
@@ -102,6 +96,8 @@ class Upsampler {
 std::vector<std::string> installed_weights_names();
 /// The weights files of such a name, one for each sensor.
 std::vector<std::string> installed_weights_files(const std::string& name);
+/// Whether a method is such a name, and not a file.
+bool is_weights_name(const std::string& method);
 /// The path of a weights file that comes with hqslam, "du-or_os1_16to64.npz" say: beside the
 /// installed program (../share/hqslam/weights), where hqslam was installed, or in the source tree
 /// it was built from. Nothing if it is in none of them.
