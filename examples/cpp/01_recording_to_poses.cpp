@@ -1,0 +1,16 @@
+#include <hqslam/pipeline/pipeline.h>
+#include <hqslam/recordings/recording.h>
+
+#include <iostream>
+
+// A recording (a capture, a bag, a folder of scans) in, a pose per scan out. Scans of 16 beams are
+// upsampled to 64 rows first.
+int main(int argc, char** argv) {
+  if (argc != 2) return 2;
+  auto recording = hqslam::recordings::Recording::open(argv[1]);
+  hqslam::pipeline::Pipeline pipeline(recording.sensor(), {.upsampling = {.method = "du-mix"}});
+  while (const auto scan = recording.next()) {
+    const auto located = pipeline.process(*scan);
+    std::cout << located.report.T_map_sensor.translation().transpose() << '\n';
+  }
+}
