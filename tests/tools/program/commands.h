@@ -144,7 +144,7 @@ inline const std::vector<Command>& commands() {
        {"/table.json", "/table.md", "/table.html"}},
       {"train --config {recipe} --out {out} --drives {folder}/drives",
        {"train --config {json} --out {out}"},
-       {"/weights.npz", "/curve.html"}},
+       {"/weights.npz", "/curve.json"}},
       {"calibrate {driven} --path 20 --out {out}.json",
        {"calibrate {npy} --sensor os1-16 --out {out}.json"},
        {".json", ".html"}},

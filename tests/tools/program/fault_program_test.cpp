@@ -51,7 +51,7 @@ std::map<std::string, std::string> files_of(const Command& command, const std::s
 /// Results whose bytes no other run has.
 bool tells_times(const std::string& result) {
   return result == "/timings.json" || result == "/report.html" || result.starts_with("/table.") ||
-         result == "" || result == "/curve.html";
+         result == "" || result == "/curve.json";
 }
 
 bool is_scan(const std::string& result) { return result.ends_with(".bin"); }

@@ -58,12 +58,9 @@ data='{"title": "t", "version": "1", "view": {"centre": [0, 0, 0], "radius": 5, 
   "links": ["c.html"]}, "notes": ["d"], "max_range_m": 100,
   "images": [{"caption": "e", "rows": 1, "columns": 4, "ranges": [0, 1, 20, 3]}]}'
 sed "s|id=\"data\">|&${data//$'\n'/ }|" demo.html >demo_page.html
-data='{"title": "t", "version": "1", "step": [1, 2], "loss": [3, 2], "mae_all": [1, 0.9],
-  "mae_valid": [1, 0.8], "wrong": [1, 0.5]}'
-sed "s|id=\"data\">|&${data//$'\n'/ }|" training.html >training_page.html
 
 for page in results/report.html du-or.html du-mix.html simple-du.html slam_scan.html \
-  calibration.html table/table.html demo_page.html training_page.html; do
+  calibration.html table/table.html demo_page.html; do
   try $page every_page.html 1366,768
   try $page every_page.html 500,844
 done

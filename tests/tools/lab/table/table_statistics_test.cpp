@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "table/table_report.h"
-#include "tools/page_data.h"
 #include "tools/parts_of_text.h"
 
 namespace hqslam::tools {
@@ -218,14 +217,12 @@ TEST_CASE("the texts have a row per method and a part per drive, and need no oth
   const std::string markdown = markdown_of(report);
   CHECK(missing(markdown, {"## All drives", "## town", "## <hills>", "seeds 4", "| LiDAR-64 |"}) ==
         "");
-  const std::string html = html_of(report);
-  CHECK_FALSE(holds(html, "<hills>"));
-  const nlohmann::json parts = test::data_of(html)["parts"];
-  CHECK(parts[2]["title"] == "<hills>");
-  const nlohmann::json& row = parts[0]["figures"][0]["rows"][1];
-  CHECK(row["name"] == "LiDAR-64");
-  CHECK(row["dots"].size() == sample.drives.size());
-  CHECK(row["low"].is_number());
+  const nlohmann::ordered_json part = page_data(report)["parts"][0];
+  CHECK(part["paired_with"] == "linear");
+  REQUIRE(part["paired_drifts"].size() == 2);
+  CHECK(part["paired_drifts"][1]["name"] == "LiDAR-64");
+  CHECK(part["paired_drifts"][1]["dots"].size() == part["paired_drifts"][0]["dots"].size());
+  CHECK(part["paired_drifts"][1]["mean"].get<double>() == doctest::Approx(-0.75));
 }
 
 TEST_CASE("the JSON holds every summary and every drive, null where there is no interval") {
