@@ -12,11 +12,10 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdio>
-
-#include "slam/yard_drive.h"
 
 using namespace hqslam;
 
@@ -31,7 +30,7 @@ void show_layout() {
   SHOW(slam::LocatedScan, velocity);
   SHOW(slam::OccupancyMap, rows);
   SHOW(slam::SavedPlace, context);
-  SHOW(slam::ScanContext, seen);
+  SHOW(slam::ScanContext, has_returns);
   SHOW(slam::ScanReport, covariance);
   SHOW(slam::ScanReport, velocity_covariance);
   SHOW(slam::ScanReport, times);
@@ -39,11 +38,45 @@ void show_layout() {
   SHOW(slam::ScanTrace, degenerate_directions);
 }
 
-/// A scan of the drive, the same with any arithmetic: to 1/256 m.
+SensorModel small_sensor() {
+  SensorModel sensor;
+  sensor.name = "small";
+  sensor.columns = 256;
+  for (int row = 0; row < 16; ++row) {
+    sensor.beam_elevation_rad.push_back(0.17 - 0.43 * row / 15);
+    sensor.beam_azimuth_offset_rad.push_back(0.0);
+  }
+  return sensor;
+}
+
+/// Scan `i` of a drive along x through a hall of 60 m x 40 m with square pillars. Ranges are
+/// rounded to 1/256 m, so that they are the same with any arithmetic.
 OrganizedCloud scan(const SensorModel& sensor, int i) {
-  RangeImage image = range_image(test::drive_scan(sensor, i));
-  for (float& range_m : image.range_m) range_m = std::round(256.0F * range_m) / 256.0F;
-  return unproject(image, sensor, CaptureTime::kRolling);
+  const double x_m = -10.0 + 0.5 * i;
+  RangeImage image(sensor.rows(), sensor.columns);
+  for (int row = 0; row < sensor.rows(); ++row) {
+    for (int column = 0; column < sensor.columns; ++column) {
+      const double level = std::cos(sensor.beam_elevation_rad[row]);
+      const double u = level * std::cos(sensor.azimuth_rad(row, column));
+      const double v = level * std::sin(sensor.azimuth_rad(row, column));
+      const double w = std::sin(sensor.beam_elevation_rad[row]);
+      double range_m = std::min(((u > 0.0 ? 30.0 : -30.0) - x_m) / u, 20.0 / std::abs(v));
+      if (w < 0.0) range_m = std::min(range_m, -1.7 / w);
+      for (int k = 0; k < 10; ++k) {
+        const double along_m = 5.0 * k - 22.0 - x_m;
+        const double across_m = (k % 2 == 0 ? 6.0 : -8.0) + 0.3 * k;
+        const double a = along_m / u;
+        const double b = (along_m + 0.6) / u;
+        const double c = across_m / v;
+        const double d = (across_m + 0.6) / v;
+        const double enter_m = std::max(std::min(a, b), std::min(c, d));
+        const bool is_hit = enter_m > 0.0 && enter_m < std::min(std::max(a, b), std::max(c, d));
+        if (is_hit) range_m = std::min(range_m, enter_m);
+      }
+      image.at(row, column) = static_cast<float>(std::round(256.0 * range_m) / 256.0);
+    }
+  }
+  return unproject(image, sensor, CaptureTime::kMotionCorrected);
 }
 
 template <typename Numbers>
@@ -70,7 +103,7 @@ double solved(const slam::Covariance& covariance) {
 
 int main() {
   show_layout();
-  const SensorModel sensor = test::small_sensor(16, 256);
+  const SensorModel sensor = small_sensor();
   slam::Slam slam(sensor);
   double checked = 0.0;
   for (int i = 0; i < 12; ++i) {

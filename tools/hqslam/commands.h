@@ -117,7 +117,6 @@ struct RunOptions : InputChoice, UpsamplingChoice {
   SlamSettings slam;
   bool save_map = false;
   std::string map_file;       ///< to be located in; empty: a map of its own is made
-  bool extend = false;        ///< the map, instead of being located in it
   std::vector<double> start;  ///< x and y in metres, yaw in degrees; empty: anywhere
   bool dense_map = false;
   DenseMapChoice map;

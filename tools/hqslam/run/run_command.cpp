@@ -90,12 +90,6 @@ int exit_status_of(const SlamRun& run, const RunOptions& options) {
               lacks_dense_map ? "dense map" : "occupancy grid");
     return kInterrupted;
   }
-  if (run.end == ReadingEnd::kComplete && !run.extended.empty() && !run.saved_map) {
-    to_stderr(
-        "hqslam: {}: not extended, for the drive comes by no place of it that was recognized\n",
-        run.extended);
-    return kWrongInput;
-  }
   return exit_status_of(run, std::ssize(run.scans), run.scans_in_recording);
 }
 
@@ -143,23 +137,9 @@ Pose start_on_path(const std::vector<slam::SavedPlace>& places, const std::vecto
                            rpy_rad.x(), rpy_rad.y(), radians(start[2]));
 }
 
-/// Of a saved map, or of any cloud.
-slam::SavedMap map_in(const std::string& path, const SensorModel& sensor,
-                      const slam::SlamOptions& options) {
-  if (path.ends_with(".npz")) return slam::read_saved_map(path);
-  const std::vector<Eigen::Vector3f> points_m = read_point_file(path).scan.points_m;
-  try {
-    return slam::map_of_cloud(points_m, sensor, options);
-  } catch (const Error& error) {
-    throw Error("{}: {}", path, error.what());
-  }
-}
-
-std::optional<GivenMap> given_map(const RunOptions& options, const SensorModel& sensor,
-                                  const slam::SlamOptions& slam) {
+std::optional<GivenMap> given_map(const RunOptions& options) {
   if (options.map_file.empty()) return std::nullopt;
-  GivenMap given{options.map_file, map_in(options.map_file, sensor, slam), std::nullopt};
-  given.is_extended = options.extend;
+  GivenMap given{options.map_file, slam::read_saved_map(options.map_file), std::nullopt};
   if (!options.start.empty() && !given.map.places.empty()) {
     given.T_map_level_start = start_on_path(given.map.places, options.start);
   }
@@ -224,7 +204,7 @@ void declare(CLI::App& app, RunOptions& options) {
       "  map.pcd           the features of all key frames, in that frame, with intensities where "
       "the\n"
       "                    recording has them\n"
-      "  saved_map.npz     with --save-map or --extend: map and places for later drives\n"
+      "  saved_map.npz     with --save-map: map and places for later drives\n"
       "  timings.json      time per stage and status of every scan\n"
       "  report.html       map, path and scans to be turned, error and times on one page\n"
       "and with --dense-map, in the same frame:\n"
@@ -253,20 +233,13 @@ void declare(CLI::App& app, RunOptions& options) {
       .option("--save-map", &options.save_map,
               "Also write saved_map.npz, in which later drives can be located",
               {.excludes = {"--no-loop-closing"}})
-      .option(
-          "--map", &options.map_file,
-          "Locate the drive in a saved_map.npz, or in any cloud (.pcd, .ply, .las, .txt; metres, z "
-          "up), which stays as it is, instead of making a map",
-          {.given = Given::kFile, .excludes = {"--save-map"}})
-      .option(
-          "--extend", &options.extend,
-          "Go on from --map: write a saved_map.npz with its places and those of the drive, which "
-          "must come by some of them; poses are in its frame",
-          {.needs = {"--map"}, .excludes = {"--no-loop-closing"}})
+      .option("--map", &options.map_file,
+              "Locate the drive in a saved_map.npz, which does not change, instead of making a map",
+              {.given = Given::kFile, .excludes = {"--save-map"}})
       .option("--start", &options.start,
               "X,Y,YAW: about where the drive begins in the map, in metres and degrees, within 10 "
               "m and 25 degrees; by default it is looked for in all of the map",
-              {.delimiter = ',', .values = 3, .needs = {"--map"}, .excludes = {"--extend"}})
+              {.delimiter = ',', .values = 3, .needs = {"--map"}})
       .option(
           "--dense-map", &options.dense_map,
           "Also make a dense map of all scans' points, measured and upsampled; reads the recording "
@@ -286,11 +259,11 @@ SlamRun run_and_write(const RunOptions& options, const InterruptGuard& interrupt
   RunOutput output(options.out, inputs_of(options));
 
   slam::SlamOptions slam = slam_options(options.slam);
-  if (!options.map_file.empty() && !options.extend) slam.loop_closing.enabled = false;
-  SlamSession session(input, slam, given_map(options, input.seen(), slam));
+  if (!options.map_file.empty()) slam.loop_closing.enabled = false;
+  SlamSession session(input, slam, given_map(options));
   process_all(*source, session, output, interrupt);
   print_later_warnings(*source, told);
-  SlamRun run = session.finished(options.save_map || options.extend);
+  SlamRun run = session.finished(options.save_map);
   if (run.scans.empty()) return run;  // interrupted at once: an earlier run's results stay
   if (reference) {
     run.comparison = comparison_of(run, *reference);

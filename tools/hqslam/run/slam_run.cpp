@@ -18,7 +18,6 @@ namespace {
 slam::Slam slam_of(const SensorModel& sensor, const slam::SlamOptions& options,
                    const std::optional<GivenMap>& map) {
   if (!map) return {sensor, options};
-  if (map->is_extended) return slam::Slam::extending(sensor, options, map->map);
   return {sensor, options, map->map, map->T_map_level_start};
 }
 
@@ -203,7 +202,7 @@ SlamSession::SlamSession(UpsampledInput& input, const slam::SlamOptions& options
   run_.upsampled_by = input.upsampler ? input.upsampler->name() : "";
   run_.slam = options;
   run_.threads = omp_get_max_threads();
-  if (map) (map->is_extended ? run_.extended : run_.located_in) = map->path;
+  if (map) run_.located_in = map->path;
 }
 
 ScanRecord& SlamSession::process(const RecordedScan& scan, std::int64_t index, double reading_s,
@@ -261,9 +260,7 @@ SlamRun SlamSession::finished(bool save_map) {
   run_.map_part = largest_part(run_);
   run_.map_points_m = slam_.map_points_m(run_.map_part, &run_.map_intensity);
   run_.kept_scans = kept_scans_.take();
-  const bool is_elsewhere =
-      !run_.extended.empty() && std::ranges::count(run_.part_of_scan, 0U) == 0;
-  if (save_map && !is_elsewhere) run_.saved_map = slam_.saved_map();
+  if (save_map) run_.saved_map = slam_.saved_map();
   return std::move(run_);
 }
 
@@ -282,10 +279,6 @@ std::string run_summary(const SlamRun& run) {
     summary += found ? fmt::format("located in the map of {}\n", run.located_in)
                      : fmt::format("not located: no place of the map of {} was recognized\n",
                                    run.located_in);
-  }
-  if (!run.extended.empty() && run.saved_map) {
-    summary += fmt::format("extended the map of {}: {} places\n", run.extended,
-                           run.saved_map->places.size());
   }
   if (!run.upsampled_by.empty()) {
     summary += fmt::format("upsampled to {} rows by {}: {:.1f} ms a scan (median)\n", run.rows,

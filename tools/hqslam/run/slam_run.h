@@ -60,7 +60,6 @@ struct SlamRun : Reading {
   std::vector<float> map_intensity;  ///< of each; empty where the recording has none
   std::vector<KeptScan> kept_scans;  ///< to be looked at; filled when the run ends
   std::string located_in;  ///< the file of the map that it was located in; empty: it made its own
-  std::string extended;    ///< the file of the map that it went on from; empty: none
   std::optional<slam::SavedMap> saved_map;  ///< filled when the run ends, if it was asked for
   double wall_s = 0.0;
   std::optional<ReferenceComparison> comparison;  ///< once the run has ended, of one with a truth
@@ -111,7 +110,6 @@ struct GivenMap {
   std::string path;
   slam::SavedMap map;
   std::optional<Pose> T_map_level_start;
-  bool is_extended = false;  ///< the drive goes on with it, instead of being located in it
 };
 
 /// SLAM over scans that come one by one, and what is to be told of it.

@@ -14,16 +14,10 @@ class SensorPath {
  public:
   /// A sensor that stands still.
   explicit SensorPath(const Pose& T_map_sensor) : T_map_sensor_(T_map_sensor) {}
-  /// Whether the motions to the poses before and after a scan are known.
-  struct KnownMotion {
-    bool before = true;
-    bool after = true;
-  };
-  /// The path of one scan of a trajectory. At its ends, where the motion is unknown, and next to
-  /// stamps that do not rise, the motion on the other side continues; without either the sensor
-  /// stands still. Throws Error if there is no such scan.
-  SensorPath(const Trajectory& trajectory, std::size_t scan, const KnownMotion& known);
-  SensorPath(const Trajectory& trajectory, std::size_t scan) : SensorPath(trajectory, scan, {}) {}
+  /// The path of one scan of a trajectory. At its ends, and next to stamps that do not rise, the
+  /// motion on the other side continues; without either the sensor stands still. Throws Error if
+  /// there is no such scan.
+  SensorPath(const Trajectory& trajectory, std::size_t scan);
 
   /// The pose at a time after (or before) the scan's stamp:
   ///   T_map_sensor(t) = T_map_sensor interpolate(I, T_stamp_other, t / t_other),
