@@ -26,8 +26,7 @@ class HqslamSystem : public SlamSystem {
   const std::vector<std::size_t>& segment_of_scan() const override {
     return slam_.segment_of_scan();
   }
-  std::vector<std::pair<std::size_t, Eigen::Matrix<double, 6, 6>>> corrected_covariances()
-      const override {
+  std::vector<std::pair<std::size_t, slam::Covariance>> corrected_covariances() const override {
     return slam_.corrected_covariances();
   }
   std::vector<Eigen::Vector3f> map_points_m(std::optional<std::size_t> submap,

@@ -86,8 +86,7 @@ const std::vector<std::size_t>& Pipeline::segment_of_scan() const {
   return implementation_->slam->segment_of_scan();
 }
 
-std::vector<std::pair<std::size_t, Eigen::Matrix<double, 6, 6>>> Pipeline::corrected_covariances()
-    const {
+std::vector<std::pair<std::size_t, slam::Covariance>> Pipeline::corrected_covariances() const {
   return implementation_->slam->corrected_covariances();
 }
 

@@ -25,8 +25,7 @@ class SlamSystem {
   virtual void add_imu(const std::vector<ImuSample>&) {}
   virtual std::vector<slam::LoopReport> finish() { return {}; }
   virtual slam::MountingOptions mounting() const { return {}; }
-  virtual std::vector<std::pair<std::size_t, Eigen::Matrix<double, 6, 6>>> corrected_covariances()
-      const {
+  virtual std::vector<std::pair<std::size_t, slam::Covariance>> corrected_covariances() const {
     return {};
   }
 };
