@@ -3,8 +3,7 @@
 
 #include <iostream>
 
-// A recording (a capture, a bag, a folder of scans) in, a pose per scan out. Scans of 16 beams are
-// upsampled to 64 rows first.
+// A recording (a capture, a bag, ...) in, upsampled to 64 rows, a pose for each scan out.
 int main(int argc, char** argv) {
   if (argc != 2) return 2;
   auto recording = hqslam::recordings::Recording::open(argv[1]);

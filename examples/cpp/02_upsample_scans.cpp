@@ -1,15 +1,12 @@
 #include <hqslam/core/npy.h>
-#include <hqslam/pipeline/upsampler.h>
-#include <hqslam/recordings/recording.h>
+#include <hqslam/nn/super_resolver.h>
 
-// A recording in, a stack of range images with all rows out, which numpy reads.
+// A stack of 16-row range images in, a stack of all rows out.
 int main(int argc, char** argv) {
-  if (argc != 3) return 2;
-  auto recording = hqslam::recordings::Recording::open(argv[1]);
-  hqslam::pipeline::Upsampler upsampler(recording.sensor(), {.method = "du-mix"});
-  hqslam::NpyStackWriter images(argv[2], upsampler.sensor().rows(), upsampler.sensor().columns);
-  while (const auto scan = recording.next()) {
-    const auto measured = upsampler.measured(scan->cloud);
-    images.append(hqslam::range_image(upsampler.upsampled(measured)));
-  }
+  if (argc != 4) return 2;
+  auto network = hqslam::nn::SuperResolver::load(argv[1]);
+  hqslam::NpyStackReader scans(argv[2]);
+  hqslam::NpyStackWriter upsampled(argv[3], network.sensor().rows(), network.sensor().columns);
+  for (std::int64_t i = 0; i < scans.images(); ++i)
+    upsampled.append(network.run(scans.read(i)).image);
 }
