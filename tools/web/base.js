@@ -89,6 +89,14 @@ function choice(names, choose, first = 0) {
   return el('span', {class: 'controls'}, ...buttons);
 }
 
+/** What stands below the first figure of a page until a pointer is over it; below others nothing. */
+let isHintGiven = false;
+function hint(text) {
+  if (isHintGiven) return '';
+  isHintGiven = true;
+  return text || 'Values are shown here under the pointer.';
+}
+
 /** Median and other quantiles of numbers; NaN of none. */
 function quantile(values, share) {
   const sorted = Float64Array.from(values).filter(Number.isFinite).sort();

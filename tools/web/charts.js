@@ -23,14 +23,14 @@ function extentOf(...lists) {
 
 /**
  * A plot with axes, drawn anew for each width that the page gives it.
- * spec: {x, y: {label, low, high, ticks: false for none, names: [[value, text], ...] instead of
- * numbers}, height: pixels or a function of the width, left: room for the names}
+ * spec: {x, y: {label, low, high, names: [[value, text], ...] instead of numbers}, x.whole: ticks
+ * are whole numbers, height: pixels or a function of the width, left: room for the names}
  * draw(plot): adds to plot.svg by plot.toX and plot.toY. read(x, y, plot): returns what the readout
  * shows for a place of the plot, a list of texts, of which the first is bold.
  */
 function plotFigure(spec, draw, read, entries = []) {
   const svg = el('svg', {role: 'img', 'aria-label': `${spec.y.label} over ${spec.x.label}`});
-  const readout = el('div', {class: 'readout'}, spec.hint || 'Values are shown here under the pointer.');
+  const readout = el('div', {class: 'readout'}, hint(spec.hint));
   const figure = el('figure', {class: 'chart'}, entries.length > 1 || spec.legend ? legend(entries) : null, svg, readout);
   let plot = null;
   function redraw() {
@@ -47,7 +47,7 @@ function plotFigure(spec, draw, read, entries = []) {
     svg.setAttribute('viewBox', `0 0 ${width} ${height}`);
     svg.style.height = height + 'px';
     if (spec.before) spec.before(plot);
-    for (const value of x.ticks === false ? [] : ticksBetween(x.low, x.high, w / 90)) {
+    for (const value of ticksBetween(x.low, x.high, x.whole ? Math.min(w / 90, x.high - x.low) : w / 90)) {
       const px = plot.toX(value);
       svg.append(el('line', {class: 'grid', x1: px, x2: px, y1: top, y2: top + h}),
                  el('text', {x: px, y: top + h + 15, 'text-anchor': 'middle'}, tickText(value)));

@@ -44,7 +44,7 @@ function scaleLegend(scale) {
 function imageFigure(spec) {
   const {rows, columns} = spec;
   const canvas = el('canvas', {width: columns, height: rows, style: `height:${spec.height || '8rem'}`});
-  const readout = el('div', {class: 'readout'}, spec.hint || 'Values are shown here under the pointer.');
+  const readout = el('div', {class: 'readout'}, hint(spec.hint));
   const key = el('div');
   const caption = el('figcaption', {}, spec.caption || '');
   const axes = spec.axes === false ? null : el('div', {class: 'axes'}, ...['behind (+180°)', 'left (+90°)', 'ahead (0°)', 'right (-90°)', 'behind (-180°)'].map(text => el('span', {}, text)));

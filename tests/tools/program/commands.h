@@ -88,7 +88,7 @@ inline const std::vector<Command>& commands() {
                                                   "/timings.json",   "/covariances.csv",
                                                   "/map.pcd",        "/report.html"};
   static const std::vector<std::string> of_map = {
-      "/dense_map.pcd", "/dense_map.ply", "/dense_map_above.png", "/dense_map_perspective.png"};
+      "/dense_map.pcd", "/dense_map.ply"};
   static const std::vector<std::string> of_grid = {"/map.pgm", "/map.yaml"};
   static const std::vector<Command> table = {
       {"run {drive} --out {out}",
@@ -144,7 +144,7 @@ inline const std::vector<Command>& commands() {
        {"/table.json", "/table.md", "/table.html"}},
       {"train --config {recipe} --out {out} --drives {folder}/drives",
        {"train --config {json} --out {out}"},
-       {"/weights.npz", "/curve.svg"}},
+       {"/weights.npz", "/curve.json"}},
       {"calibrate {driven} --path 20 --out {out}.json",
        {"calibrate {npy} --sensor os1-16 --out {out}.json"},
        {".json", ".html"}},

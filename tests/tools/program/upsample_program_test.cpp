@@ -182,8 +182,8 @@ TEST_CASE("where the poses are known a network with a memory recalls the scans a
              files.drive, weights, scan, folder.file("page.html"));
     return file_contents(folder.file("page.html"));
   };
-  for (const int scan : {0, 2}) CHECK(holds(page_of(scan), "what other scans measured"));
-  CHECK(holds(page_of(2), "Where memory changed a range"));
+  for (const int scan : {0, 2}) CHECK(holds(page_of(scan), R"("what":"recalled")"));
+  CHECK(holds(page_of(2), R"("what":"memory_change")"));
 
   // Poses that some scans lack are not left aside without a word.
   Trajectory truth = read_tum(files.drive + "/truth.tum");

@@ -212,8 +212,7 @@ slam::OccupancyMap thinned(const slam::OccupancyMap& map, std::size_t most_cells
   return result;
 }
 
-std::string report_html(const SlamRun& run, const DenseMapRun* dense_map,
-                        const slam::OccupancyMap* grid) {
+Json report_json(const SlamRun& run, const DenseMapRun* dense_map, const slam::OccupancyMap* grid) {
   const std::string upsampled =
       run.upsampled_by.empty() ? "" : fmt::format(" by {}", run.upsampled_by);
   std::string subtitle = fmt::format("hqslam {}, sensor {}, range images of {} x {}", run.command,
@@ -242,7 +241,12 @@ std::string report_html(const SlamRun& run, const DenseMapRun* dense_map,
     data["error"] = error_json(run);
   }
   if (grid != nullptr) data["grid"] = grid_json(*grid, run.occupancy_grid_summary);
-  return page_html("report", std::move(data));
+  return data;
+}
+
+std::string report_html(const SlamRun& run, const DenseMapRun* dense_map,
+                        const slam::OccupancyMap* grid) {
+  return page_html("report", report_json(run, dense_map, grid));
 }
 
 }  // namespace hqslam::tools

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "hqslam/slam/occupancy_grid.h"
@@ -18,9 +20,11 @@ TurningView view_of(const SlamRun& run, const DenseMapRun* dense_map = nullptr);
 /// there are at most so many. A cell is occupied if one of its own is, else free if one is.
 slam::OccupancyMap thinned(const slam::OccupancyMap& map, std::size_t most_cells = 4'000'000);
 
-/// report.html (tools/web/report.html): headline numbers, the view of the map, the trajectory from
+/// What tools/web/report.html shows: headline numbers, the view of the map, the trajectory from
 /// above, errors and poses over time, time per stage, statuses, and the occupancy grid if there is
 /// one.
+nlohmann::ordered_json report_json(const SlamRun& run, const DenseMapRun* dense_map = nullptr,
+                                   const slam::OccupancyMap* grid = nullptr);
 std::string report_html(const SlamRun& run, const DenseMapRun* dense_map = nullptr,
                         const slam::OccupancyMap* grid = nullptr);
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "files/content_hash.h"
 #include "table/result_sources_hash.h"
 #include "table/table_report.h"
 
@@ -53,27 +52,14 @@ std::string paired_with(const Methods& methods) {
   return "";
 }
 
-/// A number, or null where there is none.
-PageJson number_json(double value) { return std::isfinite(value) ? PageJson(value) : PageJson(); }
-
-/// The figure that tools/web/table.html draws as drift beside that of the method that the others
-/// are paired with: a dot per drive, the mean and its interval.
-PageJson pairs_json(const Methods& methods) {
-  PageJson json = {
-      {"kind", "pairs"}, {"against", paired_with(methods)}, {"rows", PageJson::array()}};
+std::vector<PairedDrift> paired_drifts_of(const Methods& methods) {
+  std::vector<PairedDrift> drifts;
   for (const MethodStatistics& method : methods) {
     if (method.is_paired_with) continue;
-    const Estimate& difference = method.drift_difference_percent;
-    PageJson& row = json["rows"].emplace_back(PageJson{{"name", method.title},
-                                                       {"mean", number_json(difference.value)},
-                                                       {"low", number_json(difference.low)},
-                                                       {"high", number_json(difference.high)},
-                                                       {"dots", PageJson::array()}});
-    for (const double value : method.drift_differences_percent) {
-      row["dots"].push_back(number_json(value));
-    }
+    drifts.push_back(
+        {method.title, method.drift_differences_percent, method.drift_difference_percent});
   }
-  return json;
+  return drifts;
 }
 
 /// "town: seeds 1, 2, 3; 1000 scans each, 2.7 km"
@@ -166,7 +152,8 @@ TableReport statistics_report(const TableSample& sample) {
         table_of(part.methods, "Drift, slips and position error", summary_columns()),
         table_of(part.methods, fmt::format("Drive by drive against {}", paired_with(part.methods)),
                  pair_columns())};
-    if (part.methods.size() > 1) shown.figures.push_back(pairs_json(part.methods));
+    shown.paired_with = paired_with(part.methods);
+    shown.paired_drifts = paired_drifts_of(part.methods);
   }
   report.notes = notes_of(sample);
   report.json = statistics_json(parts);

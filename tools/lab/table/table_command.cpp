@@ -38,10 +38,10 @@ std::string variants_help() {
 /// Throws Error if a table would replace what is none.
 void guard_tables(const TableOptions& options) {
   const fs::path folder(options.out);
-  constexpr std::array<const char*, 3> kTables = {"table.json", "table.md", "table.html"};
+  constexpr std::array<const char*, 3> kWritten = {"table.json", "table.md", "table.html"};
   Paths inputs = options.weights;
   inputs.push_back(options.reference);
-  guard_results(folder, kTables, has_marker((folder / "table.json").string(), kTableJsonMarker),
+  guard_results(folder, kWritten, has_marker((folder / "table.json").string(), kTableJsonMarker),
                 "was not written by hqslam-lab table", inputs);
 }
 
@@ -96,7 +96,7 @@ void declare(CLI::App& app, TableOptions& options) {
   results/DRIVE/.../METHOD.json, .tum   each finished run; drives/NAME: simulated drives
 Without a choice it takes hours and 3 GB: the drives have 12,000 scans, and Simple DU needs
 about a second for one. Ctrl-C keeps what is finished; the same command goes on from there.
-With --seeds SLAM runs without loop closing, and as many drives as
+With --seeds there are no pictures, SLAM runs without loop closing, and as many drives as
 there are threads are under way side by side, with one thread each. A simulated drive of
 1,000 scans takes 320 MB.
 A result is computed anew if it is damaged or was made from a recording with other scans,

@@ -1,71 +1,56 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstddef>
-#include <functional>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
-#include "pages/page.h"
 #include "pages/text_table.h"
 #include "table/table_figures.h"
 #include "table/table_statistics.h"
 
 namespace hqslam::tools {
 
-/// A trajectory from above in the reference's frame, with its error at every pose.
-struct ErrorPanel {
-  std::string title;
+/// The trajectory of one method seen from above, in the frame of LiDAR-64's, and its error at each
+/// of its poses, evenly thinned to at most kMostPathPoses.
+struct ErrorPath {
+  std::string method;  ///< title
   double rmse_m = 0.0;
-  std::vector<Eigen::Vector2d> path_m;
-  std::vector<double> error_m;     ///< one per pose
-  std::vector<double> distance_m;  ///< along the reference up to each pose
+  std::vector<double> x_m;
+  std::vector<double> y_m;
+  std::vector<double> distance_m;  ///< along LiDAR-64's trajectory
+  std::vector<double> error_m;     ///< position, after the alignment
 };
+inline constexpr std::size_t kMostPathPoses = 1000;
 
-/// The paper's figure 2: trajectories of one drive, coloured by their error, side by side. Long
-/// trajectories are thinned to kMostPoses; the error of a pose is then the largest of those left
-/// out before it.
+/// The paper's figure 2: the trajectories of one drive's methods beside LiDAR-64's.
 struct ErrorMap {
-  static constexpr std::size_t kMostPoses = 2000;
+  std::string title;
+  std::vector<double> reference_x_m;
+  std::vector<double> reference_y_m;
+  std::vector<ErrorPath> paths;
+};
+/// Nothing in it but the title where LiDAR-64 is not in the table.
+ErrorMap error_map_of(const DriveFigures& drive, std::size_t loop_closing);
 
-  std::vector<Eigen::Vector2d> reference_m;
-  std::vector<ErrorPanel> panels;
+/// The drift of a method minus that of the method that it is paired with.
+struct PairedDrift {
+  std::string method;                       ///< title
+  std::vector<double> differences_percent;  ///< one per drive; NaN where a drive has none
+  Estimate mean_percent;
 };
 
-/// Which error has the last colour, in every panel.
-struct ErrorScale {
-  double top_m = 1.0;
-  bool clipped = false;  ///< some errors are larger
-};
-/// The largest error of all panels, but at most three times the median of the panels' largest
-/// ones: one trajectory that leaves the map does not take the colours from all others.
-ErrorScale error_scale(const ErrorMap& map);
-
-/// A number with three digits that count: "0.042", "3.78", "31.7", "6717".
-std::string three_digits(double value);
-
-/// The paper's table: RMSE against LiDAR-64 on all drives, frames per second, parameters.
-TextTable paper_table(const std::vector<DriveFigures>& drives, std::size_t loop_closing);
-/// Errors and times of the trajectories.
-TextTable trajectory_table(const DriveFigures& drive, std::size_t loop_closing);
-/// Image errors, speed and size of the upsampling.
-TextTable upsampling_table(const DriveFigures& drive);
-
-/// "town: 4000 scans of an os1-64, 2963 m; ..."
-std::string drive_text(const DriveFigures& drive);
-/// What the columns mean and how it was measured.
-std::vector<std::string> drives_notes(const std::vector<DriveFigures>& drives);
-
-/// One drive, or all of a kind.
+/// One drive, or all drives of a kind.
 struct ReportPart {
   std::string title;
   std::string text;
   std::vector<TextTable> tables;
-  std::string page_text = {};            ///< behind `text`, on the page alone
-  PageJson figures = PageJson::array();  ///< on the page alone, below the tables
+  std::vector<ErrorMap> error_maps = {};
+  std::string paired_with = {};  ///< title of the method that the others are paired with
+  std::vector<PairedDrift> paired_drifts = {};
 };
 
-/// All that a table says: table.md and table.html are written from it.
+/// The content of table.md and table.html.
 struct TableReport {
   std::string title;            ///< of the page
   std::vector<TextTable> lead;  ///< tables of all parts together
@@ -74,47 +59,42 @@ struct TableReport {
   std::string json;                ///< table.json
 };
 
-/// The report of drives: tables, error maps and error over distance.
+/// A part with tables and error maps for each drive.
 TableReport drives_report(const std::vector<DriveFigures>& drives);
-/// The report of many drives from seeds, together and by kind: tables, and each method's drift
-/// minus the one's that it is paired with: a dot per drive, the mean and its interval.
+/// A part for all drives from seeds and one for each kind, with tables and paired drifts.
 TableReport statistics_report(const TableSample& sample);
 
-/// What is printed: the tables of all parts together, or those of the first part, which is all.
+/// What is printed: the tables of all parts together or, where there are none, those of the first
+/// part, which has all drives.
 std::string printed(const TableReport& report);
 std::string markdown_of(const TableReport& report);
 /// tools/web/table.html
 std::string html_of(const TableReport& report);
+/// The data of that page, from which its script draws tables, maps and charts.
+nlohmann::ordered_json page_data(const TableReport& report);
+
+// The tables of a report on drives.
+
+/// The paper's table: RMSE against LiDAR-64 on all drives, frames per second, parameters.
+TextTable paper_table(const std::vector<DriveFigures>& drives, std::size_t loop_closing);
+/// Errors and times of the trajectories.
+TextTable trajectory_table(const DriveFigures& drive, std::size_t loop_closing);
+/// Image errors, speed and size of the upsampling.
+TextTable upsampling_table(const DriveFigures& drive);
+/// "town: 4000 scans, sensor os1-64, 2963 m of path"
+std::string drive_text(const DriveFigures& drive);
+std::vector<std::string> drives_notes(const std::vector<DriveFigures>& drives);
+/// A number with three significant digits: "0.042", "3.78", "31.7", "6717".
+std::string three_digits(double value);
+
+// table.json.
 
 /// In every table.json: tells one from other files.
 inline constexpr const char* kTableJsonMarker = R"("written_by": "hqslam-lab table")";
 /// {"drives": figures that are the same in every run, "timings": those that are not}.
 std::string drives_json(const std::vector<DriveFigures>& drives);
-
-/// The statistics of a part of a sample, for all drives "all".
-struct PartStatistics {
-  std::string name;
-  TableSample sample;
-  std::vector<MethodStatistics> methods;
-};
-/// All drives, then those of each kind.
-std::vector<PartStatistics> parts_of(const TableSample& sample);
-/// Per method what its rows say, and what it did on every drive. Figures that are the same in every
-/// run, but for "slam_ms".
+/// Per method the figures of its rows, and those of every drive. All but "slam_ms" are the same in
+/// every run.
 std::string statistics_json(const std::vector<PartStatistics>& parts);
-
-/// Statistics of every method: what is written of each, in tables and in files.
-struct StatisticsColumn {
-  const char* column;
-  const char* key;  ///< in files; nullptr: not as an estimate
-  int decimals;     ///< in tables
-  bool of_others;   ///< says nothing of the method that the others are paired with
-  std::function<std::optional<Estimate>(const MethodStatistics& method)> of;
-};
-const std::vector<StatisticsColumn>& summary_columns();
-const std::vector<StatisticsColumn>& pair_columns();
-
-/// The trajectories of a drive's methods against LiDAR-64's; empty if that is not there.
-ErrorMap error_map_of(const DriveFigures& drive, std::size_t loop_closing);
 
 }  // namespace hqslam::tools

@@ -1,4 +1,4 @@
-#include "report/point_blocks.h"
+#include "pages/point_blocks.h"
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include "train/recollection.h"
+#include "train/drive_recall.h"
 
 #include <cmath>
 
@@ -7,10 +7,10 @@
 namespace hqslam::tools {
 namespace {
 
-/// How far SLAM's poses are off, standard deviations on each axis: of each scan that is remembered,
-/// and of the one that recalls, which may be registered or only predicted: a tenth to all of it.
+/// Errors of SLAM's poses, standard deviations on each axis: of each scan in the memory, and of the
+/// present scan, whose pose may be registered or only predicted (a tenth to all of kPredicted).
 /// Measured on `town` and `hills` with 16 rows and typical beam errors: registered over ten scans
-/// 4 to 12 mm and 0.02 degrees, predicted 12 to 17 mm and 0.03 to 0.06 degrees on each axis.
+/// 4 to 12 mm and 0.02 degrees, predicted 12 to 17 mm and 0.03 to 0.06 degrees.
 constexpr double kKeptError_m = 0.003;
 constexpr double kKeptError_rad = 0.0002;
 constexpr double kPredictedError_m = 0.02;
@@ -19,7 +19,7 @@ constexpr double kLeastOfPredicted = 0.1;
 
 double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
 
-/// The poses of a scan as SLAM may have them: all off by one and the same small motion.
+/// The poses of a scan with an error: a small motion that is the same for all of them.
 nn::ColumnPoses with_error(const nn::ColumnPoses& poses, double error_m, double error_rad,
                            std::mt19937_64& random) {
   const auto off = [&](double sigma) {  // the sum of twelve uniform numbers is nearly normal
@@ -45,8 +45,8 @@ SensorModel measured_by(SensorModel sensor, RowSelection rows) {
 
 }  // namespace
 
-Recollection::Recollection(const SensorModel& sensor, RowSelection rows, bool look_ahead,
-                           std::uint64_t seed)
+DriveRecall::DriveRecall(const SensorModel& sensor, RowSelection rows, bool look_ahead,
+                         std::uint64_t seed)
     : rows_(rows),
       look_ahead_scans_(look_ahead ? nn::kLookAheadScans : 0),
       sensor_(select_rows(sensor, rows)),
@@ -54,9 +54,9 @@ Recollection::Recollection(const SensorModel& sensor, RowSelection rows, bool lo
               look_ahead ? nn::kLookAheadMemory : nn::ScanMemoryOptions{}),
       random_(seed) {}
 
-void Recollection::want(const sim::SimulatedScan& scan) { wanted_.push_back({scan}); }
+void DriveRecall::want(const sim::SimulatedScan& scan) { wanted_.push_back({scan}); }
 
-void Recollection::remember(const sim::SimulatedScan& scan) {
+void DriveRecall::add(const sim::SimulatedScan& scan) {
   memory_.insert(unproject(select_rows(scan.image, rows_), sensor_, CaptureTime::kRolling),
                  with_error(scan.T_map_sensor_at_column, kKeptError_m, kKeptError_rad, random_),
                  scan.stamp_s);
@@ -65,7 +65,7 @@ void Recollection::remember(const sim::SimulatedScan& scan) {
   }
 }
 
-std::optional<RangeImage> Recollection::finished(bool is_last) {
+std::optional<RangeImage> DriveRecall::finished(bool is_last) {
   if (wanted_.empty()) return std::nullopt;
   if (wanted_.front().later < look_ahead_scans_ && !is_last) return std::nullopt;
   RangeImage image = with_recalled(wanted_.front().scan);
@@ -73,12 +73,12 @@ std::optional<RangeImage> Recollection::finished(bool is_last) {
   return image;
 }
 
-RangeImage Recollection::with_recalled(const sim::SimulatedScan& scan) {
-  const double how_far = std::pow(kLeastOfPredicted, uniform(random_));
+RangeImage DriveRecall::with_recalled(const sim::SimulatedScan& scan) {
+  const double error_share = std::pow(kLeastOfPredicted, uniform(random_));
   const nn::RecalledImage recalled =
       memory_.recall(select_rows(scan.image, rows_),
-                     with_error(scan.T_map_sensor_at_column, how_far * kPredictedError_m,
-                                how_far * kPredictedError_rad, random_),
+                     with_error(scan.T_map_sensor_at_column, error_share * kPredictedError_m,
+                                error_share * kPredictedError_rad, random_),
                      scan.stamp_s);
   RangeImage image = scan.image;
   const std::size_t pixels = image.range_m.size();
