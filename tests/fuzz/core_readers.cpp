@@ -51,8 +51,6 @@ void pcd(Bytes input) {
 
 void ply(Bytes input) { read_scans(as_file(input, ".ply")); }
 
-void las(Bytes input) { read_scans(as_file(input, ".las")); }
-
 void kitti_bin(Bytes input) { read_scans(as_file(input, ".bin")); }
 
 void text(Bytes input) { read_scans(as_file(input, ".csv")); }

@@ -114,17 +114,6 @@ void robosense_packets(Bytes input) {
              kRobosenseBytes);
 }
 
-void lslidar_packets(Bytes input) {
-  if (input.size() <= kLslidarSettingsBytes) return;
-  const LslidarPacket said = {(input[0] & 1U) != 0, kLslidarC16, (input[0] & 2U) != 0};
-  const Bytes settings = input.subspan(1, kLslidarSettingsBytes);
-  const LslidarUnit unit = lslidar_unit(settings, said, "fuzzed", (input[0] & 4U) == 0);
-  SensorModel sensor = unit.sensor;
-  sensor.columns = kColumns;
-  read_scans(LslidarDecoder(unit, sensor), sensor, input.subspan(1 + kLslidarSettingsBytes),
-             said.is_v4 ? 1212 : 1206);
-}
-
 void hesai_angles(Bytes input) { read_hesai_angles(as_whole_file(input, ".csv")); }
 
 namespace {

@@ -21,10 +21,6 @@ namespace fs = std::filesystem;
 
 std::unique_ptr<StreamSource> open_stream(const std::string& path, const OpenOptions& options,
                                           bool with_points) {
-  if (!options.files.stamps.empty()) {
-    throw Error("{}: a capture or a bag has its own stamps; leave --stamps {} out", path,
-                options.files.stamps);
-  }
   StreamReader reader(path, options.stream);
   if (with_points) reader.skip_others();
   switch (reader.stream().kind) {
@@ -34,8 +30,6 @@ std::unique_ptr<StreamSource> open_stream(const std::string& path, const OpenOpt
       return open_hesai(std::move(reader), options, with_points);
     case StreamKind::kRobosensePackets:
       return open_robosense(std::move(reader), options, with_points);
-    case StreamKind::kLslidarPackets:
-      return open_lslidar(std::move(reader), options, with_points);
     case StreamKind::kOusterPackets:
       return open_ouster(std::move(reader), options, with_points);
     default:

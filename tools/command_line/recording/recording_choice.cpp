@@ -22,11 +22,11 @@ void declare_input(Command& command, InputChoice& choice, const std::string& wha
                    const std::string& sensor) {
   constexpr const char* kUsual =
       "Capture (.pcap, .pcapng) or bag (.db3, .mcap, .bag) of a sensor, folder of KITTI .bin files "
-      "or of .pcd, .ply, .las, .csv or .txt files, .npy stack of range images (N x H x W, float32 "
+      "or of .pcd, .ply, .csv or .txt files, .npy stack of range images (N x H x W, float32 "
       "metres), or folder written by hqslam-lab simulate";
   const std::string usual_sensor = fmt::format(
       "{}, or a .json file with the beam angles (Ouster's metadata files too) or, for "
-      "packets of an HDL-64E, its db.xml, of a Hesai, its .csv of angles; not needed where the "
+      "packets of a Hesai, its .csv of angles; not needed where the "
       "recording or its points tell",
       fmt::join(sensor_preset_names(), ", "));
   command

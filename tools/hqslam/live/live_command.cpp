@@ -107,11 +107,10 @@ room for later ones because the computer is too slow. Ctrl-C (or SIGTERM) ends i
 status 0, and in --out the results as hqslam run writes them.)");
   command
       .option("--sensor", &options.sensor,
-              fmt::format(
-                  "{}, or a .json file: an Ouster's metadata, or the beam angles of one "
-                  "Velodyne; or the db.xml of an HDL-64E. An Ouster that is only named is asked "
-                  "for its metadata over HTTP",
-                  fmt::join(sensor_preset_names(), ", ")),
+              fmt::format("{}, or a .json file: an Ouster's metadata, or the beam angles of one "
+                          "Velodyne. An Ouster that is only named is asked "
+                          "for its metadata over HTTP",
+                          fmt::join(sensor_preset_names(), ", ")),
               {.required = true})
       .option(
           "--port", &options.port,

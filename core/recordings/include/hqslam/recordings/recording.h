@@ -18,8 +18,7 @@ enum class StreamKind {
   kVelodynePositions,  ///< of its GPS receiver: no scans
   kHesaiPackets,
   kRobosensePackets,
-  kLslidarPackets,
-  kSettings,  ///< of a RoboSense or an LSLiDAR, which its scans need
+  kSettings,  ///< of a RoboSense, which its scans need
   kOusterPackets,
   kPointClouds,
   kInertialData,  ///< packets of an Ouster or sensor_msgs/Imu
