@@ -27,7 +27,7 @@ constexpr int kSearches = 10;
 constexpr int kStepsPerSearch = 4;
 constexpr int kNeighbours = 5;
 constexpr float kReach_m = 1.0F;
-constexpr double kLineShare = 3.0;
+constexpr double kSignificant = 3.0;  // ratio of eigenvalues
 constexpr double kMaxPlaneOffset_m = 0.2;
 constexpr double kWeightFall = 0.9;  // per metre
 constexpr double kMinWeight = 0.1;
@@ -103,7 +103,7 @@ std::optional<LineDistance> line_distance(const Target& map, const Point& featur
   if (!points_m) return std::nullopt;
   const Shape shape(*points_m);
   const Eigen::Vector3d spread = shape.principal.eigenvalues();
-  if (!(spread[2] > kLineShare * spread[1])) return std::nullopt;
+  if (!(spread[2] > kSignificant * spread[1])) return std::nullopt;
   const Eigen::Vector3d u = shape.principal.eigenvectors().col(2);
   const double weight = 1.0 - kWeightFall * (position_m(at) - shape.mean_m).cross(u).norm();
   if (!(weight > kMinWeight)) return std::nullopt;
@@ -116,6 +116,8 @@ std::optional<PlaneDistance> plane_distance(const Target& map, const Point& feat
   const auto points_m = map.neighbours(at);
   if (!points_m) return std::nullopt;
   const Shape shape(*points_m);
+  const Eigen::Vector3d spread = shape.principal.eigenvalues();
+  if (!(spread[1] > kSignificant * spread[0])) return std::nullopt;
   const Eigen::Vector3d n = shape.principal.eigenvectors().col(0);
   const Eigen::Matrix<double, 3, kNeighbours> off_m = points_m->colwise() - shape.mean_m;
   if ((n.transpose() * off_m).cwiseAbs().maxCoeff() > kMaxPlaneOffset_m) return std::nullopt;

@@ -101,7 +101,7 @@ std::optional<LineDistance> line_distance(const RowTrees& last, const Point& fea
 void solve(ceres::Problem& problem, Eigen::Vector3d& held) {
   problem.SetParameterBlockConstant(held.data());
   ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_QR;
+  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.max_num_iterations = kStepsPerSearch;
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
