@@ -41,8 +41,8 @@ void SegmentedTrajectory::improve(std::size_t segment, const Pose& T_map_near,
   }
 }
 
-std::vector<std::pair<std::size_t, Matrix6>> SegmentedTrajectory::corrected_covariances() const {
-  std::vector<std::pair<std::size_t, Matrix6>> result;
+std::vector<std::pair<std::size_t, Covariance>> SegmentedTrajectory::corrected_covariances() const {
+  std::vector<std::pair<std::size_t, Covariance>> result;
   for (const OwnCovariance& of : covariances_) {
     if (of.corrected) result.emplace_back(of.scan, *of.corrected);
   }

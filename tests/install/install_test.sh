@@ -28,6 +28,17 @@ for consumer in drive_to_poses driver_to_poses upsample_scans; do
   [[ $status == 2 ]] || { echo "$consumer ended with $status instead of 2"; exit 1; }
 done
 
+# Flags of the caller change neither structures nor results.
+if grep -qw avx2 /proc/cpuinfo; then
+  "$folder/build/caller_flags" >"$folder/plain"
+  for flags in -mavx2 -march=native; do
+    "$folder/build/caller_flags$flags" | cmp - "$folder/plain" ||
+      { echo "a program compiled with $flags gets other results"; exit 1; }
+  done
+else
+  echo "skipped: caller_flags, for this processor has no AVX2"
+fi
+
 # They read a recording, upsample and locate: after ten scans as far
 # from the start as the truth, to 0.1 m.
 if [[ -n "$program" ]]; then

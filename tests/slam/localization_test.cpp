@@ -43,8 +43,7 @@ double error_m(const Pose& T_map_sensor, const Pose& T_street_sensor) {
 
 }  // namespace
 
-TEST_CASE(
-    "a drive is located in an earlier one's map wherever it begins, and leaves it as it was") {
+TEST_CASE("a drive is located in an earlier one's map from any start, and leaves that unchanged") {
   const test::Village village = test::street(31);
   const slam::SavedMap map = driven(village);
   CHECK(map.places.size() >= 18);
@@ -67,7 +66,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("a place that the map does not know is not recognized, until one is that it knows") {
+TEST_CASE("a place outside of the map is not recognized, and one inside is after it") {
   const slam::SavedMap map = driven(test::street(31));
   slam::Slam slam = located_in(map);
   for (int i = 0; i < 5; ++i) {
@@ -84,7 +83,7 @@ TEST_CASE("a place that the map does not know is not recognized, until one is th
   CHECK(sigma_m < 0.2);
 }
 
-TEST_CASE("a sensor that is covered at first, or later, is recognized when it sees again") {
+TEST_CASE("a sensor that is covered at first, or later, is recognized when it is uncovered") {
   const test::Village village = test::street(31);
   slam::Slam slam = located_in(driven(village));
   OrganizedCloud nothing = village.scan(street_pose(30.0));
@@ -114,7 +113,7 @@ TEST_CASE("a sensor that is covered at first, or later, is recognized when it se
   }
 }
 
-TEST_CASE("of two halves that are alike the start that is given tells which it is") {
+TEST_CASE("of two halves that are alike the given start decides") {
   const test::Village village = test::street_of_two_equal_halves();
   const slam::SavedMap map = driven(village);
   const Pose truth = street_pose(68.0, 0.5, 0.1);
@@ -127,7 +126,7 @@ TEST_CASE("of two halves that are alike the start that is given tells which it i
   CHECK(error_m(report.T_map_sensor, truth) < 0.1);
 }
 
-TEST_CASE("a sensor that is carried along the street is found there after a few scans") {
+TEST_CASE("a sensor carried along the street is found there after a few scans") {
   const test::Village village = test::street(31);
   slam::Slam slam = located_in(driven(village));
   int located = 0;
@@ -165,7 +164,8 @@ TEST_CASE("a sensor that spins fast is located in a given map as one that stands
   }
 }
 
-TEST_CASE("a map that cannot be located in is refused, and one that has no places is not saved") {
+TEST_CASE(
+    "a map without places is refused, and none is saved without loop closing or in a given map") {
   const slam::SavedMap empty;
   CHECK_THROWS_WITH_AS(located_in(empty), doctest::Contains("no place"), Error);
   slam::SlamOptions open;

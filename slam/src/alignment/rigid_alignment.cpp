@@ -123,7 +123,7 @@ Observability observability(const std::vector<PlaneConstraint>& constraints, Fre
 
 Observability observability(Matrix6 information, double total, FreeParameters free,
                             double min_share) {
-  // Held parameters get the largest eigenvalue there is: they are not in question.
+  // Held parameters get the largest possible eigenvalue.
   for (const int held : held_parameters(free)) {
     information.row(held).setZero();
     information.col(held).setZero();
@@ -143,7 +143,7 @@ Observability observability(Matrix6 information, double total, FreeParameters fr
   for (int i = 0; i < 6; ++i) {
     if (solver.eigenvalues()[i] >= min_share) continue;
     ++result.degenerate_directions;
-    // The change in scaled units is scale * change; its part along the direction is taken out.
+    // The change in scaled units is scale * change; its component along the direction is removed.
     const Vector6 direction = solver.eigenvectors().col(i);
     result.projection -= (scale.cwiseInverse().asDiagonal() * direction) *
                          (scale.asDiagonal() * direction).transpose();

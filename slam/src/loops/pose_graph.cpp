@@ -11,7 +11,7 @@ namespace hqslam::slam {
 
 namespace {
 
-/// In sigmas: a loop that is farther off pulls less and less.
+/// In sigmas; loops with larger residuals lose weight.
 constexpr double kCauchyScale = 3.0;
 
 struct NodeParameters {
@@ -19,7 +19,7 @@ struct NodeParameters {
   Eigen::Quaterniond rotation;
 };
 
-/// r of an edge, see the header. Parameters: translation and quaternion (x, y, z, w) of either end.
+/// r of an edge (pose_graph.h). Parameters: translation and quaternion (x, y, z, w) of both ends.
 class EdgeResidual {
  public:
   explicit EdgeResidual(const PoseGraphEdge& edge)

@@ -16,17 +16,17 @@ struct PoseGraphEdge {
   double rotation_sigma_rad = 1.0;
 };
 
-/// Poses along a path, and what was measured between them.
+/// Poses along a path and the measured motions between them.
 struct PoseGraph {
   std::vector<Pose> T_map_node;
-  std::vector<PoseGraphEdge> odometry;  ///< from a node to the next; none where the way was lost
-  std::vector<PoseGraphEdge> loops;     ///< between places that were recognised
+  std::vector<PoseGraphEdge> odometry;  ///< from a node to the next; none after tracking was lost
+  std::vector<PoseGraphEdge> loops;     ///< between recognized places
 };
 
-/// By how much two poses disagree with an edge: E = T_from_to^-1 (T_map_from^-1 T_map_to).
+/// The residual of an edge: E = T_from_to^-1 (T_map_from^-1 T_map_to).
 Pose disagreement(const PoseGraphEdge& edge, const std::vector<Pose>& T_map_node);
 
-/// Whether a motion is no longer, and turns no farther.
+/// Whether a motion is no longer and turns no farther than the limits.
 bool is_within(const Pose& motion, double max_m, double max_rad);
 
 /// The poses that agree best with all edges; empty if no solution was found.

@@ -70,7 +70,7 @@ TEST_CASE("analytic Jacobians equal central differences") {
   }
 }
 
-TEST_CASE("only the block that is asked for is computed") {
+TEST_CASE("only the requested Jacobian is computed") {
   const auto constraints = constraints_of(Pose::Identity(), 5, 1);
   const slam::PlaneConstraintsCost cost(constraints);
   MotionParameters p = some_parameters();
@@ -107,7 +107,7 @@ TEST_CASE("no constraints leave the start") {
   CHECK(found == some_parameters());
 }
 
-TEST_CASE("a corridor does not tell the motion along it, and that motion is held") {
+TEST_CASE("the motion along a corridor is unobservable and held") {
   // Walls left and right, a floor: normals along y and z only.
   std::vector<PlaneConstraint> corridor;
   std::mt19937 generator(4);

@@ -31,7 +31,7 @@ TEST_CASE("sigma is 2 cm and twice the median, weights fall over a scale of thre
   CHECK(found[3]->weight == doctest::Approx(per_sigma * 0.9));
 }
 
-TEST_CASE("while the pose is still off all features of a kind weigh alike") {
+TEST_CASE("before the pose is near all features of a kind have equal weights") {
   std::vector<std::optional<PlaneConstraint>> found = {at_height(0.02), at_height(0.3),
                                                        at_height(0.04)};
   weigh_by_noise(found, 0.05, false);
@@ -40,7 +40,7 @@ TEST_CASE("while the pose is still off all features of a kind weigh alike") {
   }
 }
 
-TEST_CASE("the scale of the weights is never smaller than asked for") {
+TEST_CASE("the scale of the weights is never smaller than the option") {
   std::vector<std::optional<PlaneConstraint>> found = {at_height(0.0), at_height(0.0),
                                                        at_height(0.05)};
   weigh_by_noise(found, 0.05, true);

@@ -17,10 +17,10 @@ namespace {
 constexpr int kRows = 16;
 constexpr double kHeight_m = 1.7;  ///< of test::yard_pose
 
-/// A sensor whose beams look elsewhere than `sensor` says and measure too much or too little.
+/// A sensor whose beams have errors of elevation and range against `sensor`.
 struct LyingSensor {
   SensorModel sensor = test::small_sensor(kRows, 512);
-  std::vector<double> elevation_rad;  ///< truth minus what the model says
+  std::vector<double> elevation_rad;  ///< truth minus the model
   std::vector<double> range_m;        ///< truth minus what is measured
 
   /// What it makes of its scan of a yard.
@@ -41,31 +41,31 @@ struct LyingSensor {
 LyingSensor lying_sensor(double elevation_deg, double range_m) {
   LyingSensor result;
   for (int row = 0; row < kRows; ++row) {
-    // Mean zero, no trend from row to row: a pattern that no bent world looks like.
+    // Mean zero, no trend from row to row: no bent world has this pattern.
     result.elevation_rad.push_back(elevation_deg * kDegree_rad * (row % 2 == 0 ? 1.0 : -1.0));
     result.range_m.push_back(range_m * ((row / 2) % 2 == 0 ? 1.0 : -1.0));
   }
   return result;
 }
 
-/// Around the yard, with poses that are off by centimetres, as SLAM's are.
+/// Scans around the yard, with errors of the poses of centimetres, as those of SLAM.
 std::vector<slam::LocatedScan> drive(const LyingSensor& sensor, double step_m = 1.0) {
   test::Yard yard;
   yard.half_width_m = 10.0;
   std::vector<slam::LocatedScan> scans;
   for (int i = 0; i < 40.0 / step_m; ++i) {
     const Pose truth = test::yard_pose(-20.0 + step_m * i, 5.0 * std::sin(0.15 * i), 0.1 * i);
-    Pose believed = truth;
-    believed.translation() +=
+    Pose estimated = truth;
+    estimated.translation() +=
         Eigen::Vector3d(0.01 * std::sin(i), 0.01 * std::cos(2 * i), 0.01 * std::sin(3 * i));
-    scans.push_back({sensor.scan(yard, truth), believed, {}});
+    scans.push_back({sensor.scan(yard, truth), estimated, {}});
   }
   return scans;
 }
 
 }  // namespace
 
-TEST_CASE("a drive tells to millimetres what beams do to walls and to the ground") {
+TEST_CASE("the distances of beams from walls and ground are found to millimetres") {
   const LyingSensor sensor = lying_sensor(0.06, 0.02);
   const slam::BeamCalibration found = slam::calibrate_beams(sensor.sensor, drive(sensor));
   REQUIRE(found.beams.size() == kRows);
@@ -78,7 +78,7 @@ TEST_CASE("a drive tells to millimetres what beams do to walls and to the ground
       ++met_walls;
       CHECK(std::abs(range_error_m) < 0.006);
     }
-    // A ring that only meets the ground tells its height, not what of it is range or elevation.
+    // A ring on the ground alone determines a height, not the shares of range and elevation in it.
     const double elevation_rad = sensor.sensor.beam_elevation_rad[row];
     if (elevation_rad > -0.08) continue;
     const double ground_m = kHeight_m / std::tan(-elevation_rad);
@@ -119,7 +119,7 @@ TEST_CASE("the same scans give the same calibration, bit for bit, with any numbe
   }
 }
 
-TEST_CASE("what no scan tells stays where the prior has it, and is not said to be known") {
+TEST_CASE("unobservable parameters keep their prior and its sigma") {
   const LyingSensor sensor = lying_sensor(0.06, 0.02);
   const OrganizedCloud empty(kRows, sensor.sensor.columns);
   for (const auto& scans : {std::vector<slam::LocatedScan>{},

@@ -93,9 +93,7 @@ inline const std::vector<Command>& commands() {
   static const std::vector<Command> table = {
       {"run {drive} --out {out}",
        {"run {npy} --sensor os1-16 --out {out}", "run {pcap} --out {out}",
-        "run {drive} --map {npz} --out {out}", "run {drive} --map {pcd} --out {out}",
-        "run {drive} --map {las} --out {out}", "run {drive} --map {npz} --extend --out {out}",
-        "run {drive} --reference {tum} --out {out}",
+        "run {drive} --map {npz} --out {out}", "run {drive} --reference {tum} --out {out}",
         "run {drive} --slam-options {json} --out {out}"},
        of_run,
        true},
