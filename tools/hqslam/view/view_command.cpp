@@ -79,7 +79,7 @@ void declare(CLI::App& app, ViewOptions& options) {
       "The page needs no other file and no network. Large maps are thinned evenly to the number\n"
       "of points that a page may have. Of several files one is shown at a time.")
       .option("FILE", &options.files,
-              "Maps and scans: .pcd, .ply, .las, .bin, .txt or .csv points, a saved_map.npz, or a "
+              "Maps and scans: .pcd, .ply, .bin, .txt or .csv points, a saved_map.npz, or a "
               "recording (as for hqslam run), of which a scan is shown",
               {.required = true, .given = Given::kFileOrFolder})
       .option("--sensor", &options.sensor,
