@@ -143,7 +143,7 @@ const std::vector<std::size_t>& Pipeline::segment_of_scan() const {
   return slam != nullptr ? slam->segment_of_scan() : implementation_->only_segment;
 }
 
-std::vector<std::pair<std::size_t, Eigen::Matrix<double, 6, 6>>> Pipeline::corrected_covariances()
+std::vector<std::pair<std::size_t, slam::Covariance>> Pipeline::corrected_covariances()
     const {
   const slam::Slam* slam = implementation_->slam();
   if (slam == nullptr) return {};

@@ -77,7 +77,7 @@ class Pipeline {
   slam::MountingOptions mounting() const;
   std::vector<std::size_t> submap_of_scan() const;
   const std::vector<std::size_t>& segment_of_scan() const;
-  std::vector<std::pair<std::size_t, Eigen::Matrix<double, 6, 6>>> corrected_covariances() const;
+  std::vector<std::pair<std::size_t, slam::Covariance>> corrected_covariances() const;
   std::vector<Eigen::Vector3f> map_points_m(std::optional<std::size_t> submap = {},
                                             std::vector<float>* intensity = nullptr) const;
   /// Throws Error for kLegoLoam too.
