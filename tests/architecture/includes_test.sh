@@ -28,7 +28,7 @@ only core/live hqslam/ core recordings live
 only nn hqslam/ core nn
 only slam hqslam/ core slam
 only tools/pipeline hqslam/ core recordings nn slam pipeline
-only tools/python hqslam/ core evaluation nn recordings sim slam
+only tools/python hqslam/ core evaluation nn recordings slam pipeline
 
 # Within nn: kernels know neither graphs nor networks, graphs no networks, and nobody the compared ones.
 for pair in kernels:'graph|hqs|training' graph:'hqs|training' hqs:training training:hqs; do

@@ -32,7 +32,7 @@ class Row {
     for (int i = kWindow; i < size_ - kWindow; ++i) pass_over_unreliable(i);
   }
 
-  const std::vector<FeatureKind>& choose() {
+  std::vector<FeatureKind> choose() {
     const int usable = size_ - 2 * kWindow;
     for (int section = 0; section < kSections && usable > 0; ++section) {
       choose_in_section(kWindow + usable * section / kSections,
@@ -109,37 +109,28 @@ class Row {
   std::vector<FeatureKind> kind_;
 };
 
-void add_row(const std::vector<SegmentedPoint>& row, const std::vector<FeatureKind>& kind,
-             Features& features) {
-  Cloud ground;
-  Cloud cluster;
-  for (std::size_t i = 0; i < row.size(); ++i) {
-    const Point& point = row[i].point;
-    if (kind[i] == FeatureKind::kNone) continue;
-    if (kind[i] == FeatureKind::kSharp) features.sharp.push_back(point);
-    if (kind[i] == FeatureKind::kFlat) features.flat.push_back(point);
-    if (kind[i] == FeatureKind::kSharp || kind[i] == FeatureKind::kLessSharp) {
-      features.less_sharp.push_back(point);
-    } else {
-      (row[i].ground ? ground : cluster).push_back(point);
-    }
-  }
-  features.less_flat_ground += thinned(ground, kLessFlatLeaf_m);
-  features.less_flat_cluster += thinned(cluster, kLessFlatLeaf_m);
-}
-
 }  // namespace
 
-Features extract_features(const SegmentedScan& scan, int columns, std::vector<FeatureKind>* kinds) {
+Features extract_features(const SegmentedScan& scan, int columns) {
   Features features;
-  if (kinds != nullptr) kinds->assign(scan.label.size(), FeatureKind::kNone);
+  features.kind.assign(scan.label.size(), FeatureKind::kNone);
   for (std::size_t row = 0; row < scan.rows.size(); ++row) {
-    Row chooser(scan.rows[row]);
-    const std::vector<FeatureKind>& kind = chooser.choose();
-    add_row(scan.rows[row], kind, features);
-    for (std::size_t i = 0; kinds != nullptr && i < kind.size(); ++i) {
-      (*kinds)[row * columns + scan.rows[row][i].column] = kind[i];
+    const std::vector<FeatureKind> kind = Row(scan.rows[row]).choose();
+    Cloud ground;
+    Cloud cluster;
+    for (std::size_t i = 0; i < kind.size(); ++i) {
+      const SegmentedPoint& point = scan.rows[row][i];
+      features.kind[row * columns + point.column] = kind[i];
+      if (kind[i] == FeatureKind::kSharp) features.sharp.push_back(point.point);
+      if (kind[i] == FeatureKind::kFlat) features.flat.push_back(point.point);
+      if (kind[i] == FeatureKind::kSharp || kind[i] == FeatureKind::kLessSharp) {
+        features.less_sharp.push_back(point.point);
+      } else if (kind[i] != FeatureKind::kNone) {
+        (point.ground ? ground : cluster).push_back(point.point);
+      }
     }
+    features.less_flat_ground += thinned(ground, kLessFlatLeaf_m);
+    features.less_flat_cluster += thinned(cluster, kLessFlatLeaf_m);
   }
   return features;
 }

@@ -9,13 +9,15 @@
 
 namespace hqslam::lego_loam {
 
-/// Points in the order of their rows. The paper's sets: F_e, the larger F_e, F_p, the larger F_p.
+/// Points in the order of their rows. The paper's sets are F_e (sharp, and less sharp for all
+/// edges) and F_p (flat, and less flat for all planar points).
 struct Features {
   Cloud sharp;
-  Cloud less_sharp;         ///< with the sharp ones
-  Cloud flat;               ///< of the ground
-  Cloud less_flat_ground;   ///< thinned row by row, with the flat ones
-  Cloud less_flat_cluster;  ///< what is no edge in clusters, thinned row by row
+  Cloud less_sharp;               ///< with the sharp ones
+  Cloud flat;                     ///< of the ground
+  Cloud less_flat_ground;         ///< thinned row by row, with the flat ones
+  Cloud less_flat_cluster;        ///< thinned row by row
+  std::vector<FeatureKind> kind;  ///< per pixel
 };
 
 /// Section III-C. In: the points that segmentation kept, row by row.
@@ -33,9 +35,6 @@ struct Features {
 /// does not, and the paper takes 40 less sharp and 80 less flat ones. The program forgets the last
 /// point of a section when it sorts, lets the fourth flat point keep nobody away, and begins a row
 /// a point too early. Ground and clusters are thinned apart (0.2 m), since odometry matches labels.
-///
-/// kinds, one per pixel of an image with so many columns, is filled where given.
-Features extract_features(const SegmentedScan& scan, int columns,
-                          std::vector<FeatureKind>* kinds = nullptr);
+Features extract_features(const SegmentedScan& scan, int columns);
 
 }  // namespace hqslam::lego_loam

@@ -28,59 +28,58 @@ struct LegoLoam::Implementation {
 
   ScanReport process(const OrganizedCloud& cloud, double stamp_s, ScanTrace* trace) {
     const SegmentedScan scan = segmentation.segment(cloud);
-    const Features features =
-        extract_features(scan, cloud.columns, trace == nullptr ? nullptr : &trace->feature);
-    odometry.add(features);
+    const Features features = extract_features(scan, cloud.columns);
+    const OdometryResult& moved = odometry.add(features);
+    const bool mapping_is_due = moved.has_motion && is_mapping_due(stamp_s);
+    if (mapping_is_due) {
+      mapped =
+          mapping.add({at_sweep_end(features.less_sharp, moved.motion),
+                       at_sweep_end(Cloud(features.less_flat_ground) + features.less_flat_cluster,
+                                    moved.motion),
+                       at_sweep_end(scan.outliers, moved.motion)},
+                      moved.T_odom_end);
+    }
+    // The stamp is the middle of the sweep; a scan without times is captured at its end.
+    const double at_stamp = cloud.time_offset_s.empty() ? 1.0 : 0.5;
+    const Pose T_end_stamp = pose_of(moved.motion).inverse() * pose_of(moved.motion, at_stamp);
     ScanReport report;
-    if (is_mapping_due(stamp_s)) map(features, scan.outliers, stamp_s, report);
     report.stamp_s = stamp_s;
+    report.T_odom_sensor = orthonormalized(moved.T_odom_end * T_end_stamp);
+    report.T_map_sensor = orthonormalized(mapped.T_map_odom * report.T_odom_sensor);
     report.ground_points = scan.ground_points;
     report.clusters = scan.clusters;
     report.edge_features = static_cast<int>(features.sharp.size());
     report.planar_features = static_cast<int>(features.flat.size());
-    report.odometry_edges = odometry.edges();
-    report.odometry_planes = odometry.planes();
-    report.odometry_ok = odometry.edges() > 0 && odometry.planes() > 0;
-    // The stamp is the middle of the sweep; a scan without times is captured at its end.
-    const double at_stamp = cloud.time_offset_s.empty() ? 1.0 : 0.5;
-    const Pose T_end_stamp =
-        pose_of(odometry.motion()).inverse() * pose_of(odometry.motion(), at_stamp);
-    report.T_odom_sensor = orthonormalized(odometry.T_odom_end() * T_end_stamp);
-    report.T_map_sensor = orthonormalized(mapping.T_map_odom() * report.T_odom_sensor);
+    report.odometry_edges = moved.edges;
+    report.odometry_planes = moved.planes;
+    if (mapping_is_due) {
+      report.mapping_edges = mapped.edges;
+      report.mapping_planes = mapped.planes;
+      report.keyframe = mapped.keyframe;
+    }
     // Of the first scan the motion is known only with the second.
     if (trajectory.size() == 1) trajectory.front().T_map_sensor = T_end_stamp;
     trajectory.push_back({stamp_s, report.T_map_sensor});
     if (trace != nullptr) {
-      trace->label = scan.label;
-      trace->T_start_end = pose_of(odometry.motion());
-      trace->T_odom_end = odometry.T_odom_end();
-      trace->T_map_end = mapping.T_map_odom() * odometry.T_odom_end();
+      *trace = {scan.label, features.kind, pose_of(moved.motion), moved.T_odom_end,
+                mapped.T_map_odom * moved.T_odom_end};
     }
     return report;
   }
 
   bool is_mapping_due(double stamp_s) {
     constexpr double kRounding_s = 1e-6;
-    if (!odometry.has_motion() || scans_with_motion++ % kOdometryPerMappingScan != 0) return false;
-    return !mapped_s || std::abs(stamp_s - *mapped_s) >= kMappingInterval_s - kRounding_s;
-  }
-
-  void map(const Features& features, const Cloud& outliers, double stamp_s, ScanReport& report) {
-    const Cloud planes = Cloud(features.less_flat_ground) + features.less_flat_cluster;
-    mapping.add({odometry.at_sweep_end(features.less_sharp), odometry.at_sweep_end(planes),
-                 odometry.at_sweep_end(outliers)},
-                odometry.T_odom_end());
+    if (scans_with_motion++ % kOdometryPerMappingScan != 0) return false;
+    if (mapped_s && std::abs(stamp_s - *mapped_s) < kMappingInterval_s - kRounding_s) return false;
     mapped_s = stamp_s;
-    report.mapping_edges = mapping.edges();
-    report.mapping_planes = mapping.planes();
-    report.mapped = mapping.edges() + mapping.planes() > 0;
-    report.keyframe = mapping.keyframe();
+    return true;
   }
 
   SensorModel sensor;
   Segmentation segmentation;
   Odometry odometry;
   Mapping mapping;
+  MappingResult mapped;
   int scans_with_motion = 0;
   std::optional<double> mapped_s;
   Trajectory trajectory;

@@ -1,15 +1,10 @@
 #include "mapping.h"
 
-#include <ceres/ceres.h>
-#include <pcl/kdtree/kdtree_flann.h>
-
 #include <Eigen/Dense>
 #include <array>
 #include <cmath>
 #include <map>
 #include <optional>
-
-#include "hqslam/core/angles.h"
 
 namespace hqslam::lego_loam {
 
@@ -22,121 +17,77 @@ constexpr float kEdgeLeaf_m = 0.2F;
 constexpr float kPlaneLeaf_m = 0.4F;
 constexpr std::size_t kMinMapEdges = 10;
 constexpr std::size_t kMinMapPlanes = 100;
-constexpr int kMinCorrespondences = 50;
-constexpr int kSearches = 10;
-constexpr int kStepsPerSearch = 4;
+constexpr Schedule kSchedule = {10, 4, 50, 0.0005, 0.05};
 constexpr int kNeighbours = 5;
 constexpr float kReach_m = 1.0F;
 constexpr double kSignificant = 3.0;  // ratio of eigenvalues
 constexpr double kMaxPlaneOffset_m = 0.2;
 constexpr double kWeightFall = 0.9;  // per metre
-constexpr double kMinWeight = 0.1;
-constexpr double kConverged_m = 0.0005;
-constexpr double kConverged_deg = 0.05;
 
-/// weight n . (R p + t - q)
-struct PlaneDistance {
-  Eigen::Vector3d p;
-  Eigen::Vector3d n;
-  Eigen::Vector3d q;
-  double weight;
-  template <typename T>
-  bool operator()(const T* rotation, const T* t, T* residual) const {
-    const Eigen::Map<const Eigen::Quaternion<T>> R(rotation);
-    const Eigen::Map<const Eigen::Matrix<T, 3, 1>> translation(t);
-    *residual = weight * n.dot(R * p.cast<T>() + translation - q.cast<T>());
-    return true;
-  }
-};
-
-/// weight (R p + t - q) x u
-struct LineDistance {
-  Eigen::Vector3d p;
-  Eigen::Vector3d u;
-  Eigen::Vector3d q;
-  double weight;
-  template <typename T>
-  bool operator()(const T* rotation, const T* t, T* residual) const {
-    const Eigen::Map<const Eigen::Quaternion<T>> R(rotation);
-    const Eigen::Map<const Eigen::Matrix<T, 3, 1>> translation(t);
-    const Eigen::Matrix<T, 3, 1> off = R * p.cast<T>() + translation - q.cast<T>();
-    Eigen::Map<Eigen::Matrix<T, 3, 1>> distance(residual);
-    distance = weight * off.cross(u.cast<T>());
-    return true;
-  }
-};
-
-/// The map's points of one kind, to be searched.
-struct Target {
-  explicit Target(const Cloud& cloud_) : cloud(cloud_.makeShared()) {
-    if (!cloud->empty()) tree.setInputCloud(cloud);
-  }
-  /// The five nearest points, a column each, if all are near.
-  std::optional<Eigen::Matrix<double, 3, kNeighbours>> neighbours(const Point& p) const {
-    std::vector<int> index(kNeighbours);
-    std::vector<float> distance_m2(kNeighbours);
-    const int found = tree.nearestKSearch(p, kNeighbours, index, distance_m2);
-    if (found < kNeighbours || !(distance_m2.back() < kReach_m * kReach_m)) return std::nullopt;
-    Eigen::Matrix<double, 3, kNeighbours> points_m;
-    for (int i = 0; i < kNeighbours; ++i) points_m.col(i) = position_m((*cloud)[index[i]]);
-    return points_m;
-  }
-
-  Cloud::Ptr cloud;
-  pcl::KdTreeFLANN<Point> tree;
-};
-
-/// Mean and, by rising eigenvalue, principal directions of points.
+/// Mean and principal directions of the map's five points nearest to a feature.
 struct Shape {
-  explicit Shape(const Eigen::Matrix<double, 3, kNeighbours>& points_m)
-      : mean_m(points_m.rowwise().mean()) {
-    const Eigen::Matrix<double, 3, kNeighbours> off_m = points_m.colwise() - mean_m;
-    principal.compute(off_m * off_m.transpose() / kNeighbours);
-  }
+  Eigen::Matrix<double, 3, kNeighbours> from_mean_m;
   Eigen::Vector3d mean_m;
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal;  ///< eigenvalues rise
+
+  bool is_line() const {
+    return principal.eigenvalues()[2] > kSignificant * principal.eigenvalues()[1];
+  }
+  bool is_plane() const {
+    const auto offset_m = principal.eigenvectors().col(0).transpose() * from_mean_m;
+    return principal.eigenvalues()[1] > kSignificant * principal.eigenvalues()[0] &&
+           offset_m.cwiseAbs().maxCoeff() <= kMaxPlaneOffset_m;
+  }
 };
 
-std::optional<LineDistance> line_distance(const Target& map, const Point& feature, const Pose& T) {
-  const Point at = moved(T, feature);
-  const auto points_m = map.neighbours(at);
-  if (!points_m) return std::nullopt;
-  const Shape shape(*points_m);
-  const Eigen::Vector3d spread = shape.principal.eigenvalues();
-  if (!(spread[2] > kSignificant * spread[1])) return std::nullopt;
-  const Eigen::Vector3d u = shape.principal.eigenvectors().col(2);
-  const double weight = 1.0 - kWeightFall * (position_m(at) - shape.mean_m).cross(u).norm();
-  if (!(weight > kMinWeight)) return std::nullopt;
-  return LineDistance{position_m(feature), u, shape.mean_m, weight};
+std::optional<Shape> shape_at(const Point& p, const SearchCloud& map) {
+  const std::vector<int> index = map.nearest(p, kNeighbours, kReach_m);
+  if (index.empty()) return std::nullopt;
+  Shape shape;
+  for (int i = 0; i < kNeighbours; ++i)
+    shape.from_mean_m.col(i) = position_m((*map.cloud)[index[i]]);
+  shape.mean_m = shape.from_mean_m.rowwise().mean();
+  shape.from_mean_m.colwise() -= shape.mean_m;
+  shape.principal.compute(shape.from_mean_m * shape.from_mean_m.transpose());
+  return shape;
 }
 
-std::optional<PlaneDistance> plane_distance(const Target& map, const Point& feature,
-                                            const Pose& T) {
-  const Point at = moved(T, feature);
-  const auto points_m = map.neighbours(at);
-  if (!points_m) return std::nullopt;
-  const Shape shape(*points_m);
-  const Eigen::Vector3d spread = shape.principal.eigenvalues();
-  if (!(spread[1] > kSignificant * spread[0])) return std::nullopt;
-  const Eigen::Vector3d n = shape.principal.eigenvectors().col(0);
-  const Eigen::Matrix<double, 3, kNeighbours> off_m = points_m->colwise() - shape.mean_m;
-  if ((n.transpose() * off_m).cwiseAbs().maxCoeff() > kMaxPlaneOffset_m) return std::nullopt;
-  const double d = std::abs(n.dot(position_m(at) - shape.mean_m));
-  const double weight = 1.0 - kWeightFall * d / std::sqrt(position_m(feature).norm());
-  if (!(weight > kMinWeight)) return std::nullopt;
-  return PlaneDistance{position_m(feature), n, shape.mean_m, weight};
+Constraints lines_of(const Cloud& edges, const SearchCloud& map, const Pose& T) {
+  Constraints constraints;
+  for (const Point& feature : edges) {
+    const auto shape = shape_at(moved(T, feature), map);
+    if (!shape || !shape->is_line()) continue;
+    add_line({position_m(feature), shape->mean_m, {}}, shape->principal.eigenvectors().col(2), T,
+             kWeightFall, constraints);
+  }
+  return constraints;
+}
+
+Constraints planes_of(const Cloud& planes, const SearchCloud& map, const Pose& T) {
+  Constraints constraints;
+  for (const Point& feature : planes) {
+    const auto shape = shape_at(moved(T, feature), map);
+    if (!shape || !shape->is_plane()) continue;
+    add_plane({position_m(feature), shape->mean_m, shape->principal.eigenvectors().col(0)}, T,
+              kWeightFall, constraints);
+  }
+  return constraints;
+}
+
+Cloud moved_cloud(const Pose& T, const Cloud& cloud) {
+  Cloud result;
+  for (const Point& point : cloud) result.push_back(moved(T, point));
+  return result;
 }
 
 }  // namespace
 
-Pose Mapping::T_map_odom() const { return T_map_end_ * T_odom_end_.inverse(); }
-
-std::vector<const Mapping::Keyframe*> Mapping::surrounding() const {
-  std::map<std::array<int, 3>, const Keyframe*> latest_in_cell;
+std::vector<const Mapping::Keyframe*> Mapping::surrounding(
+    const Eigen::Vector3d& position_m) const {
+  std::map<std::array<double, 3>, const Keyframe*> latest_in_cell;
   for (const Keyframe& keyframe : keyframes_) {
-    if ((keyframe.position_m - T_map_end_.translation()).norm() > kMapRadius_m) continue;
-    const Eigen::Vector3i cell =
-        (keyframe.position_m / kKeyframeCell_m).array().floor().cast<int>();
+    if ((keyframe.position_m - position_m).norm() > kMapRadius_m) continue;
+    const Eigen::Array3d cell = (keyframe.position_m / kKeyframeCell_m).array().floor();
     latest_in_cell[{cell.x(), cell.y(), cell.z()}] = &keyframe;
   }
   std::vector<const Keyframe*> result;
@@ -144,70 +95,45 @@ std::vector<const Mapping::Keyframe*> Mapping::surrounding() const {
   return result;
 }
 
-void Mapping::match(const Cloud& edges, const Cloud& planes) {
+Pose Mapping::match(const Cloud& edges, const Cloud& planes, const Pose& T_map_end) {
   Cloud near_edges;
   Cloud near_planes;
-  for (const Keyframe* keyframe : surrounding()) {
+  for (const Keyframe* keyframe : surrounding(T_map_end.translation())) {
     near_edges += keyframe->edges;
     near_planes += keyframe->planes;
   }
-  const Target edge_map(thinned(near_edges, kEdgeLeaf_m));
-  const Target plane_map(thinned(near_planes, kPlaneLeaf_m));
-  if (edge_map.cloud->size() <= kMinMapEdges || plane_map.cloud->size() <= kMinMapPlanes) return;
-  for (int search = 0; search < kSearches; ++search) {
-    const Pose before = T_map_end_;
-    Eigen::Quaterniond rotation(before.linear());
-    Eigen::Vector3d translation = before.translation();
-    ceres::Problem problem;
-    problem.AddParameterBlock(rotation.coeffs().data(), 4, new ceres::EigenQuaternionManifold);
-    for (const Point& feature : edges) {
-      const auto found = line_distance(edge_map, feature, before);
-      if (!found) continue;
-      problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<LineDistance, 3, 4, 3>(new LineDistance(*found)), nullptr,
-          rotation.coeffs().data(), translation.data());
-    }
-    edges_ = problem.NumResidualBlocks();
-    for (const Point& feature : planes) {
-      const auto found = plane_distance(plane_map, feature, before);
-      if (!found) continue;
-      problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<PlaneDistance, 1, 4, 3>(new PlaneDistance(*found)),
-          nullptr, rotation.coeffs().data(), translation.data());
-    }
-    planes_ = problem.NumResidualBlocks() - edges_;
-    if (edges_ + planes_ < kMinCorrespondences) {
-      edges_ = planes_ = 0;
-      return;
-    }
-    ceres::Solver::Options options;
-    options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-    options.max_num_iterations = kStepsPerSearch;
-    options.logging_type = ceres::SILENT;
-    ceres::Solver::Summary summary;
-    ceres::Solve(options, &problem, &summary);
-    T_map_end_.linear() = rotation.normalized().toRotationMatrix();
-    T_map_end_.translation() = translation;
-    const Pose step = before.inverse() * T_map_end_;
-    if (step.translation().norm() < kConverged_m &&
-        degrees(rotation_angle_rad(step)) < kConverged_deg) {
-      return;
-    }
+  const SearchCloud edge_map(thinned(near_edges, kEdgeLeaf_m));
+  const SearchCloud plane_map(thinned(near_planes, kPlaneLeaf_m));
+  if (edge_map.cloud->size() <= kMinMapEdges || plane_map.cloud->size() <= kMinMapPlanes) {
+    return T_map_end;
   }
+  PoseParameters pose = parameters_of(T_map_end);
+  const int found = align(pose, Free::kAll, kSchedule, [&](const PoseParameters& now, int) {
+    Constraints all = lines_of(edges, edge_map, pose_of(now));
+    const Constraints of_planes = planes_of(planes, plane_map, pose_of(now));
+    result_.edges = static_cast<int>(all.size()) / kPerLine;
+    all.insert(all.end(), of_planes.begin(), of_planes.end());
+    return all;
+  });
+  if (found == 0) result_.edges = 0;
+  result_.planes = found - kPerLine * result_.edges;
+  return pose_of(pose);
 }
 
-void Mapping::add(const ScanForMap& scan, const Pose& T_odom_end) {
-  T_map_end_ = orthonormalized(T_map_odom() * T_odom_end);
-  T_odom_end_ = T_odom_end;
+const MappingResult& Mapping::add(const ScanForMap& scan, const Pose& T_odom_end) {
+  result_.edges = result_.planes = 0;
   const Cloud edges = thinned(scan.edges, kEdgeLeaf_m);
   const Cloud planes = thinned(scan.planes, kPlaneLeaf_m) + thinned(scan.outliers, kPlaneLeaf_m);
-  edges_ = planes_ = 0;
-  match(edges, thinned(planes, kPlaneLeaf_m));
-  const Eigen::Vector3d position_m = T_map_end_.translation();
-  keyframe_ =
-      keyframes_.empty() || (position_m - keyframes_.back().position_m).norm() >= kKeyframeStep_m;
-  if (!keyframe_) return;
-  keyframes_.push_back({position_m, moved(T_map_end_, edges), moved(T_map_end_, planes)});
+  const Pose T_map_end =
+      match(edges, thinned(planes, kPlaneLeaf_m), result_.T_map_odom * T_odom_end);
+  result_.T_map_odom = orthonormalized(T_map_end * T_odom_end.inverse());
+  const Eigen::Vector3d end_m = T_map_end.translation();
+  result_.keyframe =
+      keyframes_.empty() || (end_m - keyframes_.back().position_m).norm() > kKeyframeStep_m;
+  if (result_.keyframe) {
+    keyframes_.push_back({end_m, moved_cloud(T_map_end, edges), moved_cloud(T_map_end, planes)});
+  }
+  return result_;
 }
 
 Cloud Mapping::map() const {

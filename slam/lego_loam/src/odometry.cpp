@@ -1,250 +1,110 @@
 #include "odometry.h"
 
-#include <ceres/ceres.h>
-
-#include <cmath>
-
-#include "hqslam/core/angles.h"
-
 namespace hqslam::lego_loam {
 
 namespace {
 
-constexpr int kSearches = 5;
-constexpr int kStepsPerSearch = 5;
 constexpr float kReach_m = 5.0F;
 constexpr int kRowsBeside = 2;
 constexpr std::size_t kMinLastEdges = 10;
 constexpr std::size_t kMinLastPlanes = 100;
-constexpr int kMinCorrespondences = 10;
 constexpr double kWeightFall = 1.8;  // per metre
-constexpr double kMinWeight = 0.1;
-constexpr double kConverged_m = 0.001;
-constexpr double kConverged_deg = 0.1;
+constexpr int kMinFeatures = 10;
+constexpr Schedule kPlanes = {5, 5, kMinFeatures, 0.001, 0.1};
+constexpr Schedule kLines = {5, 5, kPerLine* kMinFeatures, 0.001, 0.1};
 
-/// R(s) p + s t: p before s sweeps of motion.
-template <typename T>
-Eigen::Matrix<T, 3, 1> before_motion(const Eigen::Vector3d& p, double s, const T* out_of_plane,
-                                     const T* in_plane) {
-  using Axis = Eigen::Matrix<T, 3, 1>;
-  const Eigen::AngleAxis<T> roll(s * out_of_plane[1], Axis::UnitX());
-  const Eigen::AngleAxis<T> pitch(s * out_of_plane[2], Axis::UnitY());
-  const Eigen::AngleAxis<T> yaw(s * in_plane[2], Axis::UnitZ());
-  const Axis t(in_plane[0], in_plane[1], out_of_plane[0]);
-  return yaw * (pitch * (roll * Axis(p.cast<T>()))) + s * t;
-}
-
-/// weight n . (R(s) p + s t - q)
-struct PlaneDistance {
-  Eigen::Vector3d p;
-  double s;
-  Eigen::Vector3d n;
-  Eigen::Vector3d q;
-  double weight;
-  template <typename T>
-  bool operator()(const T* out_of_plane, const T* in_plane, T* residual) const {
-    *residual = weight * n.dot(before_motion(p, s, out_of_plane, in_plane) - q.cast<T>());
-    return true;
-  }
+/// The last scan's point nearest to a feature, the second nearest in its row, and the nearest one
+/// in the two rows above and the two below; each where there is one within reach.
+struct Neighbours {
+  std::optional<Point> nearest;
+  std::optional<Point> same_row;
+  std::optional<Point> other_row;
 };
 
-/// weight (R(s) p + s t - q) x u: three numbers whose length is the distance from the line.
-struct LineDistance {
-  Eigen::Vector3d p;
-  double s;
-  Eigen::Vector3d u;
-  Eigen::Vector3d q;
-  double weight;
-  template <typename T>
-  bool operator()(const T* out_of_plane, const T* in_plane, T* residual) const {
-    const Eigen::Matrix<T, 3, 1> off = before_motion(p, s, out_of_plane, in_plane) - q.cast<T>();
-    Eigen::Map<Eigen::Matrix<T, 3, 1>> distance(residual);
-    distance = weight * off.cross(u.cast<T>());
-    return true;
+Neighbours neighbours_of(const Point& p, const SearchCloud& last) {
+  const std::vector<int> index = last.nearest(p, 1, kReach_m);
+  if (index.empty()) return {};
+  const Point& nearest = (*last.cloud)[index[0]];
+  const int row = row_of(nearest);
+  Neighbours found{nearest, std::nullopt, std::nullopt};
+  float same_m2 = kReach_m * kReach_m;
+  float other_m2 = kReach_m * kReach_m;
+  auto q = std::partition_point(last.cloud->begin(), last.cloud->end(), [&](const Point& point) {
+    return row_of(point) < row - kRowsBeside;
+  });
+  for (; q != last.cloud->end() && row_of(*q) <= row + kRowsBeside; ++q) {
+    const float m2 = (q->getVector3fMap() - p.getVector3fMap()).squaredNorm();
+    const bool in_row = row_of(*q) == row;
+    if (&*q == &nearest || m2 >= (in_row ? same_m2 : other_m2)) continue;
+    (in_row ? found.same_row : found.other_row) = *q;
+    (in_row ? same_m2 : other_m2) = m2;
   }
-};
-
-/// By how many sweeps a point was captured after one of the last scan.
-double sweeps_between(const Point& last, const Point& now) {
-  return 1.0 + sweep_fraction(now) - sweep_fraction(last);
+  return found;
 }
 
-std::optional<PlaneDistance> plane_distance(const RowTrees& last, const Point& feature,
-                                            const SweepMotion& motion, bool weighted) {
-  const auto plane = last.plane_at(moved(pose_of(motion), feature));
-  if (!plane) return std::nullopt;
-  const double s = sweeps_between(plane->nearest, feature);
-  const Eigen::Vector3d p = pose_of(motion, s) * position_m(feature);
-  const Eigen::Vector3d q = position_m(plane->nearest);
-  const Eigen::Vector3d n =
-      (position_m(plane->same_row) - q).cross(position_m(plane->other_row) - q).normalized();
-  const double d = std::abs(n.dot(p - q));
-  const double weight = weighted ? 1.0 - kWeightFall * d / std::sqrt(p.norm()) : 1.0;
-  if (!(weight > kMinWeight)) return std::nullopt;
-  return PlaneDistance{position_m(feature), s, n, q, weight};
+/// The feature and the last scan's point that it is matched with.
+Constraint pair_of(const Point& feature, const Point& last) {
+  return {position_m(feature), position_m(last), Eigen::Vector3d::Zero(),
+          1.0 + sweep_fraction(feature) - sweep_fraction(last)};
 }
 
-std::optional<LineDistance> line_distance(const RowTrees& last, const Point& feature,
-                                          const SweepMotion& motion, bool weighted) {
-  const auto line = last.line_at(moved(pose_of(motion), feature));
-  if (!line) return std::nullopt;
-  const double s = sweeps_between(line->nearest, feature);
-  const Eigen::Vector3d p = pose_of(motion, s) * position_m(feature);
-  const Eigen::Vector3d q = position_m(line->nearest);
-  const Eigen::Vector3d u = (position_m(line->other_row) - q).normalized();
-  const double weight = weighted ? 1.0 - kWeightFall * (p - q).cross(u).norm() : 1.0;
-  if (!(weight > kMinWeight)) return std::nullopt;
-  return LineDistance{position_m(feature), s, u, q, weight};
+Constraints planes_of(const Cloud& flat, const SearchCloud& ground, const PoseParameters& motion,
+                      double fall) {
+  Constraints constraints;
+  for (const Point& feature : flat) {
+    const auto [nearest, same, other] = neighbours_of(moved(pose_of(motion), feature), ground);
+    if (!nearest || !same || !other) continue;
+    Constraint plane = pair_of(feature, *nearest);
+    plane.n = (position_m(*same) - plane.q).cross(position_m(*other) - plane.q).normalized();
+    add_plane(plane, pose_of(motion, plane.s), fall, constraints);
+  }
+  return constraints;
 }
 
-/// Changes out_of_plane or in_plane; the other one is held.
-void solve(ceres::Problem& problem, Eigen::Vector3d& held) {
-  problem.SetParameterBlockConstant(held.data());
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-  options.max_num_iterations = kStepsPerSearch;
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
+Constraints lines_of(const Cloud& sharp, const SearchCloud& edges, const PoseParameters& motion,
+                     double fall) {
+  Constraints constraints;
+  for (const Point& feature : sharp) {
+    const auto [nearest, same, other] = neighbours_of(moved(pose_of(motion), feature), edges);
+    if (!nearest || !other) continue;
+    const Constraint line = pair_of(feature, *nearest);
+    const Eigen::Vector3d u = (position_m(*other) - line.q).normalized();
+    add_line(line, u, pose_of(motion, line.s), fall, constraints);
+  }
+  return constraints;
 }
 
-bool has_converged(const SweepMotion& before, const SweepMotion& after) {
-  const Pose step = pose_of(before).inverse() * pose_of(after);
-  return step.translation().norm() < kConverged_m &&
-         degrees(rotation_angle_rad(step)) < kConverged_deg;
-}
+double fall_in(int search) { return search > 0 ? kWeightFall : 0.0; }
 
 }  // namespace
 
-Pose pose_of(const SweepMotion& motion, double s) {
-  const Eigen::Vector3d t(motion.in_plane[0], motion.in_plane[1], motion.out_of_plane[0]);
-  return pose_from_xyz_rpy(s * t, s * motion.out_of_plane[1], s * motion.out_of_plane[2],
-                           s * motion.in_plane[2]);
-}
-
-RowTrees::RowTrees(const Cloud& cloud) : cloud_(cloud.makeShared()) {
-  if (cloud.empty()) return;
-  tree_.setInputCloud(cloud_);
-  for (const Point& point : cloud) {
-    const auto row = static_cast<std::size_t>(row_of(point));
-    while (row_cloud_.size() <= row) row_cloud_.push_back(std::make_shared<Cloud>());
-    row_cloud_[row]->push_back(point);
+const OdometryResult& Odometry::add(const Features& features) {
+  result_.planes = result_.edges = 0;
+  result_.has_motion = last_edges_.has_value();
+  if (result_.has_motion && last_edges_->cloud->size() >= kMinLastEdges &&
+      last_ground_->cloud->size() >= kMinLastPlanes) {
+    PoseParameters& motion = result_.motion;
+    result_.planes = align(motion, Free::kOutOfPlane, kPlanes, [&](const auto& now, int search) {
+      return planes_of(features.flat, *last_ground_, now, fall_in(search));
+    });
+    result_.edges = align(motion, Free::kInPlane, kLines, [&](const auto& now, int search) {
+      return lines_of(features.sharp, *last_edges_, now, fall_in(search));
+    });
+    result_.edges /= kPerLine;
   }
-  row_tree_.resize(row_cloud_.size());
-  for (std::size_t row = 0; row < row_cloud_.size(); ++row) {
-    if (!row_cloud_[row]->empty()) row_tree_[row].setInputCloud(row_cloud_[row]);
-  }
+  result_.T_odom_end = orthonormalized(result_.T_odom_end * pose_of(result_.motion));
+  last_edges_.emplace(features.less_sharp);
+  last_ground_.emplace(features.less_flat_ground);
+  return result_;
 }
 
-std::optional<Point> RowTrees::nearest(const Point& p) const {
-  std::vector<int> index(1);
-  std::vector<float> distance_m2(1);
-  if (cloud_->empty() || tree_.nearestKSearch(p, 1, index, distance_m2) < 1) return std::nullopt;
-  if (!(distance_m2[0] < kReach_m * kReach_m)) return std::nullopt;
-  return (*cloud_)[index[0]];
-}
-
-/// rank 0: the nearest of the row, 1: the second nearest.
-std::optional<Point> RowTrees::nearest_in_row(int row, const Point& p, int rank) const {
-  if (row < 0 || row >= static_cast<int>(row_cloud_.size()) || row_cloud_[row]->empty()) {
-    return std::nullopt;
-  }
-  std::vector<int> index(rank + 1);
-  std::vector<float> distance_m2(rank + 1);
-  if (row_tree_[row].nearestKSearch(p, rank + 1, index, distance_m2) <= rank) return std::nullopt;
-  if (!(distance_m2[rank] < kReach_m * kReach_m)) return std::nullopt;
-  return (*row_cloud_[row])[index[rank]];
-}
-
-std::optional<Point> RowTrees::nearest_beside(int row, const Point& p) const {
-  std::optional<Point> best;
-  const auto distance_m = [&](const Point& q) { return (position_m(q) - position_m(p)).norm(); };
-  for (int beside = row - kRowsBeside; beside <= row + kRowsBeside; ++beside) {
-    if (beside == row) continue;
-    const auto found = nearest_in_row(beside, p, 0);
-    if (found && (!best || distance_m(*found) < distance_m(*best))) best = found;
-  }
-  return best;
-}
-
-std::optional<RowTrees::Line> RowTrees::line_at(const Point& p) const {
-  const auto closest = nearest(p);
-  if (!closest) return std::nullopt;
-  const auto other_row = nearest_beside(row_of(*closest), p);
-  if (!other_row) return std::nullopt;
-  return Line{*closest, *other_row};
-}
-
-std::optional<RowTrees::Plane> RowTrees::plane_at(const Point& p) const {
-  const auto closest = nearest(p);
-  if (!closest) return std::nullopt;
-  const auto same_row = nearest_in_row(row_of(*closest), p, 1);
-  const auto other_row = nearest_beside(row_of(*closest), p);
-  if (!same_row || !other_row) return std::nullopt;
-  return Plane{*closest, *same_row, *other_row};
-}
-
-int Odometry::match_planes(const Cloud& flat) {
-  int matched = 0;
-  for (int search = 0; search < kSearches; ++search) {
-    const SweepMotion before = motion_;
-    ceres::Problem problem;
-    for (const Point& feature : flat) {
-      const auto found = plane_distance(*ground_target_, feature, before, search > 0);
-      if (!found) continue;
-      problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<PlaneDistance, 1, 3, 3>(new PlaneDistance(*found)),
-          nullptr, motion_.out_of_plane.data(), motion_.in_plane.data());
-    }
-    matched = problem.NumResidualBlocks();
-    if (matched < kMinCorrespondences) return 0;
-    solve(problem, motion_.in_plane);
-    if (has_converged(before, motion_)) break;
-  }
-  return matched;
-}
-
-int Odometry::match_edges(const Cloud& sharp) {
-  int matched = 0;
-  for (int search = 0; search < kSearches; ++search) {
-    const SweepMotion before = motion_;
-    ceres::Problem problem;
-    for (const Point& feature : sharp) {
-      const auto found = line_distance(*edge_target_, feature, before, search > 0);
-      if (!found) continue;
-      problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<LineDistance, 3, 3, 3>(new LineDistance(*found)), nullptr,
-          motion_.out_of_plane.data(), motion_.in_plane.data());
-    }
-    matched = problem.NumResidualBlocks();
-    if (matched < kMinCorrespondences) return 0;
-    solve(problem, motion_.out_of_plane);
-    if (has_converged(before, motion_)) break;
-  }
-  return matched;
-}
-
-Cloud Odometry::at_sweep_end(const Cloud& cloud) const {
-  const Pose T_end_start = pose_of(motion_).inverse();
+Cloud at_sweep_end(const Cloud& cloud, const PoseParameters& motion) {
+  const Pose T_end_start = pose_of(motion).inverse();
   Cloud result;
   for (const Point& point : cloud) {
-    result.push_back(moved(T_end_start * pose_of(motion_, sweep_fraction(point)), point));
+    result.push_back(moved(T_end_start * pose_of(motion, sweep_fraction(point)), point));
   }
   return result;
-}
-
-void Odometry::add(const Features& features) {
-  planes_ = edges_ = 0;
-  if (edge_target_) {
-    if (edge_target_->size() >= kMinLastEdges && ground_target_->size() >= kMinLastPlanes) {
-      planes_ = match_planes(features.flat);
-      edges_ = match_edges(features.sharp);
-    }
-    T_odom_end_ = orthonormalized(T_odom_end_ * pose_of(motion_));
-    has_motion_ = true;
-  }
-  edge_target_.emplace(features.less_sharp);
-  ground_target_.emplace(features.less_flat_ground);
 }
 
 }  // namespace hqslam::lego_loam

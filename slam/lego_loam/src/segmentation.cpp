@@ -1,6 +1,8 @@
 #include "segmentation.h"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "hqslam/core/angles.h"
 #include "hqslam/lego_loam/lego_loam.h"
@@ -19,21 +21,12 @@ constexpr int kMinRowsTall = 3;
 constexpr int kKeptColumn = 5;  // of the ground and of outliers
 constexpr int kSeam = 5;        // columns at the image's ends whose ground is kept
 
-/// The lowest rows pairs of which are searched for ground, less one: the program's presets, for
-/// other sensors as large a share as theirs are.
+/// How many pairs of rows are searched for ground: the program's presets, for other sensors as
+/// large a share as theirs are.
 int ground_rows(int rows) {
-  switch (rows) {
-    case 16:
-      return 7;
-    case 32:
-      return 20;
-    case 64:
-      return 15;
-    case 128:
-      return 10;
-    default:
-      return rows / 3;
-  }
+  const std::map<int, int> presets = {{16, 7}, {32, 20}, {64, 15}, {128, 10}};
+  const auto preset = presets.find(rows);
+  return preset != presets.end() ? preset->second : rows / 3;
 }
 
 RangeImage usable_ranges(const OrganizedCloud& cloud) {
@@ -52,38 +45,10 @@ bool is_kept(const Component& cluster) {
                                           cluster.last_row - cluster.first_row + 1 >= kMinRowsTall);
 }
 
-bool is_kept_ground(int column, int columns) {
-  return column % kKeptColumn == 0 || column <= kSeam || column >= columns - kSeam;
-}
-
-/// Per pixel as in ScanTrace; clusters that are kept are numbered in the order of their first
-/// pixel.
-std::vector<std::int32_t> labels_of(const RangeImage& image,
-                                    const std::vector<std::uint8_t>& ground,
-                                    const ConnectedComponents& connected, int& clusters) {
-  std::vector<std::int32_t> number;
-  for (const Component& cluster : connected.components) {
-    number.push_back(is_kept(cluster) ? ++clusters : ScanTrace::kOutlier);
-  }
-  std::vector<std::int32_t> label(image.range_m.size(), ScanTrace::kNoReturn);
-  for (std::size_t pixel = 0; pixel < label.size(); ++pixel) {
-    if (ground[pixel] != 0) label[pixel] = ScanTrace::kGround;
-    if (connected.label[pixel] >= 0) label[pixel] = number[connected.label[pixel]];
-  }
-  return label;
-}
-
-}  // namespace
-
-Segmentation::Segmentation(const SensorModel& sensor)
-    : scan_period_s_(sensor.scan_period_s),
-      ground_rows_(ground_rows(sensor.rows())),
-      labeler_(sensor, {radians(kMinClusterAngle_deg), true}) {}
-
-std::vector<std::uint8_t> Segmentation::ground_of(const OrganizedCloud& cloud,
-                                                  const RangeImage& image) const {
+std::vector<std::uint8_t> ground_of(const OrganizedCloud& cloud, const RangeImage& image,
+                                    int pairs) {
   std::vector<std::uint8_t> ground(image.range_m.size(), 0);
-  for (int lower_row = image.rows - 1; lower_row >= image.rows - ground_rows_; --lower_row) {
+  for (int lower_row = image.rows - 1; lower_row >= image.rows - pairs; --lower_row) {
     for (int column = 0; column < image.columns; ++column) {
       const std::size_t lower = image.index(lower_row, column);
       const std::size_t upper = image.index(lower_row - 1, column);
@@ -96,32 +61,45 @@ std::vector<std::uint8_t> Segmentation::ground_of(const OrganizedCloud& cloud,
   return ground;
 }
 
+}  // namespace
+
+Segmentation::Segmentation(const SensorModel& sensor)
+    : scan_period_s_(sensor.scan_period_s),
+      ground_rows_(ground_rows(sensor.rows())),
+      labeler_(sensor, {radians(kMinClusterAngle_deg), true}) {}
+
 SegmentedScan Segmentation::segment(const OrganizedCloud& cloud) {
   const RangeImage image = usable_ranges(cloud);
-  const std::vector<std::uint8_t> ground = ground_of(cloud, image);
+  const std::vector<std::uint8_t> ground = ground_of(cloud, image, ground_rows_);
+  const ConnectedComponents& connected = labeler_.label(image, ground);
   SegmentedScan scan;
-  scan.label = labels_of(image, ground, labeler_.label(image, ground), scan.clusters);
+  std::vector<std::int32_t> cluster;
+  for (const Component& component : connected.components) {
+    cluster.push_back(is_kept(component) ? ++scan.clusters : ScanTrace::kOutlier);
+  }
+  scan.label.assign(ground.size(), ScanTrace::kNoReturn);
   scan.rows.resize(image.rows);
   for (int row = 0; row < image.rows; ++row) {
     for (int column = 0; column < image.columns; ++column) {
       const std::size_t pixel = image.index(row, column);
-      const std::int32_t label = scan.label[pixel];
-      if (label == ScanTrace::kNoReturn) continue;
+      if (image.range_m[pixel] <= 0.0F) continue;
+      std::int32_t& label = scan.label[pixel];
+      label = ground[pixel] != 0 ? ScanTrace::kGround : cluster[connected.label[pixel]];
       // A scan without times is captured in one moment: the end of the sweep.
       const double fraction =
           cloud.time_offset_s.empty() ? 1.0 : 0.5 + cloud.time_offset_s[pixel] / scan_period_s_;
-      const Point point = point_of(cloud.points_m[pixel], row, static_cast<float>(fraction));
-      if (label == ScanTrace::kGround) {
-        ++scan.ground_points;
-        if (!is_kept_ground(column, image.columns)) continue;
-      } else if (label == ScanTrace::kOutlier) {
+      const Point point = point_of(cloud.points_m[pixel], row, fraction);
+      const bool in_kept_column = column % kKeptColumn == 0;
+      if (label == ScanTrace::kOutlier) {
         const bool above_ground_rows = row < image.rows - 1 - ground_rows_;
-        if (above_ground_rows && column % kKeptColumn == 0) scan.outliers.push_back(point);
-        continue;
+        if (above_ground_rows && in_kept_column) scan.outliers.push_back(point);
+      } else if (label > ScanTrace::kGround || in_kept_column || column <= kSeam ||
+                 column >= image.columns - kSeam) {
+        scan.rows[row].push_back({point, image.range_m[pixel], column, ground[pixel] != 0});
       }
-      scan.rows[row].push_back({point, image.range_m[pixel], column, label == ScanTrace::kGround});
     }
   }
+  scan.ground_points = static_cast<int>(std::ranges::count(ground, 1));
   return scan;
 }
 

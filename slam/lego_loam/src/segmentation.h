@@ -37,16 +37,15 @@ struct SegmentedScan {
 /// ones are outliers. Of the ground every fifth column is kept, so that it does not outweigh the
 /// rest; of the outliers every fifth column above the ground's rows, for the map alone.
 ///
-/// Differs from LeGO-LOAM: the program forgets the row of a cluster's first point when it counts
-/// rows; alpha between rows is that of the beam table.
+/// Differs from LeGO-LOAM: the program takes ground back where the pixel above has no return, which
+/// makes clusters of what it took, and forgets the row of a cluster's first point when it counts
+/// rows. alpha between rows is that of the beam table.
 class Segmentation {
  public:
   explicit Segmentation(const SensorModel& sensor);
   SegmentedScan segment(const OrganizedCloud& cloud);
 
  private:
-  std::vector<std::uint8_t> ground_of(const OrganizedCloud& cloud, const RangeImage& image) const;
-
   double scan_period_s_;
   int ground_rows_;
   ComponentLabeler labeler_;

@@ -87,8 +87,7 @@ inline const std::vector<Command>& commands() {
   static const std::vector<std::string> of_run = {"/trajectory.tum", "/trajectory.kitti",
                                                   "/timings.json",   "/covariances.csv",
                                                   "/map.pcd",        "/report.html"};
-  static const std::vector<std::string> of_map = {
-      "/dense_map.pcd", "/dense_map.ply"};
+  static const std::vector<std::string> of_map = {"/dense_map.pcd", "/dense_map.ply"};
   static const std::vector<std::string> of_grid = {"/map.pgm", "/map.yaml"};
   static const std::vector<Command> table = {
       {"run {drive} --out {out}",
@@ -114,9 +113,6 @@ inline const std::vector<Command>& commands() {
       {"map {drive} --poses {drive}/truth.tum --map-voxel 0.5 --out {out}",
        {"map {drive} --poses {tum} --out {out}"},
        of_map},
-      {"map {drive} --poses {drive}/truth.tum --map-voxel 0.5 --las --out {out}",
-       {},
-       {"/dense_map.las"}},
       {"map {drive} --poses {drive}/truth.tum --map-voxel 0.5 --occupancy-grid --out {out}",
        {},
        of_grid},
@@ -146,11 +142,11 @@ inline const std::vector<Command>& commands() {
       {"calibrate {driven} --path 20 --out {out}.json",
        {"calibrate {npy} --sensor os1-16 --out {out}.json"},
        {".json", ".html"}},
-      {"upsample {drive}/pcd --method linear --sensor os1-64 --bin --las --out {out}",
+      {"upsample {drive}/pcd --method linear --sensor os1-64 --bin --out {out}",
        {"upsample {mcap} --method linear --out {out}",
         "upsample {drive} --weights {npz} --out {out}"},
        {"/scans.npy", "/intensity.npy", "/timestamps.txt", "/sensor.json", "/upsample.json", "/bin",
-        "/las", "/truth.tum"},
+        "/truth.tum"},
        true},
       {"weights show {weights}", {"weights show {npz}"}},
       {"weights pack {arrays} {network} --out {out}",

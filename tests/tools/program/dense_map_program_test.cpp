@@ -119,16 +119,6 @@ TEST_CASE(
   CHECK(missing(result.error, {"within 100 km", "found one 5400 km away"}) == "");
 }
 
-TEST_CASE("a .las of an earlier map does not stay beside a new one") {
-  const TemporaryDirectory out;
-  const std::string map = fmt::format("map '{0}' --rows 16 --poses '{0}/truth.tum' --out '{1}'",
-                                      simulated_drive(), out.path().string());
-  succeeds("{} --las", map);
-  CHECK(fs::exists(out.file("dense_map.las")));
-  succeeds("{} --map-voxel 0.5", map);
-  CHECK_FALSE(fs::exists(out.file("dense_map.las")));
-}
-
 TEST_CASE("poses of another time make no map, and that is said") {
   const TemporaryDirectory out;
   write_file(out.file("late.tum"), "1000 0 0 0 0 0 0 1\n1001 1 0 0 0 0 0 1\n");
@@ -197,14 +187,6 @@ TEST_CASE("wrong input of maps is one line") {
        }) {
     CHECK(holds(refused(fmt::format(fmt::runtime(arguments), simulated_drive(), in)).error, with));
   }
-}
-
-TEST_CASE("what run names as its results has the .las of a dense map, if there is one") {
-  const TemporaryDirectory out;
-  const std::string dense =
-      fmt::format("run '{}' --dense-map --out '{}' ", simulated_drive(), out.path().string());
-  CHECK(holds(last_line(succeeds(dense + "--las").out), "dense_map.ply, dense_map.las and"));
-  CHECK_FALSE(holds(last_line(succeeds(dense).out), "dense_map.las"));
 }
 
 }  // namespace hqslam::test

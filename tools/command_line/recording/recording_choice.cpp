@@ -21,13 +21,13 @@ namespace hqslam::tools {
 void declare_input(Command& command, InputChoice& choice, const std::string& what,
                    const std::string& sensor) {
   constexpr const char* kUsual =
-      "Capture (.pcap, .pcapng) or bag (.db3, .mcap, .bag) of a sensor, folder of KITTI .bin files "
-      "or of .pcd, .ply, .csv or .txt files, .npy stack of range images (N x H x W, float32 "
-      "metres), or folder written by hqslam-lab simulate";
+      "Recording: a capture (.pcap, .pcapng) or bag (.db3, .mcap, .bag) of a sensor, a folder of "
+      "KITTI .bin files or of .pcd, .ply, .csv or .txt files, a .npy stack of range images (N x H "
+      "x W, float32 metres), or a folder written by hqslam-lab simulate";
   const std::string usual_sensor = fmt::format(
-      "{}, or a .json file with the beam angles (Ouster's metadata files too) or, for "
-      "packets of a Hesai, its .csv of angles; not needed where the "
-      "recording or its points tell",
+      "Sensor: {}, or a .json file with the beam angles (Ouster's metadata files too), or a "
+      "Hesai's "
+      ".csv of angles; default: determined from the recording or its points",
       fmt::join(sensor_preset_names(), ", "));
   command
       .option("INPUT", &choice.input, what.empty() ? kUsual : what,
@@ -38,9 +38,9 @@ void declare_input(Command& command, InputChoice& choice, const std::string& wha
 
 void declare_imu(Command& command, InputChoice& choice) {
   command.option("--imu", &choice.imu,
-                 "Inertial data by the clock of the scans, in the LiDAR's frame: lines of stamp, "
-                 "angular rate x,y,z (rad/s), specific force x,y,z (m/s^2); by default those of "
-                 "the recording",
+                 "File of inertial data by the clock of the scans, in the LiDAR's frame: lines of "
+                 "stamp, angular rate x,y,z (rad/s), specific force x,y,z (m/s^2); default: those "
+                 "of the recording",
                  {.given = Given::kFile});
 }
 
@@ -49,10 +49,10 @@ void declare_reading(Command& command, InputChoice& choice) {
     return std::string(text.empty() ? "expected a file or 'names', found nothing" : "");
   };
   command.option("--stream", &choice.stream,
-                 "Which stream of a capture or a bag: a topic, or a port or sender:port");
+                 "Stream of a capture or a bag: a topic, a port, or sender:port");
   declare_return(command, choice.kept_return);
   command
-      .option("--row-order", &choice.row_order, "Where row 0 of the images of a .npy stack looks",
+      .option("--row-order", &choice.row_order, "Order of the rows of a .npy stack's images",
               {.shows_default = true, .one_of = {"highest-first", "lowest-first"}})
       .option("--motion-corrected", &choice.motion_corrected,
               "The scans of a .npy stack are already corrected for the sensor's motion")
@@ -61,15 +61,15 @@ void declare_reading(Command& command, InputChoice& choice) {
               "(each has the time of its azimuth), or corrected for motion (default)",
               {.one_of = {"rolling", "corrected"}})
       .option("--stamps", &choice.stamps,
-              "File with the stamp of each scan (seconds, or dates as KITTI's timestamps.txt), or "
-              "'names' for the numbers in the files' names; not of a capture or a bag, which have "
-              "their own",
+              "File with the stamp of each scan (seconds, or dates as in KITTI's timestamps.txt), "
+              "or 'names' for the numbers in the files' names; not for captures and bags, which "
+              "have their own",
               {.complaint = nothing});
 }
 
 void declare_return(Command& command, std::string& kept_return) {
   command.option("--return", &kept_return,
-                 "Which one is kept where a sensor sends two returns of a pulse",
+                 "Return that is kept where a sensor sends two for each pulse",
                  {.shows_default = true, .one_of = {"strongest", "last"}});
 }
 
@@ -78,15 +78,18 @@ recordings::KeptReturn kept_return_named(const std::string& kept_return) {
 }
 
 void declare_upsampling_method(Command& command, UpsamplingChoice& choice) {
+  std::vector<std::string> methods = nn::interpolation_names();
+  const std::vector<std::string> weights = pipeline::installed_weights_names();
+  methods.insert(methods.end(), weights.begin(), weights.end());
   command
       .option("--rows", &choice.rows, "Use only this many of the sensor's rows, evenly spread",
               {.within = kAnyCount})
-      .option(
-          "--upsample", &choice.upsample,
-          fmt::format("Fill the rows between the measured ones first: a trained network (.npz), or "
-                      "interpolation ({})",
-                      fmt::join(nn::interpolation_names(), ", ")),
-          {.given = Given::kFile, .one_of = nn::interpolation_names()});
+      .option("--upsample", &choice.upsample,
+              fmt::format("Fill the rows between the measured ones first: a weights file (.npz), "
+                          "weights that come with hqslam and are chosen by the sensor ({}), or an "
+                          "interpolation ({})",
+                          fmt::join(weights, ", "), fmt::join(nn::interpolation_names(), ", ")),
+              {.given = Given::kFile, .one_of = methods});
 }
 
 void declare_upsampling(Command& command, UpsamplingChoice& choice) {
@@ -97,17 +100,15 @@ void declare_upsampling(Command& command, UpsamplingChoice& choice) {
 void declare_confidence(Command& command, UpsamplingChoice& choice,
                         const std::vector<const char*>& needs) {
   command
-      .option(
-          "--confidence", &choice.least_confidence,
-          "Leave computed pixels empty of which the network (du-mix) is less sure; default: as the "
-          "weights say",
-          {.within = std::pair(0.0, 1.0), .needs = needs})
-      .option(
-          "--tolerance", &choice.tolerance_m,
-          fmt::format("Sure of what: that the range is right within so many metres (default: {}); "
-                      "with 100 m and more, that there is a return at all",
-                      nn::SuperResolverOptions{}.tolerance_m),
-          {.within = kTolerance_m, .needs = needs});
+      .option("--confidence", &choice.least_confidence,
+              "Least confidence of a computed pixel (du-mix); others are left empty; default: "
+              "that of the weights",
+              {.within = std::pair(0.0, 1.0), .needs = needs})
+      .option("--tolerance", &choice.tolerance_m,
+              fmt::format("Range tolerance in metres to which the confidence refers (default: {}); "
+                          "with 100 m and more it is the probability of a return at all",
+                          nn::SuperResolverOptions{}.tolerance_m),
+              {.within = kTolerance_m, .needs = needs});
 }
 
 void declare_threads(Command& command, int& threads) {

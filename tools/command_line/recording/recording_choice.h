@@ -11,10 +11,10 @@
 
 namespace hqslam::tools {
 
-/// What a user says of a recording; every command that opens one asks in the same words.
+/// The options about a recording, the same in every command that opens one.
 struct InputChoice {
   std::string input;
-  std::string sensor = {};  ///< empty: what the recording says
+  std::string sensor = {};  ///< empty: the recording's own
   std::string stream = {};  ///< of a capture or a bag; empty: the only one with scans
   std::string kept_return = "strongest";
   std::string row_order = "highest-first";
@@ -35,18 +35,18 @@ void declare_imu(Command& command, InputChoice& choice);
 void declare_return(Command& command, std::string& kept_return);
 recordings::KeptReturn kept_return_named(const std::string& kept_return);
 
-/// What is made of scans before they are used.
+/// The options about upsampling.
 struct UpsamplingChoice {
   std::string upsample = {};  ///< weights file or interpolation; empty: nothing
   int rows = 0;  ///< measured ones; 0: all, or, of an upsampling, its own or every fourth
-  std::optional<float> least_confidence = {};  ///< of pixels that are kept; nothing: the weights'
+  std::optional<float> least_confidence = {};  ///< nothing: the weights'
   std::optional<float> tolerance_m = {};       ///< nothing: SuperResolverOptions' own
 };
 /// --rows and --upsample.
 void declare_upsampling_method(Command& command, UpsamplingChoice& choice);
 /// These and what declare_confidence declares.
 void declare_upsampling(Command& command, UpsamplingChoice& choice);
-/// --confidence and --tolerance. needs: options without which they say nothing.
+/// --confidence and --tolerance. needs: options without which they have no effect.
 void declare_confidence(Command& command, UpsamplingChoice& choice,
                         const std::vector<const char*>& needs = {});
 
@@ -69,16 +69,16 @@ void check_confidence(const UpsamplingChoice& choice, const pipeline::Upsampler&
 pipeline::UpsampledRecording upsampled_recording(const InputChoice& recording,
                                                  const UpsamplingChoice& upsampling);
 
-/// How many scans there are: as the source says, or by reading the capture or bag to its end.
+/// The number of scans: the source's, or counted by reading a capture or bag to its end.
 std::int64_t scans_in(const InputChoice& choice, const ScanSource& source);
 
-/// Prints what a user should know of the recording to stderr, a line each. `input` is its path.
-/// Returns how many of the source's warnings there are so far.
+/// Prints warnings about the recording to stderr, a line each. input: its path. Returns how many of
+/// the source's warnings were printed.
 std::size_t print_warnings(const ScanSource& source, const std::string& input);
-/// The same of what was found since the first `printed` warnings, as it was read.
+/// Prints the source's warnings after the first `printed` ones.
 void print_later_warnings(const ScanSource& source, std::size_t printed);
 
-/// Throws Error if `out` is where the scans of the recording lie: results among them would be read
+/// Throws Error if `out` is the folder of the recording's scans: results among them would be read
 /// as scans by the next command.
 void refuse_to_write_into_recording(const std::string& input, const std::string& out);
 

@@ -7,7 +7,7 @@
 
 namespace hqslam::tools {
 ScanPoses read_scan_poses(const std::string& path, const InterruptGuard& interrupt,
-                          const std::function<recordings::Recording()>& open_recording) {
+                          const std::function<std::unique_ptr<ScanSource>()>& open_recording) {
   if (path.empty()) return {};
   const TrajectoryFile file = read_trajectory_file(path);
   if (file.has_stamps) return {file.poses, {}, {}, std::nullopt};
@@ -15,8 +15,8 @@ ScanPoses read_scan_poses(const std::string& path, const InterruptGuard& interru
   poses.scan_of_pose.emplace();
   std::int64_t scans = 0;
   Reading reading;
-  recordings::Recording source = open_recording();
-  read_scans(source, interrupt, reading, [&](const ReadScan& read) {
+  const auto source = open_recording();
+  read_scans(*source, interrupt, reading, [&](const ReadScan& read) {
     const auto scan = static_cast<std::size_t>(read.index);
     if (scan < file.poses.size()) {
       poses.trajectory.push_back({read.scan.stamp_s, file.poses[scan].T_map_sensor});

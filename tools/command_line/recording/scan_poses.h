@@ -28,7 +28,7 @@ inline constexpr const char* kScanPosesHelp =
 /// The poses of a file; none without a path. A KITTI file must have as many poses as the recording
 /// has scans, whose stamps they get: only for it the recording is opened and read. Throws Error.
 ScanPoses read_scan_poses(const std::string& path, const InterruptGuard& interrupt,
-                          const std::function<recordings::Recording()>& open_recording);
+                          const std::function<std::unique_ptr<ScanSource>()>& open_recording);
 
 /// The Error message where none of `scans` scans has a pose.
 std::string no_pose_message(const std::string& poses, std::int64_t scans,

@@ -175,7 +175,7 @@ Kind kind_of(const EvaluateOptions& options) {
   if (kind == kind_of(options.reference)) return kind;
   throw Error(
       "{} and {}: expected two files of one kind; give two trajectories (TUM or KITTI), two clouds "
-      "(.pcd, .ply, .las or .bin) or two .npy stacks",
+      "(.pcd, .ply or .bin) or two .npy stacks",
       options.estimate, options.reference);
 }
 
@@ -187,7 +187,7 @@ void declare(CLI::App& app, EvaluateOptions& options) {
               kDefinitions)
       .option(
           "ESTIMATE", &options.estimate,
-          "Trajectory (TUM or KITTI), cloud (.pcd, .ply, .las, .bin) or .npy stack of range images",
+          "Trajectory (TUM or KITTI), cloud (.pcd, .ply, .bin) or .npy stack of range images",
           read)
       .option("REFERENCE", &options.reference, "What it should be, in the same kind of file", read)
       .option("--align", &options.alignment, "Alignment of a trajectory before its APE is taken",

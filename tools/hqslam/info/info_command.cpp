@@ -108,18 +108,20 @@ std::string command_for(const InfoOptions& options, const std::string& capture) 
 }  // namespace
 
 void declare(CLI::App& app, InfoOptions& options) {
-  add_command(app, "info", "Say what a recording is and which command to run on it",
+  add_command(app, "info", "What a recording holds, and which command to run on it",
               "Captures and bags are read to their end, of other recordings the first 100 scans.")
       .option("INPUT", &options.input, "Recording (as for hqslam run)",
               {.required = true, .given = Given::kFileOrFolder})
-      .option("--sensor", &options.sensor,
-              fmt::format("{}, or a .json file; not needed where the recording or its points tell",
-                          fmt::join(sensor_preset_names(), ", ")))
+      .option(
+          "--sensor", &options.sensor,
+          fmt::format(
+              "Sensor: {}, or a .json file; default: determined from the recording or its points",
+              fmt::join(sensor_preset_names(), ", ")))
       .option("--stream", &options.stream,
-              "Which stream, if there are several: a bag's topic, or a port or sender:port of a "
+              "Stream, if there are several: a topic of a bag, or a port or sender:port of a "
               "capture")
       .option("--write-sensor", &options.write_sensor,
-              "Sensor file to write, to be looked at, changed and named with --sensor");
+              "Sensor file (.json) to write, for --sensor of every other command");
 }
 
 int run(const InfoOptions& options) {

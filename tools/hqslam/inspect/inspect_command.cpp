@@ -51,8 +51,9 @@ struct SeenScan {
 SeenScan scan_of(const InspectOptions& options, pipeline::UpsampledRecording& input) {
   const pipeline::Upsampler& upsampler = input.upsampler;
   require_memory(options.poses, upsampler.has_scan_memory());
-  const ScanPoses poses =
-      read_scan_poses(options.poses, InterruptGuard(), [&] { return input.reopened(); });
+  const ScanPoses poses = read_scan_poses(options.poses, InterruptGuard(), [&] {
+    return std::make_unique<recordings::Recording>(input.reopened());
+  });
   pipeline::LookAheadMemory memory(upsampler.method(), poses);
   SeenScan seen;
   const auto look = [&](const ReadScan& read) {
@@ -112,33 +113,33 @@ int inspect_slam(const InspectOptions& options) {
 
 void declare(CLI::App& app, InspectOptions& options) {
   Command command = add_command(
-      app, "inspect", "Show what a network, or SLAM, makes of one scan",
-      R"(Writes one page with H, Z, the filter's mask and Y of every layer, the terms of the objective
-and, if the recording has all rows, the error of every layer.
-With --slam: the class of every pixel, features, what each was matched with in the map, its
-residual and weight, the expected, the odometry's and the found pose, and how much is known
-about each direction of motion.)");
+      app, "inspect", "Show what each layer of a network, or each stage of SLAM, makes of a scan",
+      "Writes one page with H, Z, the filter's mask and Y of every layer, the terms of the "
+      "objective and, if the recording has all rows, the error of every layer. With --slam: the "
+      "class of every pixel, features with their correspondences in the map, residuals and "
+      "weights, the predicted, the odometry's and the final pose, and how well each direction of "
+      "motion is determined.");
   declare_input(command, options, "Recording (as for hqslam upsample)");
   declare_imu(command, options);
   command.option("--weights", &options.weights, "Weights file")
       .option("--slam", &options.slam,
-              "Show instead what every stage of SLAM makes of the scan, after all scans before it; "
-              "with --weights the scans are upsampled first")
+              "Show every stage of SLAM on the scan, after all scans before it; with --weights the "
+              "scans are upsampled first")
       .option("--rows", &options.rows, "Use only this many of the sensor's rows",
               {.within = kAnyCount, .needs = {"--slam"}})
       .option("--set", &options.slam_settings.set, "One option of SLAM, NAME=NUMBER",
               {.needs = {"--slam"}})
       .option("--poses", &options.poses, kMemoryPosesHelp,
               {.given = Given::kFile, .excludes = {"--slam"}})
-      .option("--scan", &options.scan, "Which scan, counted from 0 (default: the first)",
+      .option("--scan", &options.scan, "Index of the scan, from 0 (default: 0)",
               {.given = Given::kNotNegative})
       .option("--tensor", &options.tensors,
               "Show an inner tensor too, such as layers.2.encoder.0 (may be repeated)",
               {.excludes = {"--slam"}})
-      .option("--list", &options.list, "Print the names of all inner tensors, no page")
+      .option("--list", &options.list, "Print the names of all inner tensors and write no page")
       .option("--reference", &options.reference,
-              "How far every tensor is from the network in double precision (seconds; of a large "
-              "one a minute)",
+              "Compare every tensor with the network in double precision (takes seconds; a minute "
+              "for a large network)",
               {.excludes = {"--slam"}})
       .option("--out", &options.out, "Page to write (.html)", {.excludes = {"--list"}});
 }

@@ -100,38 +100,36 @@ int exit_status_of(const SlamRun& run, const live::LiveCounts& counts) {
 void declare(CLI::App& app, LiveOptions& options) {
   Command command = add_command(
       app, "live", "From a sensor that sends now to a trajectory and a map",
-      R"(The sensor must send to this computer already. A line each second says where it is, how
-many scans a second were located, the longest time from the packet that completes a scan
-to its pose, and what was lost: packets that never came, and whole scans that had to make
-room for later ones because the computer is too slow. Ctrl-C (or SIGTERM) ends it: exit
-status 0, and in --out the results as hqslam run writes them.)");
+      "The sensor must be set to send to this computer. A line each second shows the pose, "
+      "located scans a second, the longest latency from the packet that completes a scan to its "
+      "pose, and losses: packets that never came, and whole scans that were dropped for later "
+      "ones because the computer is too slow. Ctrl-C (or SIGTERM) ends it with exit status 0 and "
+      "the results of hqslam run in --out.");
   command
-      .option("--sensor", &options.sensor,
-              fmt::format("{}, or a .json file: an Ouster's metadata, or the beam angles of one "
-                          "Velodyne. An Ouster that is only named is asked "
-                          "for its metadata over HTTP",
-                          fmt::join(sensor_preset_names(), ", ")),
-              {.required = true})
       .option(
-          "--port", &options.port,
-          "UDP port to which it sends (default: what an Ouster's metadata say or 7502, 2368 for a "
-          "Velodyne)",
-          {.within = std::pair(1, 65535)});
+          "--sensor", &options.sensor,
+          fmt::format("Sensor: {}, or a .json file (an Ouster's metadata, or the beam angles of "
+                      "a Velodyne); an Ouster given by name is asked for its metadata over HTTP",
+                      fmt::join(sensor_preset_names(), ", ")),
+          {.required = true})
+      .option("--port", &options.port,
+              "UDP port to which the sensor sends (default: that of an Ouster's metadata or 7502, "
+              "2368 for a Velodyne)",
+              {.within = std::pair(1, 65535)});
   declare_return(command, options.kept_return);
   declare_upsampling(command, options);
   command
-      .option("--out", &options.out, "Folder for the results; made if it is not there",
+      .option("--out", &options.out, "Folder for the results; made if it does not exist",
               {.required = true})
       .option("--record", &options.record,
-              "Also keep the packets in this .pcap file, an Ouster's metadata beside it")
-      .option(
-          "--view", &options.view,
-          fmt::format("Show path and map on a page as they grow; port of the page ({} if none is "
-                      "given, 0: any free one)",
-                      kViewPort),
-          {.within = std::pair(0, 65535), .if_bare = std::to_string(kViewPort)})
+              "Also keep the packets in this .pcap file, with an Ouster's metadata beside it")
+      .option("--view", &options.view,
+              fmt::format("Show path and map on a page as they grow, on this port ({} if none is "
+                          "given, 0: any free one)",
+                          kViewPort),
+              {.within = std::pair(0, 65535), .if_bare = std::to_string(kViewPort)})
       .option("--view-address", &options.view_address,
-              "Address at which the page is served; by default to this computer alone",
+              "Address at which the page of --view is served; default: to this computer alone",
               {.shows_default = true, .needs = {"--view"}});
   declare_threads(command, options.threads);
   declare_slam_kind(command, options.slam);

@@ -26,10 +26,10 @@ ScanPoses poses_of(const SlamRun& run) {
 void declare_dense_map(Command& command, slam::DenseMapOptions& options,
                        const std::vector<const char*>& needs) {
   command
-      .option("--map-voxel", &options.voxel_m, "Of the dense map: metres from point to point",
+      .option("--map-voxel", &options.voxel_m, "Voxel size of the dense map, metres",
               {.shows_default = true, .within = std::pair(0.02, 1.0), .needs = needs})
       .option("--map-confidence", &options.least_confidence,
-              "Of the dense map: least probability that a point is on a surface",
+              "Least probability that a point of the dense map is on a surface",
               {.shows_default = true, .within = std::pair(0.001, 0.999), .needs = needs});
 }
 

@@ -40,7 +40,7 @@ hqslam run --dense-map --occupancy-grid does the same with the poses that it fin
   declare_upsampling_method(command, options);
   command
       .option("--poses", &options.poses, kScanPosesHelp, {.required = true, .given = Given::kFile})
-      .option("--out", &options.out, "Folder for the map; made if it is not there",
+      .option("--out", &options.out, "Folder for the map; made if it does not exist",
               {.required = true});
   declare_dense_map(command, options.map);
   declare_occupancy_grid(command, options.occupancy_grid, options.grid);
@@ -53,7 +53,8 @@ int run(const MapOptions& options) {
   options_of(options.grid);  // refused before the work, not after it
   refuse_to_write_into_recording(options.input, options.out);
   const ScanPoses poses = read_scan_poses(options.poses, interrupt, [&] {
-    return std::move(upsampled_recording(options, options).recording);
+    return std::make_unique<recordings::Recording>(
+        std::move(upsampled_recording(options, options).recording));
   });
   check_near_origin(poses, options.poses);
   const Paths inputs = {options.input, options.poses, options.upsample};

@@ -1,6 +1,7 @@
 #include "upsample/upsample_command.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <omp.h>
 
 #include <algorithm>
@@ -114,24 +115,30 @@ void print_summary(const UpsampleRun& run, const nn::Upsampler& upsampler,
 }  // namespace
 
 void declare(CLI::App& app, UpsampleOptions& options) {
-  Command command = add_command(
-      app, "upsample", "Fill the rows between those of a LiDAR with few beams",
-      R"(Writes into --out: scans.npy (N x rows x columns, float32 metres), confidence.npy (of a
-network that says how sure it is, 0 to 1 per pixel), intensity.npy (where the recording has
-them), timestamps.txt, first_columns.txt (of sensors that begin a turn anywhere), sensor.json,
-upsample.json (where it came from), and the truth of a simulated drive. hqslam run takes the folder as it is. Ctrl-C stops; what is written up to then
-is valid.)");
-  declare_input(
-      command, options,
-      "Recording as for hqslam run: the measured rows alone, or all rows of the sensor, "
-      "of which the measured ones are looked at",
-      "Sensor of the recording (name or .json file); default: what the recording or its "
-      "points tell, or the one that the weights were made for. For interpolation: with all rows");
+  Command command =
+      add_command(app, "upsample", "Fill the rows between those of a LiDAR with few beams",
+                  "Writes into --out, which hqslam run reads as it is:\n"
+                  "  scans.npy          N x rows x columns, float32 metres\n"
+                  "  confidence.npy     0 to 1 per pixel, of a network that gives a confidence\n"
+                  "  intensity.npy      where the recording has intensities\n"
+                  "  timestamps.txt     stamp of each scan, seconds\n"
+                  "  first_columns.txt  of sensors that begin a turn at any column\n"
+                  "  sensor.json, upsample.json, and the truth of a simulated drive\n"
+                  "Ctrl-C stops; what is written up to then is valid.");
+  declare_input(command, options,
+                "Recording as for hqslam run, with the measured rows alone or with all rows of the "
+                "sensor, of which the measured ones are used",
+                "Sensor of the recording (name or .json file; for interpolation with all rows); "
+                "default: determined from the recording, or that of the weights");
   command.alternatives("How", "One of")
-      .option("--weights", &options.upsample, "Trained network (.npz)", {.given = Given::kFile})
-      .option("--method", &options.upsample, "Interpolation, of every fourth row",
+      .option("--weights", &options.upsample,
+              fmt::format("Weights file (.npz), or weights that come with hqslam and are chosen by "
+                          "the sensor ({})",
+                          fmt::join(pipeline::installed_weights_names(), ", ")),
+              {.given = Given::kFile, .one_of = pipeline::installed_weights_names()})
+      .option("--method", &options.upsample, "Interpolation of every fourth row",
               {.one_of = nn::interpolation_names()});
-  command.option("--out", &options.out, "Folder for the results; made if it is not there",
+  command.option("--out", &options.out, "Folder for the results; made if it does not exist",
                  {.required = true});
   declare_confidence(command, options);
   command.option("--poses", &options.poses, kMemoryPosesHelp, {.given = Given::kFile});
@@ -147,8 +154,9 @@ int run(const UpsampleOptions& options) {
   refuse_to_write_into_recording(options.input, options.out);
   pipeline::UpsampledRecording input = upsampled_recording(options, options);
   require_memory(options.poses, input.upsampler.has_scan_memory());
-  const ScanPoses poses =
-      read_scan_poses(options.poses, interrupt, [&] { return input.reopened(); });
+  const ScanPoses poses = read_scan_poses(options.poses, interrupt, [&] {
+    return std::make_unique<recordings::Recording>(input.reopened());
+  });
   ScanSource& source = input.recording;
   const std::size_t printed = print_warnings(source, options.input);
   const UpsampleRun run = upsample(source, input.upsampler, poses, options, interrupt);

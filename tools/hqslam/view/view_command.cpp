@@ -75,15 +75,16 @@ ViewCloud cloud_in(const std::string& path, const ViewOptions& options) {
 
 void declare(CLI::App& app, ViewOptions& options) {
   add_command(
-      app, "view", "A page on which maps and scans can be turned, in any browser",
+      app, "view", "A page on which maps and scans can be turned, for any browser",
       "The page needs no other file and no network. Large maps are thinned evenly to the number\n"
       "of points that a page may have. Of several files one is shown at a time.")
       .option("FILE", &options.files,
-              "Maps and scans: .pcd, .ply, .las, .bin, .txt or .csv points, a saved_map.npz, or a "
+              "Maps and scans: .pcd, .ply, .bin, .txt or .csv points, a saved_map.npz, or a "
               "recording (as for hqslam run), of which a scan is shown",
               {.required = true, .given = Given::kFileOrFolder})
-      .option("--sensor", &options.sensor, "Of recordings that do not say: a name or a .json file")
-      .option("--scan", &options.scan, "Of recordings: which scan, counted from 0",
+      .option("--sensor", &options.sensor,
+              "Sensor of the recordings (name or .json file); default: their own")
+      .option("--scan", &options.scan, "Index of the scan of each recording, from 0",
               {.shows_default = true, .given = Given::kNotNegative})
       .option("--out", &options.out, "Page to write", {.required = true});
 }

@@ -32,22 +32,21 @@ struct ScanTrace {
   Pose T_map_end = Pose::Identity();    ///< at the end of the sweep, after mapping
 };
 
-/// What happened to one scan. Numbers are 0 where a stage did not run.
+/// What happened to one scan. Correspondences are those of the last search, 0 where the stage found
+/// too few or did not run; at 10 Hz mapping runs for every fourth scan.
 struct ScanReport {
   double stamp_s = 0.0;
   Pose T_odom_sensor = Pose::Identity();  ///< odometry alone, at the stamp
   Pose T_map_sensor = Pose::Identity();   ///< after mapping, at the stamp
   int ground_points = 0;
   int clusters = 0;
-  int edge_features = 0;     ///< sharp ones
-  int planar_features = 0;   ///< flat ones
-  int odometry_edges = 0;    ///< correspondences of the last search
-  int odometry_planes = 0;   ///< correspondences of the last search
-  bool odometry_ok = false;  ///< both steps found enough correspondences
-  bool mapped = false;       ///< the scan was registered with the map; every fourth is, at 10 Hz
-  int mapping_edges = 0;     ///< correspondences of the last search
-  int mapping_planes = 0;    ///< correspondences of the last search
-  bool keyframe = false;     ///< the scan was added to the map
+  int edge_features = 0;    ///< sharp ones
+  int planar_features = 0;  ///< flat ones
+  int odometry_edges = 0;   ///< correspondences
+  int odometry_planes = 0;  ///< correspondences
+  int mapping_edges = 0;    ///< correspondences
+  int mapping_planes = 0;   ///< correspondences
+  bool keyframe = false;    ///< the scan was added to the map
 };
 
 /// LeGO-LOAM as its paper has it, on PCL and Ceres, to be read beside the paper: Shan & Englot,
