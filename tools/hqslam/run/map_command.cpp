@@ -14,14 +14,14 @@ std::string no_scan_message(const DenseMapRun& run, const MapOptions& options) {
 
 /// Poses of a survey count kilometres; 32-bit points cannot.
 void check_near_origin(const ScanPoses& poses, const std::string& path) {
-  constexpr double kFarthest_m = 1e5;
+  constexpr double kFarthestPose_m = 1e5;
   for (const StampedPose& pose : poses.trajectory) {
     const double far_m = pose.T_map_sensor.translation().cwiseAbs().maxCoeff();
-    if (far_m <= kFarthest_m) continue;
+    if (far_m <= kFarthestPose_m) continue;
     throw Error(
         "{}: expected poses within {:.0f} km of their frame's origin, found one {:.0f} km away; "
         "subtract the first pose's position from all",
-        path, 1e-3 * kFarthest_m, 1e-3 * far_m);
+        path, 1e-3 * kFarthestPose_m, 1e-3 * far_m);
   }
 }
 
