@@ -10,11 +10,11 @@
 
 #include "compare/upsampling_comparison.h"
 #include "hqslam/core/error.h"
+#include "hqslam/lego_loam/lego_loam.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
 #include "hqslam/nn/instruction_set.h"
 #include "hqslam/nn/upsampled_cloud.h"
 #include "hqslam/pipeline/drive_memory.h"
-#include "hqslam/slam/lego_loam_as_published.h"
 #include "hqslam/slam/slam.h"
 #include "recording/reading.h"
 #include "table/table_work.h"
@@ -53,10 +53,10 @@ std::optional<nn::OutlierRemoval> filter_of(const TableMethod& method,
   return nn::OutlierRemoval(network.sensor, network.measured_rows, *filter, network.sensor.columns);
 }
 
-using SlamSystem = std::variant<slam::Slam, slam::LegoLoamAsPublished>;
+using SlamSystem = std::variant<slam::Slam, lego_loam::LegoLoam>;
 
 SlamSystem system_of(const SlamSetup& setup) {
-  if (setup.as_published) return slam::LegoLoamAsPublished(setup.sensor);
+  if (setup.as_published) return lego_loam::LegoLoam(setup.sensor);
   return slam::Slam(setup.sensor, setup.options);
 }
 
@@ -65,8 +65,8 @@ struct TimedSlam {
   explicit TimedSlam(const SlamSetup& setup) : system(system_of(setup)) {}
 
   void add(const OrganizedCloud& cloud, double stamp_s) {
-    if (auto* as_published = std::get_if<slam::LegoLoamAsPublished>(&system)) {
-      times_ms.push_back(1e3 * seconds_of([&] { as_published->process(cloud, stamp_s); }));
+    if (auto* lego_loam = std::get_if<lego_loam::LegoLoam>(&system)) {
+      times_ms.push_back(1e3 * seconds_of([&] { lego_loam->process(cloud, stamp_s); }));
       return;
     }
     times_ms.push_back(
@@ -76,7 +76,7 @@ struct TimedSlam {
 
   /// Of the last scan.
   bool is_located() const {
-    return std::holds_alternative<slam::LegoLoamAsPublished>(system) ||
+    return std::holds_alternative<lego_loam::LegoLoam>(system) ||
            slam::is_registered(report.mapping_status);
   }
 
