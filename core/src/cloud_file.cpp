@@ -3,13 +3,11 @@
 #include <fmt/format.h>
 
 #include <fstream>
-#include <functional>
 #include <string_view>
 #include <vector>
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/point_columns.h"
-#include "las_points.h"
 
 namespace hqslam {
 
@@ -61,21 +59,16 @@ void write_points(const std::vector<PointColumn>& columns, std::size_t points,
   std::string_view name = path;
   if (name.ends_with(".part")) name.remove_suffix(5);  // of a file that gets its name at the end
   std::string bytes;
-  std::function<void(std::size_t)> append = [&](std::size_t i) { append_point(columns, i, bytes); };
   if (name.ends_with(".pcd")) {
     bytes = pcd_header(columns, points, note);
   } else if (name.ends_with(".ply")) {
     bytes = ply_header(columns, points, note);
-  } else if (name.ends_with(".las")) {
-    const LasPoints las(columns, points, path);
-    bytes = las.header();
-    append = [las, &bytes](std::size_t i) { las.append(i, bytes); };
   } else {
-    throw Error("{}: expected a name that ends with .pcd, .ply or .las; give another", path);
+    throw Error("{}: expected a name that ends with .pcd or .ply; give another", path);
   }
   std::ofstream stream(path, std::ios::binary);
   for (std::size_t i = 0; i < points; ++i) {
-    append(i);
+    append_point(columns, i, bytes);
     if (bytes.size() < kBuffer) continue;
     stream.write(bytes.data(), std::ssize(bytes));
     bytes.clear();

@@ -24,7 +24,6 @@ constexpr double kLongestTurn_s = 1.0;
 RawPoints read_by_name(const std::string& path) {
   if (path.ends_with(".pcd")) return read_pcd_points(path);
   if (path.ends_with(".ply")) return read_ply_points(path);
-  if (path.ends_with(".las") || path.ends_with(".laz")) return read_las_points(path);
   if (path.ends_with(".bin")) return RawPoints(read_kitti_bin(path));
   return read_text_points(path);
 }

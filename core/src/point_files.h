@@ -18,11 +18,6 @@ RawPoints read_text_points(const std::string& path);
 /// ring or channel, t or time ..., of any number type, in any order. Throws Error.
 RawPoints read_ply_points(const std::string& path);
 
-/// A .las file, version 1.0 to 1.4, point format 0 to 3 or 6 to 8, whose points lie within 100 km
-/// of the origin (they become float32); extra bytes by their names. GPS times are taken as seconds.
-/// Throws Error, also for a compressed one (LAZ).
-RawPoints read_las_points(const std::string& path);
-
 /// A .pcd file, as read_cloud describes it. Throws Error.
 RawPoints read_pcd_points(const std::string& path);
 

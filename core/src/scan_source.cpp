@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kKnownRecordings =
     "a capture (.pcap, .pcapng) or bag (.db3, .mcap, .bag) of a sensor, a folder of .bin, .pcd, "
-    ".ply, .las, .txt or .csv files, one such file, an .npy stack of range images or a folder "
+    ".ply, .txt or .csv files, one such file, an .npy stack of range images or a folder "
     "written by 'hqslam-lab simulate'";
 
 /// KITTI's file of stamps, and no scan.
@@ -225,9 +225,9 @@ class SourceWithImu : public ScanSource {
 
 }  // namespace
 
-std::unique_ptr<ScanSource> open_recording(const std::string& path,
-                                           const std::optional<SensorModel>& sensor,
-                                           const RecordingOptions& options) {
+std::unique_ptr<ScanSource> open_scan_files(const std::string& path,
+                                            const std::optional<SensorModel>& sensor,
+                                            const RecordingOptions& options) {
   if (sensor) validate(*sensor);
   const fs::path recording(path);
   std::error_code error;

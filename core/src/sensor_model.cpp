@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -159,6 +160,12 @@ void validate(const SensorModel& sensor) {
             "1 or more",
             measured.offset, measured.stride, sensor.rows() - 1);
   }
+}
+
+bool have_same_beams(const SensorModel& a, const SensorModel& b) {
+  const double tolerance_rad = radians(kBeamTolerance_deg);
+  return std::ranges::equal(a.beam_elevation_rad, b.beam_elevation_rad,
+                            [&](double x, double y) { return std::abs(x - y) <= tolerance_rad; });
 }
 
 SensorModel select_rows(const SensorModel& sensor, RowSelection rows) {

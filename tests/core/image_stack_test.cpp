@@ -33,7 +33,7 @@ TEST_CASE("an image that cannot be the sensor's is left out of its stack, the ne
     std::ranges::fill(foreign.range_m, 5000.0F);
     NpyStackWriter writer(directory.file("scans.npy"), 16, sensor.columns);
     for (int i = 0; i < images; ++i) writer.append(is_good(i) ? a_wall(sensor) : foreign);
-    return open_recording(directory.file("scans.npy"), sensor);
+    return open_scan_files(directory.file("scans.npy"), sensor);
   };
   const auto one_is_not = stack(4, [](int i) { return i != 1; });
   CHECK(one_is_not->next());
@@ -61,7 +61,7 @@ TEST_CASE("the scans of a drive have the stamps of its truth, also where it was 
   for (const int poses : {3, 5, 2}) {
     CAPTURE(poses);
     with_truth_of(poses);
-    const auto source = open_recording(path, sensor);
+    const auto source = open_scan_files(path, sensor);
     for (int i = 0; i < 3; ++i) {
       CHECK(source->next()->stamp_s == doctest::Approx(0.05 + 0.1 * i));
     }
@@ -79,14 +79,14 @@ TEST_CASE("what lies beside the images of a folder is known of their pixels") {
   image.at(0, 0) = 0.0F;
   NpyStackWriter(directory.file("scans.npy"), 16, sensor.columns).append(image);
   const std::string path = directory.path().string();
-  CHECK(open_recording(path, sensor)->next()->cloud.intensity.empty());
-  CHECK(open_recording(path, sensor)->next()->cloud.confidence.empty());
+  CHECK(open_scan_files(path, sensor)->next()->cloud.intensity.empty());
+  CHECK(open_scan_files(path, sensor)->next()->cloud.confidence.empty());
   RangeImage beside = image;
   beside.at(0, 0) = beside.at(0, 1) = 3.0F;
   beside.at(0, 2) = std::nanf("");
   NpyStackWriter(directory.file("confidence.npy"), 16, sensor.columns).append(beside);
   NpyStackWriter(directory.file("intensity.npy"), 16, sensor.columns).append(beside);
-  OrganizedCloud cloud = open_recording(path, sensor)->next()->cloud;
+  OrganizedCloud cloud = open_scan_files(path, sensor)->next()->cloud;
   CHECK(std::vector(cloud.confidence.begin(), cloud.confidence.begin() + 3) ==
         std::vector{0.0F, 1.0F, 0.0F});
   CHECK(cloud.intensity[0] == 0.0F);
@@ -96,7 +96,7 @@ TEST_CASE("what lies beside the images of a folder is known of their pixels") {
   std::vector<std::uint8_t> bytes(image.range_m.size());
   for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::uint8_t>(i);
   NpyArrayWriter<std::uint8_t>(directory.file("intensity.npy"), {16, sensor.columns}).append(bytes);
-  cloud = open_recording(path, sensor)->next()->cloud;
+  cloud = open_scan_files(path, sensor)->next()->cloud;
   for (std::size_t i = 0; i < bytes.size(); ++i) REQUIRE(cloud.intensity[i] == bytes[i]);
   std::filesystem::copy_file(directory.file("intensity.npy"), directory.file("confidence.npy"),
                              std::filesystem::copy_options::overwrite_existing);
@@ -117,7 +117,7 @@ TEST_CASE("images have the stamps that they are given, which go before those in 
   const auto second_stamp_s = [&](const std::string& path, const std::string& given) {
     RecordingOptions options;
     options.stamps = given;
-    const auto source = open_recording(path, sensor, options);
+    const auto source = open_scan_files(path, sensor, options);
     source->next();
     return source->next()->stamp_s;
   };

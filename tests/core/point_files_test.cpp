@@ -26,7 +26,7 @@ constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 
 RecordedScan only_scan(const std::string& path, const SensorModel& sensor,
                        const RecordingOptions& options = {}) {
-  const auto source = open_recording(path, sensor, options);
+  const auto source = open_scan_files(path, sensor, options);
   REQUIRE(source->size() == 1);
   return *source->next();
 }
@@ -130,7 +130,7 @@ TEST_CASE("stamps come from KITTI's timestamps.txt, from a file, or from the fil
   }
   const auto stamps = [&](const RecordingOptions& options) {
     std::vector<double> result;
-    const auto source = open_recording(folder, sensor, options);
+    const auto source = open_scan_files(folder, sensor, options);
     while (const auto scan = source->next()) result.push_back(scan->stamp_s);
     return result;
   };
@@ -162,7 +162,7 @@ TEST_CASE("points without times get that of their azimuth, counted on from scan 
     write_file(directory.file(std::to_string(i) + ".txt"), firing_order(40.0 + 364.0 * i, 364.0));
   }
   const auto source =
-      open_recording(directory.path().string(), sensor, {.without_times = CaptureTime::kRolling});
+      open_scan_files(directory.path().string(), sensor, {.without_times = CaptureTime::kRolling});
   for (int i = 0; i < 4; ++i) {
     const auto scan = source->next();
     REQUIRE(scan);
@@ -180,7 +180,7 @@ TEST_CASE("points without times get that of their azimuth, counted on from scan 
     for (const float offset_s : scan->cloud.time_offset_s) CHECK(std::abs(offset_s) < 0.051F);
   }
   CHECK(source->warnings().empty());
-  const auto corrected = open_recording(directory.path().string(), sensor);
+  const auto corrected = open_scan_files(directory.path().string(), sensor);
   CHECK(corrected->next()->cloud.time_offset_s.empty());
   REQUIRE(corrected->warnings().size() == 1);
   CHECK(corrected->warnings()[0].find("taken as corrected for motion") != std::string::npos);
@@ -195,7 +195,7 @@ TEST_CASE("turns are counted on over scans that cannot be read or have no points
                  i == missing ? contents : firing_order(40.0 + 364.0 * i, 364.0));
     }
     const auto source =
-        open_recording(directory.path().string(), sensor, {.without_times = CaptureTime::kRolling});
+        open_scan_files(directory.path().string(), sensor, {.without_times = CaptureTime::kRolling});
     std::vector<double> result;
     for (int i = 0; i < 4; ++i) {
       try {
@@ -235,7 +235,7 @@ TEST_CASE("a unit whose beams are off the table by a degree is read with its own
   for (int i = 0; i < 3; ++i) {
     write_file(directory.file(std::to_string(i) + ".txt"), firing_order(0.0, 360.0, 0.8));
   }
-  const auto source = open_recording(directory.path().string(), sensor);
+  const auto source = open_scan_files(directory.path().string(), sensor);
   CHECK(source->warnings().size() == 1);
   for (int row = 0; row < 16; ++row) {
     const auto at = static_cast<std::size_t>(row);
@@ -246,13 +246,13 @@ TEST_CASE("a unit whose beams are off the table by a degree is read with its own
   // A sensor that is on its table keeps it, to the last bit.
   const TemporaryDirectory other;
   write_file(other.file("0.txt"), firing_order(0.0, 360.0, 0.01));
-  CHECK(open_recording(other.path().string(), sensor)->sensor() == sensor);
+  CHECK(open_scan_files(other.path().string(), sensor)->sensor() == sensor);
 }
 
 TEST_CASE("a recording whose first scans all are of something else is refused") {
   const TemporaryDirectory directory;
   for (int i = 0; i < 12; ++i) write_file(directory.file(std::to_string(i) + ".txt"), "no scan\n");
-  const auto source = open_recording(directory.path().string(), sensor_preset("vlp-16"));
+  const auto source = open_scan_files(directory.path().string(), sensor_preset("vlp-16"));
   CHECK(is_given_up_at_tenth(*source));
 }
 

@@ -11,7 +11,7 @@ namespace hqslam::test {
 /// What is wrong with a recording, read to its end.
 inline std::string recording_complaint(const std::string& path, const SensorModel& sensor) {
   return error_message([&] {
-    const auto source = open_recording(path, sensor);
+    const auto source = open_scan_files(path, sensor);
     while (source->next()) {
     }
   });

@@ -63,7 +63,7 @@ TEST_CASE("a folder of KITTI files gives the images that they were made from, in
       write_kitti_bin(as_scan(an_image(sensor, number), sensor),
                       directory.file(std::to_string(number) + ".bin"));
     }
-    const auto source = open_recording(directory.path().string(), sensor);
+    const auto source = open_scan_files(directory.path().string(), sensor);
     CHECK(source->size() == 3);
     CHECK(source->sensor() == sensor);
     for (int i = 0; i < 3; ++i) {
@@ -84,7 +84,7 @@ TEST_CASE("a folder of .pcd files and a single file are recordings too") {
   const RangeImage image = an_image(sensor);
   write_points(as_scan(image, sensor).points_m, directory.file("0.pcd"));
   for (const std::string& path : {directory.path().string(), directory.file("0.pcd")}) {
-    const auto source = open_recording(path, sensor);
+    const auto source = open_scan_files(path, sensor);
     CHECK(source->size() == 1);
     CHECK(largest_difference_m(source->next()->cloud, image) < 1e-3);
     CHECK_FALSE(source->next());
@@ -103,7 +103,7 @@ TEST_CASE("points stored column after column take their rows from the elevation"
     }
   }
   write_kitti_bin(scan, directory.file("0.bin"));
-  const auto recorded = open_recording(directory.file("0.bin"), sensor)->next();
+  const auto recorded = open_scan_files(directory.file("0.bin"), sensor)->next();
   REQUIRE(recorded);
   CHECK(largest_difference_m(recorded->cloud, image) < 1e-3);
   CHECK(recorded->invalid_points == 16 * 200);
@@ -139,7 +139,7 @@ TEST_CASE("an .npy stack gives its images, in either order of rows, rolling or c
   NpyStackWriter writer(path, image.rows, image.columns);
   writer.append(image);
   writer.append(flipped);
-  const auto source = open_recording(path, sensor);
+  const auto source = open_scan_files(path, sensor);
   CHECK(source->size() == 2);
   const auto first = source->next();
   CHECK(first->cloud.range_m == image.range_m);
@@ -147,7 +147,7 @@ TEST_CASE("an .npy stack gives its images, in either order of rows, rolling or c
   CHECK(first->name == path + "[0]");
   CHECK(source->next()->cloud.range_m == flipped.range_m);
   const auto upside_down =
-      open_recording(path, sensor, {RowOrder::kLowestFirst, CaptureTime::kMotionCorrected});
+      open_scan_files(path, sensor, {RowOrder::kLowestFirst, CaptureTime::kMotionCorrected});
   CHECK(upside_down->next()->cloud.range_m == flipped.range_m);
   const auto second = upside_down->next();
   CHECK(second->cloud.range_m == image.range_m);
@@ -167,7 +167,7 @@ TEST_CASE("bad pixels and pixels out of range are counted and left out") {
   image.at(0, 3) = 1e6F;
   image.at(0, 4) = 0.01F;
   NpyStackWriter(directory.file("scans.npy"), image.rows, image.columns).append(image);
-  const auto source = open_recording(directory.file("scans.npy"), sensor);
+  const auto source = open_scan_files(directory.file("scans.npy"), sensor);
   CHECK(source->warnings().empty());
   const auto scan = source->next();
   REQUIRE(scan);
@@ -186,7 +186,7 @@ TEST_CASE("a simulated drive is opened with the sensor it was made with and no o
   write_sensor_json(sensor, directory.file("sensor.json"));
   NpyStackWriter(directory.file("scans.npy"), image.rows, image.columns).append(image);
   const std::string path = directory.path().string();
-  const auto source = open_recording(path, sensor);
+  const auto source = open_scan_files(path, sensor);
   const auto scan = source->next();
   CHECK(scan->cloud.range_m == image.range_m);
   CHECK_FALSE(scan->cloud.time_offset_s.empty());
@@ -210,16 +210,16 @@ TEST_CASE("what a folder's sensor file says of its images holds whatever the sen
   write_sensor_json(upsampled, directory.file("sensor.json"));
   NpyStackWriter(directory.file("scans.npy"), 32, preset.columns).append(an_image(preset));
   const std::string path = directory.path().string();
-  const auto source = open_recording(path, preset);
+  const auto source = open_scan_files(path, preset);
   CHECK(source->sensor() == upsampled);
   CHECK(source->next()->cloud.time_offset_s.empty());
 
   // The same stack alone is taken as the caller says.
-  CHECK_FALSE(open_recording(path + "/scans.npy", preset)->next()->cloud.time_offset_s.empty());
-  CHECK(open_recording(path + "/scans.npy", upsampled)->next()->cloud.time_offset_s.empty());
+  CHECK_FALSE(open_scan_files(path + "/scans.npy", preset)->next()->cloud.time_offset_s.empty());
+  CHECK(open_scan_files(path + "/scans.npy", upsampled)->next()->cloud.time_offset_s.empty());
   write_sensor_json(preset, directory.file("sensor.json"));
   const RecordingOptions corrected{RowOrder::kHighestFirst, CaptureTime::kMotionCorrected};
-  CHECK(open_recording(path, preset, corrected)->next()->cloud.time_offset_s.empty());
+  CHECK(open_scan_files(path, preset, corrected)->next()->cloud.time_offset_s.empty());
 }
 
 TEST_CASE("an order of rows is refused where points say how high they are") {
@@ -229,7 +229,7 @@ TEST_CASE("an order of rows is refused where points say how high they are") {
   for (const std::string& path : {directory.path().string(), directory.file("0.bin")}) {
     CHECK(refused_with(
         [&] {
-          open_recording(path, sensor, {RowOrder::kLowestFirst, {}});
+          open_scan_files(path, sensor, {RowOrder::kLowestFirst, {}});
         },
         path, ".npy", "leave"));
   }
@@ -241,7 +241,7 @@ TEST_CASE("a KITTI drive is opened by the folder above its scans") {
   std::filesystem::create_directory(directory.path() / "velodyne");
   write_kitti_bin(as_scan(an_image(sensor), sensor), directory.file("velodyne/0.bin"));
   write_file(directory.file("timestamps.txt"), "2011-09-26\n");
-  CHECK(open_recording(directory.path().string(), sensor)->size() == 1);
+  CHECK(open_scan_files(directory.path().string(), sensor)->size() == 1);
 }
 
 TEST_CASE("a path that is no recording is refused in one line") {
@@ -276,7 +276,7 @@ TEST_CASE(
   std::filesystem::create_symlink(directory.file("2.bin"), directory.file("2.bin"));
   REQUIRE(mkfifo(directory.file("3.bin").c_str(), 0600) == 0);
   std::filesystem::create_directory(directory.file("5.bin"));  // a folder is no scan
-  const auto source = open_recording(directory.path().string(), sensor);
+  const auto source = open_scan_files(directory.path().string(), sensor);
   CHECK(source->size() == 5);
   CHECK(source->next()->stamp_s == 0.0);
   for (const char* name : {"1.bin", "2.bin", "3.bin"}) {
@@ -324,24 +324,24 @@ TEST_CASE("real recordings are opened and keep nearly all of their points") {
   const auto data = real_data("");
   if (!data) return;
   const std::string& folder = *data;
-  const auto drive = open_recording(folder + "kitti_drive_0005", sensor_preset("hdl-64e"));
+  const auto drive = open_scan_files(folder + "kitti_drive_0005", sensor_preset("hdl-64e"));
   CHECK(drive->size() == 80);
   const auto scan = drive->next();
   CHECK(scan->counts.outside_rows == 0);
   CHECK(scan->counts.kept > 50'000);
   CHECK(refused_with(
-      [&] { open_recording(folder + "kitti_drive_0005", sensor_preset("os1-64"))->next(); },
+      [&] { open_scan_files(folder + "kitti_drive_0005", sensor_preset("os1-64"))->next(); },
       "000000.bin", "os1-64"));
 
   SensorModel os1 = sensor_preset("os1-64");
   os1.columns = 2048;
   const auto rellis =
-      open_recording(folder + "ouster/rellis_os1-64_2048x64_000104.bin", os1)->next();
+      open_scan_files(folder + "ouster/rellis_os1-64_2048x64_000104.bin", os1)->next();
   CHECK(rellis->invalid_points == 53364);
   CHECK(rellis->counts.kept > 60'000);
 
   const auto singles =
-      open_recording(folder + "hdl64e_singles/train_64x1024.npy", sensor_preset("hdl-64e"));
+      open_scan_files(folder + "hdl64e_singles/train_64x1024.npy", sensor_preset("hdl-64e"));
   CHECK(singles->size() == 98);
   int images = 0;
   while (singles->next()) ++images;

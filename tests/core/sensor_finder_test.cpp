@@ -188,7 +188,7 @@ TEST_CASE("a folder of clouds is read without a sensor, which a warning names") 
     write_points(a_scan(sensor, Told::kNothing, i).scan.points_m,
                  folder.file(std::to_string(i) + ".pcd"));
   }
-  const auto source = open_recording(folder.path().string(), std::nullopt);
+  const auto source = open_scan_files(folder.path().string(), std::nullopt);
   CHECK(source->sensor() == sensor);
   REQUIRE(source->warnings().size() == 1);
   CHECK(source->warnings().front().find("those of vlp-16") != std::string::npos);
@@ -218,7 +218,7 @@ TEST_CASE("the beams of other real sensors are found in their clouds") {
         "vlp-32c");
   {
     const SensorModel sensor = read_sensor_json(*real_data("handheld_os0/sensor.json"));
-    const auto images = open_recording(*real_data("handheld_os0/scans.npy"), sensor);
+    const auto images = open_scan_files(*real_data("handheld_os0/scans.npy"), sensor);
     std::vector<RawPoints> scans;
     for (int i = 0; i < 5; ++i) {
       RawPoints raw{Scan{}};

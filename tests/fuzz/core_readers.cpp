@@ -26,7 +26,7 @@ const SensorModel& small_sensor() {
 
 /// To images, as hqslam run reads a recording.
 void read_scans(const std::string& path) {
-  const auto source = open_recording(path, small_sensor());
+  const auto source = open_scan_files(path, small_sensor());
   while (source->next()) {
   }
 }
@@ -50,8 +50,6 @@ void pcd(Bytes input) {
 }
 
 void ply(Bytes input) { read_scans(as_file(input, ".ply")); }
-
-void las(Bytes input) { read_scans(as_file(input, ".las")); }
 
 void kitti_bin(Bytes input) { read_scans(as_file(input, ".bin")); }
 

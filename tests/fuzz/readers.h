@@ -14,7 +14,6 @@ void npy(Bytes input);
 void npz(Bytes input);
 void pcd(Bytes input);
 void ply(Bytes input);
-void las(Bytes input);
 void kitti_bin(Bytes input);
 void text(Bytes input);
 /// Whose points say which sensor they are of.
@@ -43,8 +42,6 @@ void velodyne_packets(Bytes input);
 void hesai_packets(Bytes input);
 /// A RoboSense's packets: of settings the first one.
 void robosense_packets(Bytes input);
-/// An LSLiDAR's packets: the first byte names version and return, settings come first.
-void lslidar_packets(Bytes input);
 /// A Hesai's angle file.
 void hesai_angles(Bytes input);
 /// The first byte names the profile, whole packets of so many rows follow.

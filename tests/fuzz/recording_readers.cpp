@@ -7,7 +7,6 @@
 #include "hqslam/core/projection.h"
 #include "hqslam/recordings/recording.h"
 #include "input_file.h"
-#include "lslidar_decoder.h"
 #include "ouster_decoder.h"
 #include "readers.h"
 #include "robosense_decoder.h"
@@ -112,17 +111,6 @@ void robosense_packets(Bytes input) {
   sensor.columns = kColumns;
   read_scans(RobosenseDecoder(unit, sensor), sensor, input.subspan(1 + kRobosenseBytes),
              kRobosenseBytes);
-}
-
-void lslidar_packets(Bytes input) {
-  if (input.size() <= kLslidarSettingsBytes) return;
-  const LslidarPacket said = {(input[0] & 1U) != 0, kLslidarC16, (input[0] & 2U) != 0};
-  const Bytes settings = input.subspan(1, kLslidarSettingsBytes);
-  const LslidarUnit unit = lslidar_unit(settings, said, "fuzzed", (input[0] & 4U) == 0);
-  SensorModel sensor = unit.sensor;
-  sensor.columns = kColumns;
-  read_scans(LslidarDecoder(unit, sensor), sensor, input.subspan(1 + kLslidarSettingsBytes),
-             said.is_v4 ? 1212 : 1206);
 }
 
 void hesai_angles(Bytes input) { read_hesai_angles(as_whole_file(input, ".csv")); }

@@ -67,11 +67,9 @@ void put_points() {
     scan.points_m.emplace_back(5.0F, static_cast<float>(20 - i), 0.1F * static_cast<float>(i % 3));
   }
   write_kitti_bin(scan, place("kitti_bin", "scan"));
-  write_cloud(scan, place("las", "points") + ".las");
   scan.row.assign(scan.points_m.size(), 2);
   scan.time_offset_s.assign(scan.points_m.size(), 0.01F);
   scan.intensity.assign(scan.points_m.size(), 9.0F);
-  write_cloud(scan, place("las", "all") + ".las");
   std::string beams = "x,y,z,ring\n";
   std::string points = "x,y,z\n";
   for (int i = 0; i < 4 * 40; ++i) {
@@ -201,8 +199,6 @@ void put_recordings() {
     const test::Robosense robosense = {kind != 0, kind < 2 ? 16 : 32, kind % 2 == 1};
     put_packets("robosense", kind, robosense.helios ? 1 : 0,
                 test::robosense_capture(robosense, 0.004));
-    put_packets("lslidar", kind, kind,
-                test::lslidar_capture({.v4 = kind % 2 == 1, .dual = kind > 1}, 0.004));
   }
   std::string angles = "Channel,Elevation,Azimuth\n";
   for (int i = 0; i < 16; ++i) angles += fmt::format("{},{},0.1\n", i + 1, 15 - 2 * i);

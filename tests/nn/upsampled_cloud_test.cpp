@@ -235,7 +235,7 @@ TEST_CASE(
   if (!drive) return;
   const SensorModel sensor = sensor_preset("hdl-64e");
   const RowSelection rows = selection_for(64, 16);
-  const OrganizedCloud truth = open_recording(*drive, sensor)->next()->cloud;
+  const OrganizedCloud truth = open_scan_files(*drive, sensor)->next()->cloud;
   const OrganizedCloud joined =
       upsampled_cloud({range_image(truth), {}}, select_rows(truth, rows), rows, sensor);
   const OrganizedCloud by_table =

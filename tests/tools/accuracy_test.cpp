@@ -78,7 +78,7 @@ TrackedDrive track_recorded(int rows) {
   const std::string folder = std::string(data) + "/kitti_drive_0005";
   const SensorModel sensor = sensor_preset("hdl-64e");
   const RowSelection selection = selection_for(sensor.rows(), rows);
-  const auto source = open_recording(folder + "/velodyne", sensor);
+  const auto source = open_scan_files(folder + "/velodyne", sensor);
   slam::Slam slam(select_rows(sensor, selection));
   while (const auto scan = source->next()) {
     slam.process(select_rows(scan->cloud, selection), scan->stamp_s);

@@ -40,10 +40,6 @@ constexpr std::int64_t kHeirPackets = 10;
 }  // namespace
 
 LiveStream::LiveStream(const LiveOptions& options) : options_(options) {
-  if (options.sensor.ends_with(".xml")) {
-    named_ = sensor_of(read_velodyne_calibration(options.sensor));
-    return;
-  }
   named_ = load_sensor(options.sensor);
   if (!options.sensor.ends_with(".json")) {
     is_ouster_ = named_.name.starts_with("os");

@@ -42,7 +42,7 @@ bool has_blocks(Bytes payload, const BlockFormat& format) {
 }
 
 bool is_settings(Bytes payload) {
-  return (payload.size() == kRobosenseBytes || payload.size() == kLslidarSettingsBytes) &&
+  return payload.size() == kRobosenseBytes &&
          std::equal(kSettingsBegin.begin(), kSettingsBegin.end(), payload.begin());
 }
 

@@ -16,7 +16,6 @@ inline constexpr int kBlocksInPacket = 12;
 inline constexpr double kHundredth_rad = std::numbers::pi / 18000.0;  ///< of a degree
 /// Of a RoboSense's packets of measurements (MSOP) and of settings (DIFOP).
 inline constexpr std::size_t kRobosenseBytes = 1248;
-inline constexpr std::size_t kLslidarSettingsBytes = 1206;
 
 /// What a maker's packets have in common.
 struct BlockFormat {

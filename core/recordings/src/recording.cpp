@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <optional>
 
+#include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/left_out.h"
+#include "hqslam/core/npy.h"
 #include "stream_scans.h"
 
 namespace hqslam::recordings {
@@ -16,12 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::unique_ptr<StreamSource> open_stream_of(const std::string& path, const OpenOptions& options,
-                                             bool with_points) {
-  if (!options.files.stamps.empty()) {
-    throw Error("{}: a capture or a bag has its own stamps; leave --stamps {} out", path,
-                options.files.stamps);
-  }
+std::unique_ptr<StreamSource> open_stream(const std::string& path, const OpenOptions& options,
+                                          bool with_points) {
   StreamReader reader(path, options.stream);
   if (with_points) reader.skip_others();
   switch (reader.stream().kind) {
@@ -31,8 +30,6 @@ std::unique_ptr<StreamSource> open_stream_of(const std::string& path, const Open
       return open_hesai(std::move(reader), options, with_points);
     case StreamKind::kRobosensePackets:
       return open_robosense(std::move(reader), options, with_points);
-    case StreamKind::kLslidarPackets:
-      return open_lslidar(std::move(reader), options, with_points);
     case StreamKind::kOusterPackets:
       return open_ouster(std::move(reader), options, with_points);
     default:
@@ -55,24 +52,138 @@ void refuse_folder_of_recordings(const std::string& folder) {
       folder, paths.size(), *std::ranges::min_element(paths));
 }
 
-/// Files of scans of the sensor that is named, else that the folder describes, else that the points
-/// tell of.
-std::unique_ptr<ScanSource> open_files(const std::string& path, const OpenOptions& options) {
+/// Where options do not apply to a kind of recording, they are refused.
+void refuse_idle_options(const std::string& path, const OpenOptions& options) {
+  std::error_code error;
+  const bool is_stream = is_capture_or_bag(path);
+  const bool is_stack = fs::path(path).extension() == ".npy" ||
+                        (fs::is_regular_file(fs::path(path) / "scans.npy", error) &&
+                         fs::is_regular_file(fs::path(path) / "sensor.json", error));
+  struct Option {
+    const char* name;
+    bool is_given;
+    bool applies;
+  };
+  const OpenOptions usual;
+  const RecordingOptions& files = options.files;
+  for (const Option& option : std::initializer_list<Option>{
+           {"--stream", options.stream != usual.stream, is_stream},
+           {"--return", options.kept_return != usual.kept_return, is_stream},
+           {"--row-order", files.row_order != usual.files.row_order, is_stack},
+           {"--motion-corrected", files.capture_time != usual.files.capture_time, is_stack},
+           {"--capture", files.without_times.has_value(), !is_stream && !is_stack},
+           {"--stamps", !files.stamps.empty(), !is_stream}}) {
+    if (!option.is_given || option.applies) continue;
+    throw Error("{}: {} does not apply to {}; leave {} out", path, option.name,
+                is_stream  ? "a capture or a bag"
+                : is_stack ? "a stack of range images"
+                           : "files of points",
+                option.name);
+  }
+}
+
+/// The sensor that is named, else that of the folder's sensor.json.
+std::optional<SensorModel> stated_sensor(const std::string& path, const OpenOptions& options) {
   const fs::path described = fs::path(path) / "sensor.json";
   std::error_code error;
-  std::optional<SensorModel> sensor;
-  if (!options.sensor.empty()) {
-    sensor = load_sensor(options.sensor);
-  } else if (fs::is_regular_file(described, error)) {
-    sensor = load_sensor(described.string());
-  } else {
-    refuse_folder_of_recordings(path);
+  if (!options.sensor.empty()) return load_sensor(options.sensor);
+  if (fs::is_regular_file(described, error)) return load_sensor(described.string());
+  refuse_folder_of_recordings(path);
+  return std::nullopt;
+}
+
+/// The number of rows of a stack's images; nothing for other files.
+std::optional<int> image_rows(const std::string& path) {
+  std::error_code error;
+  if (fs::path(path).extension() == ".npy") return NpyStackReader(path).rows();
+  const fs::path folder(path);
+  if (!fs::is_regular_file(folder / "scans.npy", error) ||
+      !fs::is_regular_file(folder / "sensor.json", error)) {
+    return std::nullopt;
   }
+  return read_sensor_json((folder / "sensor.json").string()).rows();
+}
+
+/// Its measured rows; evenly spread ones where it does not name them.
+std::optional<SensorModel> measured_rows_of(SensorModel all_rows, int rows) {
+  if (rows < 1 || rows >= all_rows.rows()) return std::nullopt;
+  const std::optional<RowSelection> measured = all_rows.measured_rows;
+  all_rows.measured_rows.reset();
+  if (!measured && all_rows.rows() % rows != 0) return std::nullopt;
+  SensorModel result =
+      select_rows(all_rows, measured.value_or(selection_for(all_rows.rows(), rows)));
+  return result.rows() == rows ? std::optional(result) : std::nullopt;
+}
+
+/// Points of few beams, taken for those of many, would lie in wrong rows: whether the beams that
+/// were found are others than the sensor's, and less than half as many between the highest and the
+/// lowest of them.
+bool has_few_beams(const SensorModel& found, const SensorModel& taken_for) {
+  constexpr double kSameBeam_rad = radians(0.15);
+  const std::vector<double>& found_rad = found.beam_elevation_rad;
+  const std::vector<double>& rows_rad = taken_for.beam_elevation_rad;
+  const auto between = std::ranges::count_if(rows_rad, [&](double row_rad) {
+    return row_rad <= found_rad.front() && row_rad >= found_rad.back();
+  });
+  const auto is_a_row = [&](double beam_rad) {
+    return std::ranges::any_of(
+        rows_rad, [&](double row_rad) { return std::abs(row_rad - beam_rad) < kSameBeam_rad; });
+  };
+  return 2 * std::ssize(found_rad) < between && !std::ranges::all_of(found_rad, is_a_row);
+}
+
+/// The sensor of images: the one that is stated or, with the rows that they have, all_rows.
+std::optional<SensorModel> sensor_of_images(const std::optional<SensorModel>& stated, int rows,
+                                            const OpenOptions& options) {
+  if (!options.all_rows) return stated;
+  const SensorModel& full = stated ? *stated : *options.all_rows;
+  if (full.rows() == rows) return full;
+  SensorModel with_measured = full;
+  with_measured.measured_rows = options.all_rows->measured_rows;
+  return measured_rows_of(with_measured, rows).value_or(full);
+}
+
+/// The sensor of points: the one that is stated, held against the beams that are found in them;
+/// else, of upsampled scans, the weights'; else the one that is found.
+std::optional<SensorModel> sensor_of_points(const std::string& path,
+                                            const std::optional<SensorModel>& stated,
+                                            const OpenOptions& options) {
+  if (!stated && !options.all_rows) return std::nullopt;  // the source finds it
+  std::optional<SensorModel> found;
+  try {
+    found = hqslam::open_scan_files(path, std::nullopt, options.files)->sensor();
+  } catch (const Error&) {
+    // What is wrong with the points is said when they are read.
+  }
+  const SensorModel& full = stated ? *stated : *options.all_rows;
+  if (found && options.all_rows) {
+    SensorModel with_measured = full;
+    with_measured.measured_rows = options.all_rows->measured_rows;
+    if (const auto measured = measured_rows_of(with_measured, found->rows());
+        measured && have_same_beams(*found, *measured)) {
+      return stated ? measured : found;
+    }
+  }
+  if (found && has_few_beams(*found, full)) {
+    throw Error(
+        "{}: expected scans of '{}' with {} rows, found beams of '{}' with {}; name the sensor "
+        "that recorded them",
+        path, full.name, full.rows(), found->name, found->rows());
+  }
+  return full;
+}
+
+/// Files of scans.
+std::unique_ptr<ScanSource> open_files(const std::string& path, const OpenOptions& options) {
+  const std::optional<SensorModel> stated = stated_sensor(path, options);
+  const std::optional<int> rows = image_rows(path);
+  std::optional<SensorModel> sensor =
+      rows ? sensor_of_images(stated, *rows, options) : sensor_of_points(path, stated, options);
   if (options.columns > 0) {
-    if (!sensor) sensor = hqslam::open_recording(path, std::nullopt, options.files)->sensor();
+    if (!sensor) sensor = hqslam::open_scan_files(path, std::nullopt, options.files)->sensor();
     sensor->columns = options.columns;
   }
-  return hqslam::open_recording(path, sensor, options.files);
+  return hqslam::open_scan_files(path, sensor, options.files);
 }
 
 /// Reads the first scans and takes from them what they tell; later ones are many.
@@ -143,13 +254,50 @@ RecordingInfo inspect_files(const std::string& path, const OpenOptions& options)
 
 }  // namespace
 
+Recording::Recording(std::string path, OpenOptions options)
+    : path_(std::move(path)), options_(std::move(options)) {
+  refuse_idle_options(path_, options_);
+  if (is_capture_or_bag(path_)) {
+    auto stream = open_stream(path_, options_, true);
+    stream_ = stream.get();
+    source_ = std::move(stream);
+  } else {
+    source_ = open_files(path_, options_);
+  }
+  if (options_.imu == kNoInertialData) {
+    source_ = with_imu(std::move(source_), {});
+  } else if (!options_.imu.empty()) {
+    source_ = with_imu(std::move(source_), read_imu_csv(options_.imu), options_.imu);
+  } else if (std::vector<ImuSample> samples = imu_of_drive(path_); !samples.empty()) {
+    source_ =
+        with_imu(std::move(source_), std::move(samples), (fs::path(path_) / "imu.csv").string());
+  }
+}
+
+Recording::~Recording() = default;
+Recording::Recording(Recording&&) noexcept = default;
+Recording& Recording::operator=(Recording&&) noexcept = default;
+
+Recording Recording::open(const std::string& path, const OpenOptions& options) {
+  return {path, options};
+}
+
+void Recording::use_columns(int columns) {
+  if (columns == sensor().columns) return;
+  if (stream_ != nullptr) {
+    stream_->use_columns(columns);
+  } else if (!image_rows(path_)) {
+    options_.columns = columns;
+    *this = open(path_, options_);
+  }
+}
+
 std::unique_ptr<StreamSource> open_stream(const std::string& path, const OpenOptions& options) {
-  return open_stream_of(path, options, true);
+  return open_stream(path, options, true);
 }
 
 std::unique_ptr<ScanSource> open_recording(const std::string& path, const OpenOptions& options) {
-  if (is_capture_or_bag(path)) return open_stream(path, options);
-  return with_imu_of_drive(open_files(path, options), path);
+  return std::make_unique<Recording>(Recording::open(path, options));
 }
 
 std::unique_ptr<ScanSource> with_imu_of_drive(std::unique_ptr<ScanSource> source,
@@ -160,8 +308,9 @@ std::unique_ptr<ScanSource> with_imu_of_drive(std::unique_ptr<ScanSource> source
 }
 
 RecordingInfo inspect(const std::string& path, const OpenOptions& options) {
+  refuse_idle_options(path, options);
   if (!is_capture_or_bag(path)) return inspect_files(path, options);
-  const auto source = open_stream_of(path, options, false);
+  const auto source = open_stream(path, options, false);
   LeftOut left_out;
   while (next_usable(*source, left_out)) continue;
   RecordingInfo info = source->info();

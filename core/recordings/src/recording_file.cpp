@@ -12,7 +12,6 @@
 #include "hesai_decoder.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
-#include "lslidar_decoder.h"
 #include "message_packets.h"
 #include "ouster_decoder.h"
 #include "ouster_metadata.h"
@@ -128,7 +127,6 @@ constexpr std::size_t kMaxStreams = 1000;
 /// What came from one sender to one port.
 struct Traffic {
   std::size_t stream = 0;
-  std::int64_t lslidar = 0;
   std::int64_t velodyne = 0;
   std::int64_t hesai = 0;
   std::int64_t robosense = 0;
@@ -137,7 +135,6 @@ struct Traffic {
 };
 
 StreamKind kind_of(const Stream& stream, const Traffic& traffic) {
-  if (2 * traffic.lslidar > stream.messages) return StreamKind::kLslidarPackets;  // looks as one of
   if (2 * traffic.velodyne > stream.messages) return StreamKind::kVelodynePackets;
   if (2 * traffic.hesai > stream.messages) return StreamKind::kHesaiPackets;
   if (2 * traffic.robosense > stream.messages) return StreamKind::kRobosensePackets;
@@ -178,7 +175,6 @@ class PcapRecording : public RecordingFile {
     }
     Stream& stream = streams_[traffic.stream];
     ++stream.messages;
-    if (lslidar_packet(packet.payload)) ++traffic.lslidar;
     if (is_velodyne_packet(packet.payload)) ++traffic.velodyne;
     if (hesai_packet(packet.payload)) ++traffic.hesai;
     if (robosense_packet(packet.payload)) ++traffic.robosense;

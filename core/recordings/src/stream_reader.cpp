@@ -24,8 +24,7 @@ double seconds_apart(std::int64_t a_ns, std::int64_t b_ns) {
 bool has_scans(const Stream& stream) {
   return stream.kind == StreamKind::kVelodynePackets || stream.kind == StreamKind::kHesaiPackets ||
          stream.kind == StreamKind::kRobosensePackets ||
-         stream.kind == StreamKind::kLslidarPackets || stream.kind == StreamKind::kOusterPackets ||
-         stream.kind == StreamKind::kPointClouds;
+         stream.kind == StreamKind::kOusterPackets || stream.kind == StreamKind::kPointClouds;
 }
 
 /// Whether later messages may show that it has scans.

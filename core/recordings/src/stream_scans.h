@@ -90,17 +90,14 @@ using MakeAssembler = std::function<std::unique_ptr<ScanAssembler>(const SensorM
 std::unique_ptr<StreamSource> packet_scans(StreamReader reader, RecordingInfo info,
                                            MakeAssembler make);
 
-/// Scans of a stream of packets of a Velodyne, of a Hesai, of a RoboSense, of an LSLiDAR, of an
-/// Ouster, or of sensor_msgs/PointCloud2. Not with_points: they are empty, just counted and timed.
-/// Throw Error.
+/// Scans of a stream of packets of a Velodyne, of a Hesai, of a RoboSense, of an Ouster, or of
+/// sensor_msgs/PointCloud2. Not with_points: they are empty, just counted and timed. Throw Error.
 std::unique_ptr<StreamSource> open_velodyne(StreamReader reader, const OpenOptions& options,
                                             bool with_points);
 std::unique_ptr<StreamSource> open_hesai(StreamReader reader, const OpenOptions& options,
                                          bool with_points);
 std::unique_ptr<StreamSource> open_robosense(StreamReader reader, const OpenOptions& options,
                                              bool with_points);
-std::unique_ptr<StreamSource> open_lslidar(StreamReader reader, const OpenOptions& options,
-                                           bool with_points);
 std::unique_ptr<StreamSource> open_ouster(StreamReader reader, const OpenOptions& options,
                                           bool with_points);
 std::unique_ptr<StreamSource> open_clouds(StreamReader reader, const OpenOptions& options,

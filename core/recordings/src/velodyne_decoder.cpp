@@ -10,9 +10,7 @@
 //      time t_i of its first firing; channel c: distance, of the laser that fires dt_c later.
 // Out: a = a_i + dt_c (a_j - a_i) / (t_j - t_i) + offset of the laser, j the next block of another
 //      firing (the last block takes the rate of the one before);
-//      x = h cos a + l sin a, y = -h sin a + l cos a, z = d sin e + u cos e with
-//      h = d cos e - u sin e; time t_i + dt_c. Offsets u and l of the beam's beginning are an
-//      HDL-64E's, whose d is the measured distance and the laser's own correction; else 0.
+//      x = h cos a, y = -h sin a, z = d sin e with h = d cos e; time t_i + dt_c.
 // A jump of the azimuth that no head makes between two blocks is the part of the circle that the
 // sensor does not look at: the blocks behind it fired as much later as the head took to pass it.
 
@@ -65,7 +63,7 @@ VelodyneDecoder::VelodyneDecoder(const VelodyneStream& stream, const SensorModel
     : TurnDecoder(modulo_turn(static_cast<int>(std::lround(100.0 * stream.cut_azimuth_deg))),
                   stream.field_of_view_deg, options),
       stream_(stream),
-      timing_(timing_of(stream)),
+      timing_(timing(stream.model)),
       channels_(channels_of(stream, sensor)) {
   rate_ = expected_rate();
 }
@@ -225,13 +223,10 @@ void VelodyneDecoder::add_points(const Firing& firing, Bytes payload, double sta
     const auto rest = static_cast<float>((azimuth - whole) * (std::numbers::pi / kHalfTurn));
     const float cosine = table.cosine[entry] - rest * table.sine[entry];
     const float sine = table.sine[entry] + rest * table.cosine[entry];
-    const float distance_m = unit_m * static_cast<float>(measured.distance) + channel.distance_m;
-    const float horizontal_m =
-        distance_m * channel.cos_elevation - channel.up_m * channel.sin_elevation;
-    scan_.points_m.emplace_back(
-        horizontal_m * cosine + channel.left_m * sine,
-        channel.left_m * cosine - horizontal_m * sine,
-        distance_m * channel.sin_elevation + channel.up_m * channel.cos_elevation);
+    const float distance_m = unit_m * static_cast<float>(measured.distance);
+    const float horizontal_m = distance_m * channel.cos_elevation;
+    scan_.points_m.emplace_back(horizontal_m * cosine, -horizontal_m * sine,
+                                distance_m * channel.sin_elevation);
     scan_.row.push_back(channel.row);
     scan_.intensity.push_back(measured.reflectivity);
     scan_.time_offset_s.push_back(static_cast<float>(start_s + 1e-6 * channel.time_us));

@@ -18,14 +18,13 @@ namespace hqslam::recordings {
 /// middle between its first and its last firing. Azimuths are interpolated between the blocks of a
 /// packet. All beams start at the centre of the sensor (the lasers' heights above one another, up
 /// to 11 mm, are left out). Pulses without return are no points; points of a range that the sensor
-/// cannot measure are the projection's to drop. An HDL-64E's lasers count as firing at once, 48 us
-/// for all or what the packets' spacing says; it must send one return. Sources: the models' user
-/// manuals (VLP-16 63-9243, HDL-32E 63-9113, VLP-32C 63-9325, VLS-128 63-9483, HDL-64E S2
-/// 63-HDL64ES2), "Data packet format" and "Firing sequence timing".
+/// cannot measure are the projection's to drop. Sources: the models' user manuals (VLP-16 63-9243,
+/// HDL-32E 63-9113, VLP-32C 63-9325, VLS-128 63-9483), "Data packet format" and "Firing sequence
+/// timing".
 class VelodyneDecoder : public TurnDecoder {
  public:
   /// `sensor` gives elevation and azimuth offset of each row; as many rows as the model has lasers.
-  /// Throws Error if it has not, or if there is no calibration of an HDL-64E.
+  /// Throws Error if it has not.
   VelodyneDecoder(const VelodyneStream& stream, const SensorModel& sensor,
                   const TurnDecoderOptions& options = {});
 

@@ -37,10 +37,6 @@ void VelodyneProbe::add(const Packet& packet) {
   if (!is_velodyne_packet(payload)) return;
   ++packets_;
   if (has_pairs(payload)) ++with_pairs_;
-  if (block_azimuth(payload, 0) == block_azimuth(payload, 2) &&
-      block_azimuth(payload, 4) == block_azimuth(payload, 6)) {
-    ++with_double_pairs_;
-  }
   ++products_[payload[kProductAt]];
   const int blocks = used_blocks(payload);
   for (int i = 0; i < blocks; ++i) {
@@ -124,11 +120,6 @@ std::optional<VelodyneStream> VelodyneProbe::result(std::optional<VelodyneModel>
   }
   const bool four_banks = 10 * banks_[2] > banks_[0];
   const bool two_banks = 2 * banks_[1] > banks_[0] && !four_banks;
-  if (two_banks && 2 * with_double_pairs_ > packets_) {
-    throw Error(
-        "expected packets of an HDL-64E with one return, found two; set the sensor to one, or "
-        "give its scans as point clouds");
-  }
   const auto by_spacing = model_by_spacing(stream.packet_spacing_us, stream.dual_return);
   const auto model = four_banks             ? std::optional(VelodyneModel::kVls128)
                      : two_banks            ? VelodyneModel::kHdl64e

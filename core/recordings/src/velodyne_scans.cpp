@@ -39,13 +39,10 @@ VelodyneStream probe(StreamReader& reader, std::optional<VelodyneModel> named) {
   return *found;
 }
 
-constexpr const char* kCalibrationExtension = ".xml";
-
 /// The model that has as many lasers as the user's sensor has rows: the one found, if that fits.
 VelodyneModel model_for(const SensorModel& sensor, VelodyneModel found, const std::string& path) {
   const auto named = velodyne_model(sensor.name);
-  const bool without_calibration = named == VelodyneModel::kHdl64e && found != *named;
-  if (named && !without_calibration) return *named;
+  if (named && *named != VelodyneModel::kHdl64e) return *named;
   if (timing(found).lasers == sensor.rows()) return found;
   for (const VelodyneModel model : kVelodyneModels) {
     if (timing(model).lasers == sensor.rows()) return model;
@@ -56,23 +53,12 @@ VelodyneModel model_for(const SensorModel& sensor, VelodyneModel found, const st
       path, name(found), sensor.name, sensor.rows());
 }
 
-void require_calibration(const VelodyneStream& stream, const std::string& path) {
+void refuse_hdl64e(const VelodyneStream& stream, const std::string& path) {
   if (stream.model != VelodyneModel::kHdl64e) return;
   throw Error(
-      "{}: packets of an HDL-64E, whose distances mean nothing without the calibration of that "
-      "very unit; name its db.xml as the sensor, or give its scans as point clouds",
+      "{}: expected packets of a VLP-16, HDL-32E, VLP-32C or VLS-128, found an HDL-64E's, whose "
+      "distances mean nothing without the calibration of that unit; give its scans as point clouds",
       path);
-}
-
-void take_calibration(VelodyneStream& stream, VelodyneCalibration calibration,
-                      const std::string& path, std::vector<std::string>& warnings) {
-  if (stream.model != VelodyneModel::kHdl64e) {
-    warnings.push_back(fmt::format(
-        "{}: the packets look like those of a {}, but are read as an HDL-64E's, as asked for", path,
-        name(stream.model)));
-    stream.model = VelodyneModel::kHdl64e;
-  }
-  stream.calibration = std::move(calibration);
 }
 
 }  // namespace
@@ -94,7 +80,6 @@ std::unique_ptr<StreamSource> open_velodyne(StreamReader reader, const OpenOptio
 
 std::optional<VelodyneModel> named_model(const std::string& wanted_sensor) {
   if (wanted_sensor.empty()) return std::nullopt;
-  if (wanted_sensor.ends_with(kCalibrationExtension)) return VelodyneModel::kHdl64e;
   return velodyne_model(load_sensor(wanted_sensor).name);
 }
 
@@ -102,12 +87,8 @@ SensorModel velodyne_sensor(VelodyneStream& stream, const std::string& wanted_se
                             const std::string& path, std::vector<std::string>& warnings) {
   SensorModel sensor;
   bool preset = true;
-  if (wanted_sensor.ends_with(kCalibrationExtension)) {
-    take_calibration(stream, read_velodyne_calibration(wanted_sensor), path, warnings);
-    sensor = sensor_of(*stream.calibration);
-    preset = false;
-  } else if (wanted_sensor.empty()) {
-    require_calibration(stream, path);
+  if (wanted_sensor.empty()) {
+    refuse_hdl64e(stream, path);
     sensor = sensor_preset(name(stream.model));
     if (stream.factory_model && *stream.factory_model != stream.model) {
       warnings.push_back(fmt::format(
@@ -125,7 +106,7 @@ SensorModel velodyne_sensor(VelodyneStream& stream, const std::string& wanted_se
           name(stream.model), name(wanted)));
       stream.model = wanted;
     }
-    require_calibration(stream, path);
+    refuse_hdl64e(stream, path);
   }
   sensor.scan_period_s = std::round(1e4 * stream.scan_period_s) * 1e-4;
   set_columns(sensor, columns, preset);

@@ -10,9 +10,9 @@
 namespace hqslam::recordings {
 
 /// The sensor of a stream of packets, whose model is changed to the user's.
-/// wanted_sensor: a preset's name, a .json file or an HDL-64E's db.xml, which is put into the
-/// stream; empty: what the stream says. columns: of the images; 0: the preset's, by the rate of
-/// turning. path: stands for the recording in messages. Throws Error.
+/// wanted_sensor: a preset's name or a .json file; empty: what the stream says. columns: of the
+/// images; 0: the preset's, by the rate of turning. path: stands for the recording in messages.
+/// Throws Error.
 SensorModel velodyne_sensor(VelodyneStream& stream, const std::string& wanted_sensor, int columns,
                             const std::string& path, std::vector<std::string>& warnings);
 

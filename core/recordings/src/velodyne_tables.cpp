@@ -63,10 +63,6 @@ void check(const VelodyneStream& stream, const SensorModel& sensor, int lasers) 
         "the packets",
         sensor.name, sensor.rows(), lasers, name(stream.model));
   }
-  if (stream.model == VelodyneModel::kHdl64e &&
-      (!stream.calibration || stream.calibration->lasers.size() != 64)) {
-    throw Error("packets of an HDL-64E need the calibration of that unit: name its db.xml");
-  }
 }
 
 }  // namespace
@@ -131,12 +127,6 @@ std::vector<int> laser_rows(VelodyneModel model) {
   return rows_by_elevation(laser_elevations_deg(model));
 }
 
-std::vector<int> laser_rows(const VelodyneCalibration& calibration) {
-  std::vector<double> elevations_rad;
-  for (const auto& laser : calibration.lasers) elevations_rad.push_back(laser.elevation_rad);
-  return rows_by_elevation(elevations_rad);
-}
-
 int bank_of(std::uint16_t flag) {
   const auto found = std::ranges::find(kBankFlags, flag);
   return found == kBankFlags.end() ? -1 : static_cast<int>(found - kBankFlags.begin());
@@ -155,6 +145,8 @@ int used_blocks(Bytes payload) {
 
 bool is_velodyne_packet(Bytes payload) {
   if (payload.size() != kVelodynePacketBytes) return false;
+  // An LSLiDAR's packets differ in their last byte alone, which names a C16 or a C32.
+  if (payload[kProductAt] == 0x10 || payload[kProductAt] == 0x20) return false;
   const int blocks = used_blocks(payload);
   for (int i = 0; i < blocks; ++i) {
     if (bank_of(block_flag(payload, i)) < 0 || raw_azimuth(payload, i) > kTurn) return false;
@@ -162,21 +154,10 @@ bool is_velodyne_packet(Bytes payload) {
   return little_endian<std::uint32_t>(payload, kTimeAt) < kHour_us;
 }
 
-VelodyneTiming timing_of(const VelodyneStream& stream) {
-  VelodyneTiming result = timing(stream.model);
-  if (stream.model == VelodyneModel::kHdl64e && stream.packet_spacing_us > 0.0) {
-    result.packet_us_single = stream.packet_spacing_us;
-    result.firing_us = stream.packet_spacing_us / (kBlocks / 2.0);
-  }
-  return result;
-}
-
 VelodyneChannels channels_of(const VelodyneStream& stream, const SensorModel& sensor) {
-  const VelodyneTiming timing = timing_of(stream);
+  const VelodyneTiming& timing = recordings::timing(stream.model);
   check(stream, sensor, timing.lasers);
-  const std::vector<int> rows = stream.model == VelodyneModel::kHdl64e
-                                    ? laser_rows(*stream.calibration)
-                                    : laser_rows(stream.model);
+  const std::vector<int> rows = laser_rows(stream.model);
   VelodyneChannels result;
   for (int bank = 0; bank < static_cast<int>(result.size()); ++bank) {
     for (int c = 0; c < kChannels; ++c) {
@@ -189,12 +170,6 @@ VelodyneChannels channels_of(const VelodyneStream& stream, const SensorModel& se
       channel.cos_elevation = static_cast<float>(std::cos(sensor.beam_elevation_rad[row]));
       channel.sin_elevation = static_cast<float>(std::sin(sensor.beam_elevation_rad[row]));
       channel.clockwise = -sensor.beam_azimuth_offset_rad[row] * 18000.0 / std::numbers::pi;
-      if (stream.calibration) {
-        const VelodyneCalibration::Laser& own = stream.calibration->lasers[laser];
-        channel.distance_m = static_cast<float>(own.distance_m);
-        channel.up_m = static_cast<float>(own.up_m);
-        channel.left_m = static_cast<float>(own.left_m);
-      }
       const double sequence_us = sequence * timing.firing_us;
       channel.time_us = sequence_us + laser_time_us(stream.model, laser);
       channel.azimuth_us = sequence_us + laser_azimuth_time_us(stream.model, laser);

@@ -43,7 +43,6 @@ double laser_azimuth_time_us(VelodyneModel model, int laser);
 
 /// The row of each laser, 0 the highest beam.
 std::vector<int> laser_rows(VelodyneModel model);
-std::vector<int> laser_rows(const VelodyneCalibration& calibration);
 
 /// By the manual, degrees: what laser_rows goes by. Not of an HDL-64E.
 std::vector<double> laser_elevations_deg(VelodyneModel model);
@@ -83,19 +82,13 @@ struct VelodyneChannel {
   double clockwise = 0.0;   ///< hundredths of a degree
   double time_us = 0.0;     ///< after the first firing of the block
   double azimuth_us = 0.0;  ///< the same, for the interpolation of the azimuth
-  float distance_m = 0.0F;  ///< VelodyneCalibration::Laser's; 0 without a calibration
-  float up_m = 0.0F;
-  float left_m = 0.0F;
 };
 
 /// Of the blocks of each bank.
 using VelodyneChannels = std::array<std::vector<VelodyneChannel>, kBankFlags.size()>;
 
 /// `sensor` gives elevation and azimuth offset of each row. Throws Error if it has not as many rows
-/// as the model lasers, or if there is no calibration of an HDL-64E.
+/// as the model lasers.
 VelodyneChannels channels_of(const VelodyneStream& stream, const SensorModel& sensor);
-
-/// The model's; but an HDL-64E's packets come as fast as its version sends them.
-VelodyneTiming timing_of(const VelodyneStream& stream);
 
 }  // namespace hqslam::recordings

@@ -245,50 +245,6 @@ std::vector<Captured> robosense_capture(const Robosense& sensor, double duration
   return result;
 }
 
-Payload lslidar_settings(const Lslidar& sensor) {
-  Payload packet(1206);
-  put_bytes(packet, 0, {0xA5, 0xFF, 0x00, 0x5A, 0x11, 0x11, 0x55, 0x55, 0x02, 0x58});
-  packet[1196] = sensor.v4 ? 0x2C : 3;
-  packet[1198] = 0x14;
-  for (int i = 0; i < 16; ++i) {
-    put_big(packet, static_cast<std::size_t>(245 + 2 * i),
-            (i % 2 == 0 ? -1520 : 80) + 100 * (i & ~1), 2);
-  }
-  return packet;
-}
-
-std::vector<Captured> lslidar_capture(const Lslidar& sensor, double duration_s) {
-  constexpr std::int64_t kBegin_ns = 1'600'000'000'000'000'000;
-  std::vector<Captured> result = {{kBegin_ns, 2369, lslidar_settings(sensor)}};
-  const int blocks = sensor.dual ? 6 : 12;  // of different firings
-  for (int i = 0; 100e-6 * blocks * i < duration_s; ++i) {
-    const std::int64_t end_us = sensor.end_us + 100 * blocks * i;
-    Captured captured{kBegin_ns + 1000 * end_us, 2368, Payload(sensor.v4 ? 1212 : 1206)};
-    Payload& packet = captured.payload;
-    for (int block = 0; block < 12; ++block) {
-      const int firing = blocks * i + block * blocks / 12;
-      const auto at = static_cast<std::size_t>(100 * block);
-      put(packet, at, std::uint16_t{0xEEFF});
-      put(packet, at + 2, static_cast<std::uint16_t>((30000 + 36 * firing) % 36000));
-      for (int channel = 0; channel < 32; ++channel) {
-        set_measurement(packet, block, channel, sensor.distance);
-      }
-    }
-    const std::int64_t second = end_us / 1'000'000;
-    if (sensor.v4) {
-      put_bytes(packet, 1200, {20, 9, 13, 12, 26, static_cast<std::uint8_t>(40 + second)});
-      if (sensor.ptp) put_big(packet, 1200, 1'600'000'000 + second, 6);
-      put(packet, 1206, static_cast<std::uint32_t>(end_us % 1'000'000 * sensor.fraction_of_us));
-    } else {
-      put(packet, 1200, static_cast<std::uint32_t>(end_us % sensor.cycle_us));
-    }
-    packet[packet.size() - 2] = sensor.dual ? 0x39 : 0x37;
-    packet.back() = 0x10;
-    result.push_back(std::move(captured));
-  }
-  return result;
-}
-
 std::string ouster_metadata_text(recordings::OusterProfile profile, int rows) {
   std::string altitude;
   std::string azimuth;

@@ -55,7 +55,7 @@ std::string pcapng_interface(std::uint16_t link_type);
 Payload velodyne_packet(std::uint32_t time_us, const std::vector<int>& azimuths,
                         std::uint16_t distance = 2500, std::uint8_t intensity = 10,
                         std::uint8_t return_mode = 0x37, std::uint8_t product = 0x22);
-/// Changes one measurement of it, or of an LSLiDAR's.
+/// Changes one measurement of it.
 void set_measurement(Payload& packet, int block, int channel, std::uint16_t distance,
                      std::uint8_t intensity = 10);
 
@@ -102,21 +102,6 @@ std::vector<Captured> robosense_capture(const Robosense& sensor, double duration
 /// Changes one of the 32 measurements of a block.
 void set_robosense_measurement(Payload& packet, int block, int channel, std::uint16_t distance,
                                std::uint8_t reflectivity = 10);
-
-/// What an LSLiDAR C16 in a round room sends in so many seconds, 10 turns a second, its first
-/// packet from the azimuth of 300 degrees on and ended at `end_us`, all measurements of `distance`
-/// and intensity 10; its settings first, to port 2369. Beams of version 3: 14.8 to -15.2 degrees.
-struct Lslidar {
-  bool v4 = false;
-  bool dual = false;
-  std::uint16_t distance = 2000;
-  std::int64_t end_us = 999'000;        ///< of an hour, or of 2020-09-13 12:26:40
-  std::int64_t cycle_us = 1'000'000;    ///< in which version 3's begin anew
-  std::int64_t fraction_of_us = 1'000;  ///< nanoseconds of version 4, or 1
-  bool ptp = false;                     ///< version 4: seconds instead of dates
-};
-Payload lslidar_settings(const Lslidar& sensor);
-std::vector<Captured> lslidar_capture(const Lslidar& sensor, double duration_s);
 
 /// Metadata of a small Ouster with `rows` beams and 512 columns at 20 Hz.
 std::string ouster_metadata_text(recordings::OusterProfile profile, int rows = 8);

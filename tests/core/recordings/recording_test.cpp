@@ -133,7 +133,8 @@ TEST_CASE("a capture of less than a turn is refused at its end, stamps of one's 
   CHECK_FALSE(source->next());
   OpenOptions stamped;
   stamped.files.stamps = "stamps.txt";
-  CHECK(refused_with([&] { open_recording(path, stamped); }, "own stamps", "--stamps"));
+  CHECK(refused_with([&] { open_recording(path, stamped); }, "--stamps does not apply",
+                     "a capture or a bag"));
 }
 
 TEST_CASE("the user's sensor wins over the packets, with a warning") {

@@ -5,7 +5,11 @@
 #include <numbers>
 
 #include "captures.h"
+#include "error_message.h"
+#include "file_contents.h"
 #include "hqslam/core/angles.h"
+#include "hqslam/recordings/recording.h"
+#include "temporary_directory.h"
 #include "velodyne_decoder.h"
 #include "velodyne_tables.h"
 
@@ -142,6 +146,21 @@ TEST_CASE("the spacing of the packets tells the model, whatever the factory byte
     CHECK(stream.scan_period_s == doctest::Approx(0.1).scale(0).epsilon(0.001));
     CHECK(stream.field_of_view_deg == 360.0);
   }
+}
+
+TEST_CASE("packets of an HDL-64E and of an LSLiDAR, which look alike, are refused") {
+  const TemporaryDirectory folder;
+  std::vector<Captured> packets = velodyne_capture();
+  for (Captured& packet : packets) {
+    for (std::size_t block = 1; block < 12; block += 2) {
+      put(packet.payload, 100 * block, std::uint16_t{0xDDFF});
+    }
+  }
+  write_file(folder.file("a.pcap"), pcap_bytes(packets));
+  CHECK(refused_with([&] { Recording::open(folder.file("a.pcap")); }, "HDL-64E", "point clouds"));
+  packets = velodyne_capture({.product = 0x10});
+  write_file(folder.file("b.pcap"), pcap_bytes(packets));
+  CHECK(refused_with([&] { Recording::open(folder.file("b.pcap")); }, "b.pcap"));
 }
 
 TEST_CASE("turns of any rate and field of view become scans with the recording's stamps") {

@@ -35,7 +35,7 @@ struct LyingDrive {
 TEST_CASE("calibrate writes a sensor that run takes, and a page of what it found") {
   const LyingDrive lying;
   CHECK(holds(succeeds(lying.arguments(lying.sensor)).out, "off their surfaces"));
-  CHECK(holds(file_contents(lying.folder.file("calibrated.html")), "Rings against the ground"));
+  CHECK(holds(file_contents(lying.folder.file("calibrated.html")), "ground_mm"));
   const SensorModel sensor = read_sensor_json(lying.sensor);
   REQUIRE(sensor.elevation_correction_rad.size() == 16);
   CHECK(sensor.beam_elevation_rad ==

@@ -87,8 +87,7 @@ inline const std::vector<Command>& commands() {
   static const std::vector<std::string> of_run = {"/trajectory.tum", "/trajectory.kitti",
                                                   "/timings.json",   "/covariances.csv",
                                                   "/map.pcd",        "/report.html"};
-  static const std::vector<std::string> of_map = {
-      "/dense_map.pcd", "/dense_map.ply", "/dense_map_above.png", "/dense_map_perspective.png"};
+  static const std::vector<std::string> of_map = {"/dense_map.pcd", "/dense_map.ply"};
   static const std::vector<std::string> of_grid = {"/map.pgm", "/map.yaml"};
   static const std::vector<Command> table = {
       {"run {drive} --out {out}",
@@ -114,9 +113,6 @@ inline const std::vector<Command>& commands() {
       {"map {drive} --poses {drive}/truth.tum --map-voxel 0.5 --out {out}",
        {"map {drive} --poses {tum} --out {out}"},
        of_map},
-      {"map {drive} --poses {drive}/truth.tum --map-voxel 0.5 --las --out {out}",
-       {},
-       {"/dense_map.las"}},
       {"map {drive} --poses {drive}/truth.tum --map-voxel 0.5 --occupancy-grid --out {out}",
        {},
        of_grid},
@@ -128,9 +124,9 @@ inline const std::vector<Command>& commands() {
        {"evaluate {tum} {tum}", "evaluate {pcd} {pcd}"}},
       {"evaluate-map {drive}/pcd/000000.pcd --drive {drive}",
        {"evaluate-map {pcd} --drive {drive}", "evaluate-map {yaml} --drive {drive}"}},
-      {"compare {drive64} --json {out}", {"compare {npy} --sensor os1-64 --json {out}"}, {""}},
-      {"compare {drive64} --weights {weights} --curve {out}",
-       {"compare {drive64} --weights {npz} --curve {out}"},
+      {"compare {drive64} --weights {weights} --json {out}",
+       {"compare {npy} --sensor os1-64 --json {out}",
+        "compare {drive64} --weights {npz} --json {out}"},
        {""}},
       {"inspect {drive64} --weights {weights} --out {out}",
        {"inspect {drive64} --weights {npz} --out {out}"},
@@ -142,15 +138,15 @@ inline const std::vector<Command>& commands() {
        {"/table.json", "/table.md", "/table.html"}},
       {"train --config {recipe} --out {out} --drives {folder}/drives",
        {"train --config {json} --out {out}"},
-       {"/weights.npz", "/curve.svg"}},
+       {"/weights.npz", "/curve.json"}},
       {"calibrate {driven} --path 20 --out {out}.json",
        {"calibrate {npy} --sensor os1-16 --out {out}.json"},
        {".json", ".html"}},
-      {"upsample {drive}/pcd --method linear --sensor os1-64 --bin --las --out {out}",
+      {"upsample {drive}/pcd --method linear --sensor os1-64 --bin --out {out}",
        {"upsample {mcap} --method linear --out {out}",
         "upsample {drive} --weights {npz} --out {out}"},
        {"/scans.npy", "/intensity.npy", "/timestamps.txt", "/sensor.json", "/upsample.json", "/bin",
-        "/las", "/truth.tum"},
+        "/truth.tum"},
        true},
       {"weights show {weights}", {"weights show {npz}"}},
       {"weights pack {arrays} {network} --out {out}",

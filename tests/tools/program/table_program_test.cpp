@@ -73,15 +73,12 @@ TEST_CASE("a table is interrupted, finished, repeated and repaired, always with 
   CAPTURE(finished.error);
   REQUIRE(finished.status == 0);
   CHECK(file_contents(results + "rows-64.json") == first);  // with its times: it was not run again
-  for (const char* row : {"| LiDAR-16 |", "| linear |", "| DU-OR |", "| LiDAR-64 |"}) {
+  for (const char* row : {"LiDAR-16 ", "linear ", "DU-OR ", "LiDAR-64 "}) {
     CAPTURE(row);
-    CHECK(holds(finished.out, row));
-    CHECK(holds(file_contents(out + "/table.md"), row));
+    CHECK(holds(finished.out, fmt::format("\n{}", row)));
+    CHECK(holds(file_contents(out + "/table.md"), fmt::format("| {}|", row)));
   }
-  for (const char* file :
-       {"table.html", "block-typical-loop-closing-off.svg", "block-typical-loop-closing-on.svg"}) {
-    CHECK(fs::file_size(out + "/" + file) > 1000);
-  }
+  CHECK(fs::file_size(out + "/table.html") > 1000);
   const nlohmann::json table = json_of(out + "/table.json");
   const nlohmann::json& methods = table["drives"][0]["methods"];
   REQUIRE(methods.size() == 4);
@@ -243,7 +240,7 @@ TEST_CASE(
   for (const char* time : {"computed", "there already"}) {
     CAPTURE(time);
     const ProgramResult result = succeeds(arguments);
-    CHECK(missing(result.error, {"hqslam: bin: 2 scans were left out, the first of them: ",
+    CHECK(missing(result.error, {"hqslam-lab: bin: 2 scans were left out, the first of them: ",
                                  files[2].filename().string()}) == "");
   }
   for (const char* page : {"table.md", "table.html"}) {

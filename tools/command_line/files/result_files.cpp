@@ -97,7 +97,7 @@ void guard_output_file(const std::string& path, const Paths& inputs,
   require_writable(folder);
 }
 
-void guard_output_file(const std::string& path, const Paths& inputs, const char* marker) {
+void guard_output_file(const std::string& path, const Paths& inputs, const std::string& marker) {
   guard_output_file(path, inputs,
                     [&](const std::string& there) { return has_marker(there, marker); });
 }

@@ -42,7 +42,7 @@ std::vector<ScanFit> fits(const std::string& input, const SensorModel& sensor,
   RecordingOptions options;
   options.capture_time = capture_time;
   options.without_times = capture_time;
-  const auto source = open_recording(input, sensor, options);
+  const auto source = open_scan_files(input, sensor, options);
   slam::Slam slam(source->sensor());
   LeftOut left_out;
   std::vector<ScanFit> result;

@@ -1,3 +1,5 @@
+#include "weights/weights_command.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -6,7 +8,6 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "commands.h"
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/json_limits.h"

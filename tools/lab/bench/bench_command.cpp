@@ -1,3 +1,5 @@
+#include "bench/bench_command.h"
+
 #include <fmt/format.h>
 #include <omp.h>
 #include <stdlib.h>
@@ -17,7 +19,6 @@
 #include "hqslam/core/scan_source.h"
 #include "hqslam/nn/weights_file.h"
 #include "hqslam/sim/drive.h"
-#include "lab_commands.h"
 #include "recording/recording_choice.h"
 #include "simulate/simulate_command.h"
 #include "terminal/command_options.h"
@@ -101,50 +102,51 @@ void measure_networks(const std::vector<std::string>& paths, const std::vector<R
 /// The recording as SLAM is to see it: with kRowCounts of its rows, those to which they can be
 /// thinned evenly, then upsampled by the networks of this sensor that are quick enough to stand
 /// before SLAM.
-std::vector<UpsampledInput> slam_inputs(const InputChoice& recording, const SensorModel& sensor,
-                                        const std::vector<std::string>& paths) {
+std::vector<pipeline::UpsamplingOptions> slam_inputs(const SensorModel& sensor,
+                                                     const std::vector<std::string>& paths) {
   constexpr std::int64_t kMostMultiplyAdds = 5'000'000'000;
-  std::vector<UpsampledInput> inputs;
+  std::vector<pipeline::UpsamplingOptions> inputs;
   for (const int rows : kRowCounts) {
     if (sensor.rows() % rows == 0) {
-      inputs.push_back({recording, sensor, selection_for(sensor.rows(), rows)});
+      inputs.push_back({.rows = rows});
     } else {
       to_stderr("slam, {} rows: left out, they do not divide the sensor's {}\n", rows,
                 sensor.rows());
     }
   }
   for (const std::string& path : paths) {
-    nn::SuperResolver network = nn::SuperResolver::load(path);
-    const nn::NetworkDescription& description = network.description();
-    if (network.multiply_adds() < kMostMultiplyAdds && description.sensor.rows() == sensor.rows() &&
-        description.sensor.columns == sensor.columns) {
-      const RowSelection rows = description.measured_rows;
-      inputs.push_back({recording, sensor, rows, nn::Upsampler(std::move(network), sensor)});
+    const nn::SuperResolver network = nn::SuperResolver::load(path);
+    if (network.multiply_adds() < kMostMultiplyAdds && network.sensor().rows() == sensor.rows() &&
+        network.sensor().columns == sensor.columns) {
+      inputs.push_back({.method = path});
     }
   }
   return inputs;
 }
 
-void measure_slam(UpsampledInput& input, int threads, const InterruptGuard& interrupt,
-                  Measurements& measurements) {
+void measure_slam(const InputChoice& recording, const pipeline::UpsamplingOptions& upsampling,
+                  int threads, const InterruptGuard& interrupt, Measurements& measurements) {
   if (interrupt.stop_requested()) return;
-  const nn::Upsampler* upsampler = input.upsampler_or_null();
-  to_stderr("slam, {} rows{}, {} thread{} ...\n", input.measuring().rows(),
-            upsampler != nullptr ? fmt::format(" upsampled by {}", upsampler->name()) : "", threads,
+  auto input = pipeline::open_upsampled(recording.input, open_options(recording), upsampling);
+  const nn::Upsampler* method = input.upsampler.method();
+  to_stderr("slam, {} rows{}, {} thread{} ...\n", input.upsampler.measured_sensor().rows(),
+            method != nullptr ? fmt::format(" upsampled by {}", method->name()) : "", threads,
             threads > 1 ? "s" : "");
-  measurements.slam.push_back(time_slam(input, threads, interrupt));
+  measurements.slam.push_back(time_slam(std::move(input), threads, interrupt));
 }
 
 Measurements measure(const InputChoice& input, const SensorModel& sensor,
                      const std::vector<std::string>& weights, const InterruptGuard& interrupt) {
   Measurements measurements;
   measurements.sensor = sensor.name;
-  std::vector<UpsampledInput> inputs = slam_inputs(input, sensor, weights);
+  const std::vector<pipeline::UpsamplingOptions> inputs = slam_inputs(sensor, weights);
   for (int threads = 1; threads <= kMostThreads; ++threads) {
-    for (UpsampledInput& seen : inputs) measure_slam(seen, threads, interrupt, measurements);
+    for (const pipeline::UpsamplingOptions& upsampling : inputs) {
+      measure_slam(input, upsampling, threads, interrupt, measurements);
+    }
   }
-  const std::unique_ptr<ScanSource> source = open_input(input, sensor);
-  const std::vector<RangeImage> images = sample_images(*source, scans_in(input, *source));
+  auto source = recordings::Recording::open(input.input, open_options(input));
+  const std::vector<RangeImage> images = sample_images(source, scans_in(input, source));
   to_stderr("components and projection on {} scans ...\n", images.size());
   measurements.step_images = static_cast<int>(images.size());
   measurements.steps = time_steps(images, sensor);
@@ -277,12 +279,12 @@ int run(const BenchOptions& options) {
     simulate_drive(simulate, interrupt);
     input.input = simulate.out;
   }
-  const SensorModel sensor = required_recording_sensor(input);
+  const SensorModel sensor = recordings::Recording::open(input.input, open_options(input)).sensor();
   Measurements measurements = measure(input, sensor, weights, interrupt);
   measurements.input =
       drive ? fmt::format("simulated {}, {} scans", options.drive, options.scans) : input.input;
   if (interrupt.stop_requested()) {
-    to_stderr("hqslam: interrupted\n");
+    to_stderr("hqslam-lab: interrupted\n");
     return kInterrupted;
   }
   if (options.json) {

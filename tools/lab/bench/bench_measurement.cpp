@@ -8,7 +8,7 @@
 
 #include "hqslam/core/connected_components.h"
 #include "hqslam/core/projection.h"
-#include "run/slam_run.h"
+#include "run/slam_session.h"
 
 namespace hqslam::tools {
 namespace {
@@ -49,19 +49,20 @@ std::optional<double> peak_memory_mb() {
 
 }  // namespace
 
-SlamTiming time_slam(UpsampledInput& input, int threads, const InterruptGuard& interrupt) {
+SlamTiming time_slam(pipeline::UpsampledRecording input, int threads,
+                     const InterruptGuard& interrupt) {
   omp_set_num_threads(threads);
   reset_peak_memory();
-  const std::unique_ptr<ScanSource> source = input.open();
-  SlamSession session(input, {}, std::nullopt, false);
+  SlamSession session(std::move(input.upsampler), {}, input.path, false);
+  const pipeline::Upsampler& upsampler = session.pipeline().upsampler();
   while (!interrupt.stop_requested()) {
-    const std::optional<RecordedScan> scan = source->next();
+    const std::optional<RecordedScan> scan = input.recording.next();
     if (!scan) break;
     session.process(*scan);
   }
   const SlamRun& run = session.run();
   SlamTiming timing;
-  timing.rows = input.measuring().rows();
+  timing.rows = upsampler.measured_sensor().rows();
   timing.threads = threads;
   timing.scans = std::ssize(run.scans);
   for (const ScanTimes& stage : stage_times(run)) {
@@ -71,9 +72,7 @@ SlamTiming time_slam(UpsampledInput& input, int threads, const InterruptGuard& i
       timing.stages_ms.emplace_back(stage.name, distribution);
     }
   }
-  if (const nn::Upsampler* upsampler = input.upsampler_or_null()) {
-    timing.upsampled_by = run.upsampled_by + (upsampler->has_scan_memory() ? ", memory" : "");
-  }
+  timing.upsampled_by = run.upsampled_by + (upsampler.has_scan_memory() ? ", memory" : "");
   std::vector<double> total_ms = scan_times(run, "total", [](const ScanRecord& scan) {
                                    return scan.upsampling_s + scan.report.times.total_s;
                                  }).times_ms;

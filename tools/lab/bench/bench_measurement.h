@@ -10,7 +10,6 @@
 #include "hqslam/core/sensor_model.h"
 #include "terminal/terminal.h"
 #include "timing/timing.h"
-#include "upsample/upsampled_input.h"
 
 namespace hqslam::tools {
 
@@ -38,7 +37,8 @@ struct SlamTiming {
 };
 
 /// Only upsampling and SLAM are timed.
-SlamTiming time_slam(UpsampledInput& input, int threads, const InterruptGuard& interrupt);
+SlamTiming time_slam(pipeline::UpsampledRecording input, int threads,
+                     const InterruptGuard& interrupt);
 
 /// Single steps on some scans of the drive, one thread, milliseconds per scan.
 struct StepTiming {

@@ -1,3 +1,5 @@
+#include "demo/demo_command.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -16,18 +18,18 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/point_fields.h"
-#include "lab_commands.h"
+#include "pages/page.h"
+#include "pages/text_table.h"
+#include "pages/turning_view.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
-#include "report/page.h"
-#include "report/turning_view.h"
-#include "run/run_output.h"
+#include "run/report_page.h"
+#include "run/run_command.h"
 #include "simulate/simulate_command.h"
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
 #include "timing/timing.h"
-#include "upsample/upsampled_input.h"
 
 namespace hqslam::tools {
 namespace {
@@ -67,15 +69,16 @@ void score(const std::string& drive, std::vector<DemoRow>& rows, const Interrupt
   std::vector<ComparedMethod> methods;
   for (const DemoRow& row : rows) {
     if (!row.way.upsample.empty()) {
-      UpsampledInput input = upsampled_input({drive}, {row.way.upsample, row.way.rows});
-      methods.push_back({row.way.name, std::move(*input.upsampler)});
+      pipeline::UpsampledRecording input =
+          upsampled_recording({drive}, {row.way.upsample, row.way.rows});
+      methods.push_back({row.way.name, std::move(*input.upsampler.method())});
     }
   }
   UpsamplingComparison comparison(std::move(methods));
-  const std::unique_ptr<ScanSource> source = upsampled_input({drive}, {}).open();
-  Progress progress("compare with 64 beams", source->size());
+  auto source = recordings::Recording::open(drive);
+  Progress progress("compare with 64 beams", source.size());
   Reading reading;
-  read_scans(*source, interrupt, reading, [&](const ReadScan& read) {
+  read_scans(source, interrupt, reading, [&](const ReadScan& read) {
     if (read.index % kComparedScans == 0) comparison.add(read.scan.cloud);
     progress.update(read.index + 1);
     return true;
@@ -139,8 +142,10 @@ std::vector<std::pair<std::string, RangeImage>> example_images(const std::string
       images.emplace_back(row.way.name, select_rows(truth, seen));
       continue;
     }
-    UpsampledInput input = upsampled_input({drive}, {row.way.upsample, row.way.rows});
-    images.emplace_back(row.way.name, input.upsampler->run(select_rows(truth, seen)).image);
+    pipeline::UpsampledRecording input =
+        upsampled_recording({drive}, {row.way.upsample, row.way.rows});
+    images.emplace_back(row.way.name,
+                        input.upsampler.method()->run(select_rows(truth, seen)).image);
   }
   return images;
 }
@@ -158,27 +163,28 @@ TurningView view_of(const std::filesystem::path& out, const std::vector<DemoRow>
   return view;
 }
 
-/// A page that needs no other file but the runs' reports, to which the table's rows lead: the view,
-/// the table with its notes, and one scan in every form that SLAM got to see.
+/// tools/web/demo.html: the view, the table with its notes, whose rows lead to the reports of the
+/// runs, and one scan in every form that SLAM was given.
 std::string demo_html(const TurningView& view, const TextTable& table,
                       const std::vector<std::string>& notes,
                       const std::vector<std::pair<std::string, RangeImage>>& images,
                       double max_range_m) {
-  Page page("hqslam-lab demo");
-  page.heading(1, "hqslam-lab demo");
-  page.style(kTurningViewStyle);
-  page.html(turning_view_html(view));
-  page.table(table);
-  page.list(notes);
+  PageJson data = {{"title", "One drive, four ways"},
+                   {"subtitle",
+                    "A drive through a simulated city with 64 beams, with 16, and with "
+                    "16 upsampled to 64"},
+                   {"view", turning_view_json(view)},
+                   {"table", json_of(table)},
+                   {"notes", notes},
+                   {"max_range_m", max_range_m},
+                   {"images", PageJson::array()}};
   for (const auto& [caption, image] : images) {
-    page.heading(2, caption);
-    page.picture(color_by_range(image, max_range_m), caption, /*rows=*/true);
+    data["images"].push_back({{"caption", caption},
+                              {"rows", image.rows},
+                              {"columns", image.columns},
+                              {"ranges", range_block(image)}});
   }
-  page.paragraph(
-      "One scan from the middle of the drive as range images, unrolled from behind over the left, "
-      "front and right: near is bright, far is dark blue, black is no return or, in the network's "
-      "image, a pixel that it is not sure of.");
-  return page.text();
+  return page_html("demo", std::move(data));
 }
 
 }  // namespace
@@ -195,12 +201,12 @@ int run(const DemoOptions& options) {
   namespace fs = std::filesystem;
   const InterruptGuard interrupt;
   const auto interrupted = [] {
-    to_stderr("hqslam: interrupted\n");
+    to_stderr("hqslam-lab: interrupted\n");
     return kInterrupted;
   };
   const fs::path out = fs::absolute(options.out).lexically_normal();
   constexpr std::array<const char*, 1> kPage = {"demo.html"};
-  guard_results(out, kPage, has_marker((out / kPage[0]).string(), "<title>hqslam-lab demo</title>"),
+  guard_results(out, kPage, has_marker((out / kPage[0]).string(), page_marker("hqslam-lab demo")),
                 "was not written by hqslam-lab demo");
   SimulateOptions simulate;
   simulate.drive = "block";
@@ -232,7 +238,7 @@ int run(const DemoOptions& options) {
   if (!weights) {
     to_stdout("Without DU-Mix: its weights, weights/{}, are not there.\n\n", kWeights);
   }
-  const double max_range_m = required_recording_sensor({simulate.out}).max_range_m;
+  const double max_range_m = recordings::Recording::open(simulate.out).sensor().max_range_m;
   const std::string page = (out / kPage[0]).string();
   write_text_file(
       demo_html(view_of(out, rows), table, notes, example_images(simulate.out, rows), max_range_m),

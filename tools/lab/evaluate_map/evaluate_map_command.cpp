@@ -1,3 +1,5 @@
+#include "evaluate_map/evaluate_map_command.h"
+
 #include <Eigen/Core>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -14,7 +16,6 @@
 #include "hqslam/evaluation/trajectory_error.h"
 #include "hqslam/sim/drive.h"
 #include "hqslam/sim/read_drive.h"
-#include "lab_commands.h"
 #include "recording/recording_choice.h"
 #include "terminal/command_options.h"
 #include "terminal/terminal.h"

@@ -120,7 +120,7 @@ ThinnedPoints visible_points(const TrueDrive& drive, double cell_m) {
 
 ThinnedPoints scanned_points(const TrueDrive& drive, double cell_m) {
   ThinnedPoints points(cell_m);
-  const auto source = open_recording(drive.folder, std::nullopt);
+  const auto source = open_scan_files(drive.folder, std::nullopt);
   for (std::size_t scan = 0; scan < drive.truth.size(); ++scan) {
     const auto recorded = source->next();
     if (!recorded) break;

@@ -167,7 +167,7 @@ int run(const SimulateOptions& options) {
   const InterruptGuard interrupt;
   const int status = simulate_drive(options, interrupt);
   if (status == kInterrupted) {
-    to_stderr("hqslam: interrupted; the scans written up to there are valid\n");
+    to_stderr("hqslam-lab: interrupted; the scans written up to there are valid\n");
   }
   to_stdout("results: {}\n", options.out);
   return status;

@@ -1,6 +1,9 @@
+#include "table/table_command.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -9,7 +12,6 @@
 
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
-#include "lab_commands.h"
 #include "ranks/ranks.h"
 #include "table/table_drive.h"
 #include "table/table_report.h"
@@ -34,19 +36,12 @@ std::string variants_help() {
 }
 
 /// Throws Error if a table would replace what is none.
-void guard_tables(const TableOptions& options, const TablePlan& plan) {
+void guard_tables(const TableOptions& options) {
   const fs::path folder(options.out);
-  std::vector<std::string> names = {"table.json", "table.md", "table.html"};
-  for (const TableDrive& drive : plan.drives) {
-    for (const std::size_t i : {kLoopClosingOff, kLoopClosingOn}) {
-      names.push_back(picture_name(drive.name, i));
-    }
-  }
-  std::vector<const char*> written;
-  for (const std::string& name : names) written.push_back(name.c_str());
+  constexpr std::array<const char*, 3> kWritten = {"table.json", "table.md", "table.html"};
   Paths inputs = options.weights;
   inputs.push_back(options.reference);
-  guard_results(folder, written, has_marker((folder / "table.json").string(), kTableJsonMarker),
+  guard_results(folder, kWritten, has_marker((folder / "table.json").string(), kTableJsonMarker),
                 "was not written by hqslam-lab table", inputs);
 }
 
@@ -83,9 +78,6 @@ std::optional<TableReport> report_of(const std::vector<DriveFigures>& drives,
 
 void write_report(const TableReport& report, const fs::path& out) {
   to_stdout("{}", printed(report));
-  for (const auto& [name, picture] : report.pictures) {
-    write_text_file(picture, (out / name).string());
-  }
   write_text_file(markdown_of(report), (out / "table.md").string());
   write_text_file(report.json, (out / "table.json").string());
   write_text_file(html_of(report), (out / "table.html").string());
@@ -101,7 +93,6 @@ void declare(CLI::App& app, TableOptions& options) {
       variants_help() +
           R"(Writes into --out:
   table.md, table.json, table.html   the tables; the page also shows where the error is
-  DRIVE-loop-closing-off.svg, -on.svg   trajectories coloured by error
   results/DRIVE/.../METHOD.json, .tum   each finished run; drives/NAME: simulated drives
 Without a choice it takes hours and 3 GB: the drives have 12,000 scans, and Simple DU needs
 about a second for one. Ctrl-C keeps what is finished; the same command goes on from there.
@@ -157,7 +148,7 @@ int run(const TableOptions& options) {
   std::vector<DriveWork> works;
   std::optional<FolderLock> lock;
   ranks->rank_0_first([&] {
-    if (ranks->rank() == 0) guard_tables(options, plan);
+    if (ranks->rank() == 0) guard_tables(options);
     works = work_of(plan, options);
     if (ranks->rank() > 0) return;
     make_result_folder(options.out);
@@ -175,10 +166,12 @@ int run(const TableOptions& options) {
         "--scans");
   }
   for (const DriveFigures& drive : drives) {
-    if (drive.left_out.scans > 0) to_stderr("hqslam: {}: {}\n", drive.name, drive.left_out.text());
+    if (drive.left_out.scans > 0)
+      to_stderr("hqslam-lab: {}: {}\n", drive.name, drive.left_out.text());
   }
   if (complete) return kOk;
-  to_stderr("hqslam: interrupted; what is finished is kept, the same command goes on from there\n");
+  to_stderr(
+      "hqslam-lab: interrupted; what is finished is kept, the same command goes on from there\n");
   return kInterrupted;
 }
 

@@ -104,7 +104,7 @@ bool prepare_drive(const TableDrive& drive, const InterruptGuard& interrupt,
   const std::string& folder = drive.recording.input;
   const bool something_is = !file_of_drive(folder, "drive.json").empty();
   if (something_is) {
-    to_stderr("hqslam: {}: {}; it is simulated anew\n", folder, difference_of(drive));
+    to_stderr("hqslam-lab: {}: {}; it is simulated anew\n", folder, difference_of(drive));
   }
   SimulateOptions options;
   options.drive = drive.simulated->name;

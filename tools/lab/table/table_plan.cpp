@@ -109,7 +109,7 @@ TableDrive drive_of(const std::string& drive, const TableOptions& options) {
   const fs::path path = fs::canonical(drive);
   InputChoice recording = options.reading;
   recording.input = path.string();
-  refuse_idle_options(recording);  // before the first drive is worked on
+  recordings::Recording::open(recording.input, open_options(recording));  // before all work
   return {recording_name(path), recording, options.reference, std::nullopt};
 }
 

@@ -19,7 +19,7 @@ struct TableMethod;
 struct SlamSetup {
   SensorModel sensor;
   slam::SlamOptions options;
-  bool as_published = false;  ///< LeGO-LOAM with its defects instead, without options
+  bool as_published = false;  ///< LeGO-LOAM as its paper has it instead, without options
 };
 
 /// One part of SLAM taken away or given back, to see what it is worth: METHOD+NAME is METHOD with

@@ -10,16 +10,15 @@
 
 #include "compare/upsampling_comparison.h"
 #include "hqslam/core/error.h"
+#include "hqslam/lego_loam/lego_loam.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
 #include "hqslam/nn/instruction_set.h"
 #include "hqslam/nn/upsampled_cloud.h"
-#include "hqslam/slam/lego_loam_as_published.h"
+#include "hqslam/pipeline/drive_memory.h"
 #include "hqslam/slam/slam.h"
 #include "recording/reading.h"
 #include "table/table_work.h"
 #include "timing/timing.h"
-#include "upsample/drive_memory.h"
-#include "upsample/upsampled_input.h"
 
 namespace hqslam::tools {
 namespace {
@@ -36,12 +35,13 @@ std::string processor_name() {
 
 /// What the pass's methods have in common: nothing fills the rows where they see them as recorded,
 /// and no network's last filter runs.
-UpsampledInput shared_input(const TablePass& pass) {
+pipeline::UpsampledRecording shared_input(const TablePass& pass) {
   const TableMethod& method = pass.methods.front();
   const std::string weights = weights_of(method, pass.drive.sensor.name);
-  return upsampled_input(pass.drive.recording,
-                         {weights.empty() ? method.source : weights, method.rows},
-                         {.filter_result = false});
+  pipeline::UpsamplingOptions upsampling{weights.empty() ? method.source : weights, method.rows};
+  upsampling.network.filter_result = false;
+  return pipeline::open_upsampled(pass.drive.recording.input, open_options(pass.drive.recording),
+                                  upsampling);
 }
 
 std::optional<nn::OutlierRemoval> filter_of(const TableMethod& method,
@@ -53,10 +53,10 @@ std::optional<nn::OutlierRemoval> filter_of(const TableMethod& method,
   return nn::OutlierRemoval(network.sensor, network.measured_rows, *filter, network.sensor.columns);
 }
 
-using SlamSystem = std::variant<slam::Slam, slam::LegoLoamAsPublished>;
+using SlamSystem = std::variant<slam::Slam, lego_loam::LegoLoam>;
 
 SlamSystem system_of(const SlamSetup& setup) {
-  if (setup.as_published) return slam::LegoLoamAsPublished(setup.sensor);
+  if (setup.as_published) return lego_loam::LegoLoam(setup.sensor);
   return slam::Slam(setup.sensor, setup.options);
 }
 
@@ -65,8 +65,8 @@ struct TimedSlam {
   explicit TimedSlam(const SlamSetup& setup) : system(system_of(setup)) {}
 
   void add(const OrganizedCloud& cloud, double stamp_s) {
-    if (auto* as_published = std::get_if<slam::LegoLoamAsPublished>(&system)) {
-      times_ms.push_back(1e3 * seconds_of([&] { as_published->process(cloud, stamp_s); }));
+    if (auto* lego_loam = std::get_if<lego_loam::LegoLoam>(&system)) {
+      times_ms.push_back(1e3 * seconds_of([&] { lego_loam->process(cloud, stamp_s); }));
       return;
     }
     times_ms.push_back(
@@ -76,7 +76,7 @@ struct TimedSlam {
 
   /// Of the last scan.
   bool is_located() const {
-    return std::holds_alternative<slam::LegoLoamAsPublished>(system) ||
+    return std::holds_alternative<lego_loam::LegoLoam>(system) ||
            slam::is_registered(report.mapping_status);
   }
 
@@ -196,34 +196,34 @@ class Pass {
  public:
   explicit Pass(const TablePass& pass)
       : input_(shared_input(pass)),
-        memory_(input_.upsampler_or_null()),
+        memory_(upsampler().method()),
         score_every_((pass.drive.scans + pass.scored_scans - 1) / pass.scored_scans) {
     for (const TableMethod& method : pass.methods) {
-      runs_.emplace_back(method, input_.seen(), input_.upsampler_or_null(), pass.loop_closing);
+      runs_.emplace_back(method, upsampler().sensor(), upsampler().method(), pass.loop_closing);
     }
   }
 
-  UpsampledInput& input() { return input_; }
+  recordings::Recording& recording() { return input_.recording; }
 
   void add(const RecordedScan& scan, std::int64_t index) {
-    const OrganizedCloud measured = input_.measured(scan.cloud);
-    if (!input_.upsampler) {
+    const OrganizedCloud measured = upsampler().measured(scan.cloud);
+    nn::Upsampler* method = upsampler().method();
+    if (method == nullptr) {
       for (MethodRun& run : runs_) run.add(measured, scan.stamp_s);
       return;
     }
     const RangeImage image = range_image(measured);
     nn::UpsampledImage upsampled;
     const double shared_s = seconds_of([&] {
-      upsampled = input_.upsampler->run(
+      upsampled = method->run(
           image, memory_.recall(measured, runs_.front().slam().trajectory(), scan.stamp_s));
     });
     for (MethodRun& run : runs_) {
-      run.add_upsampled(upsampled, shared_s, measured, *input_.upsampler, scan,
-                        index % score_every_ == 0);
+      run.add_upsampled(upsampled, shared_s, measured, *method, scan, index % score_every_ == 0);
     }
     // Where the first method of the pass has it.
     const TimedSlam& slam = runs_.front().slam();
-    memory_.remember(measured, slam.trajectory(), slam.is_located());
+    memory_.insert(measured, slam.trajectory(), slam.is_located());
   }
 
   std::vector<TableResult> results(const TablePass& pass,
@@ -237,9 +237,10 @@ class Pass {
       result.timings.threads = omp_get_max_threads();
       result.timings.processor = processor_name();
       result.timings.instruction_set = nn::name(nn::chosen_instruction_set());
-      if (input_.upsampler && input_.upsampler->network() != nullptr) {
-        result.network = NetworkSize{input_.upsampler->network()->parameters(),
-                                     input_.upsampler->network()->multiply_adds()};
+      const nn::Upsampler* method = upsampler().method();
+      if (method != nullptr && method->network() != nullptr) {
+        result.network =
+            NetworkSize{method->network()->parameters(), method->network()->multiply_adds()};
       }
       results.push_back(std::move(result));
     }
@@ -247,8 +248,10 @@ class Pass {
   }
 
  private:
-  UpsampledInput input_;
-  DriveMemory memory_;
+  pipeline::Upsampler& upsampler() { return input_.upsampler; }
+
+  pipeline::UpsampledRecording input_;
+  pipeline::DriveMemory memory_;
   std::int64_t score_every_;
   std::vector<MethodRun> runs_;
 };
@@ -267,11 +270,10 @@ void require_rising(const RecordedScan& scan, double last_stamp_s) {
 std::vector<TableResult> run_pass(const TablePass& pass, const InterruptGuard& interrupt,
                                   const std::function<void()>& on_scan) {
   Pass state(pass);
-  const std::unique_ptr<ScanSource> source = state.input().open();
   Reading reading;
   std::vector<std::int64_t> scan_of_pose;
   double last_stamp_s = -std::numeric_limits<double>::infinity();
-  read_scans(*source, interrupt, reading, [&](const ReadScan& read) {
+  read_scans(state.recording(), interrupt, reading, [&](const ReadScan& read) {
     require_rising(read.scan, last_stamp_s);
     last_stamp_s = read.scan.stamp_s;
     // SLAM looks at the times before anything else: of a scan that it leaves out nothing stays.

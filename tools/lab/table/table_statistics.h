@@ -90,4 +90,24 @@ MethodStatistics statistics_of(const TableSample& sample, std::size_t method);
 /// Of every method.
 std::vector<MethodStatistics> statistics_of(const TableSample& sample);
 
+/// The statistics of a part of a sample, for all drives "all".
+struct PartStatistics {
+  std::string name;
+  TableSample sample;
+  std::vector<MethodStatistics> methods;
+};
+/// All drives, then those of each kind.
+std::vector<PartStatistics> parts_of(const TableSample& sample);
+
+/// One figure of a method's statistics, in tables and in files.
+struct StatisticsColumn {
+  const char* column;
+  const char* key;  ///< in files; nullptr: not as an estimate
+  int decimals;     ///< in tables
+  bool of_others;   ///< not of the method that the others are paired with
+  std::function<std::optional<Estimate>(const MethodStatistics& method)> of;
+};
+const std::vector<StatisticsColumn>& summary_columns();
+const std::vector<StatisticsColumn>& pair_columns();
+
 }  // namespace hqslam::tools

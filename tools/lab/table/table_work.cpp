@@ -15,7 +15,6 @@
 #include "table/result_sources_hash.h"
 #include "table/table_drive.h"
 #include "terminal/progress.h"
-#include "upsample/upsampled_input.h"
 
 namespace hqslam::tools {
 namespace {
@@ -24,7 +23,8 @@ namespace fs = std::filesystem;
 
 SensorModel sensor_of(const TableDrive& drive) {
   const InputChoice& recording = drive.recording;
-  SensorModel sensor = required_recording_sensor(recording);
+  SensorModel sensor =
+      recordings::Recording::open(recording.input, open_options(recording)).sensor();
   if (sensor.rows() == kTableAllRows) return sensor;
   throw Error(
       "{}: expected a recording with {} rows, of which 16 are upsampled, found '{}' with {}; give "
@@ -36,7 +36,8 @@ SensorModel sensor_of(const TableDrive& drive) {
 void require_weights(const SensorModel& sensor, const TableDrive& drive, const TablePlan& plan) {
   for (const TableMethod& method : plan.methods) {
     const std::string weights = weights_of(method, sensor.name);
-    if (!weights.empty()) upsampled_sender({drive.name, sensor}, {weights, method.rows});
+    if (weights.empty()) continue;
+    pipeline::Upsampler(sensor, {.method = weights, .rows = method.rows}, drive.name);
   }
 }
 
@@ -50,7 +51,9 @@ std::string result_folder(const TableDrive& drive, std::int64_t scans, const std
 
 PreparedDrive prepared(const TableDrive& drive, const TableOptions& options) {
   const SensorModel sensor = sensor_of(drive);
-  const std::int64_t size = scans_in(drive.recording, *open_input(drive.recording, sensor));
+  const std::int64_t size =
+      scans_in(drive.recording,
+               recordings::Recording::open(drive.recording.input, open_options(drive.recording)));
   const std::int64_t scans = std::min(size, options.scans.value_or(size));
   return {
       {drive}, sensor, scans, identity_of(drive, scans), result_folder(drive, scans, options.out)};

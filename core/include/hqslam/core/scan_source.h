@@ -68,7 +68,7 @@ inline constexpr const char* kStampsFromNames = "names";
 /// - a folder of KITTI .bin files (motion-corrected; rows from the rings where the points are
 ///   stored ring after ring, from the elevation otherwise), or a KITTI drive with them in
 ///   `velodyne` or `velodyne_points/data`;
-/// - a folder of .pcd, .ply, .las, .txt or .csv files (rows from rings, times from a field of
+/// - a folder of .pcd, .ply, .txt or .csv files (rows from rings, times from a field of
 /// times);
 /// - one such file: a recording of one scan;
 /// - an .npy stack of range images (N x H x W or N x H x W x 1, float32 metres; `options` apply);
@@ -86,9 +86,9 @@ inline constexpr const char* kStampsFromNames = "names";
 /// + 1/2) times the period for a simulated drive, the middle of each scan. Pixels of images that
 /// are not finite or negative count as invalid points. Throws Error: which file, what was expected,
 /// what was found, what to do; also for scans that cannot be the sensor's.
-std::unique_ptr<ScanSource> open_recording(const std::string& path,
-                                           const std::optional<SensorModel>& sensor,
-                                           const RecordingOptions& options = {});
+std::unique_ptr<ScanSource> open_scan_files(const std::string& path,
+                                            const std::optional<SensorModel>& sensor,
+                                            const RecordingOptions& options = {});
 
 /// A recording with inertial samples that were kept elsewhere, in the order of their stamps, in
 /// place of its own. Once most of the scans that were read have none, as by another clock, its

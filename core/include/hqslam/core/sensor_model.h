@@ -76,6 +76,11 @@ struct SensorModel {
 /// Throws Error with field, value and constraint when the model breaks its invariants.
 void validate(const SensorModel& sensor);
 
+/// Two units of one type differ by at most this much from their data sheet.
+inline constexpr double kBeamTolerance_deg = 0.25;
+/// Whether two sensors have the same number of rows and beams within kBeamTolerance_deg.
+bool have_same_beams(const SensorModel& a, const SensorModel& b);
+
 /// The sensor that has only the selected rows. Its name says so ("os1-64/3:4").
 SensorModel select_rows(const SensorModel& sensor, RowSelection rows);
 

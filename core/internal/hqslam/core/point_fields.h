@@ -131,12 +131,11 @@ struct RawPoints {
   bool add(double x_m, double y_m, double z_m);
 };
 
-/// Endings of files of points; those of .laz are there to be refused.
-inline constexpr std::array<const char*, 5> kBinaryPoints = {".bin", ".pcd", ".ply", ".las",
-                                                             ".laz"};
+/// Endings of files of points.
+inline constexpr std::array<const char*, 3> kBinaryPoints = {".bin", ".pcd", ".ply"};
 inline constexpr std::array<const char*, 2> kTextPoints = {".csv", ".txt"};
 
-/// A file of points, a scan or a map: .pcd, .ply, .las, KITTI's .bin, and any other as text. Throws
+/// A file of points, a scan or a map: .pcd, .ply, KITTI's .bin, and any other as text. Throws
 /// Error.
 RawPoints read_point_file(const std::string& path);
 

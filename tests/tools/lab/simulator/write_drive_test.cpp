@@ -34,7 +34,7 @@ TEST_CASE("a drive that is written part of the way reads back as what was simula
 
   // The writer is still open, as if the run had been cut off here.
   NpyStackReader stack(out + "/scans.npy");
-  const auto recording = open_recording(out, std::nullopt);
+  const auto recording = open_scan_files(out, std::nullopt);
   const Trajectory tum = read_tum(out + "/truth.tum");
   const Trajectory kitti = read_kitti_poses(out + "/truth.kitti");
   REQUIRE(stack.images() == 3);

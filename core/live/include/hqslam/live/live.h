@@ -15,7 +15,7 @@
 namespace hqslam::live {
 
 struct LiveOptions {
-  /// A preset's name, a .json file or the db.xml of an HDL-64E. For an Ouster either its metadata,
+  /// A preset's name or a .json file. For an Ouster either its metadata,
   /// or the preset of its kind: the metadata are then asked for over HTTP where the packets come
   /// from.
   std::string sensor;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,8 +18,7 @@ enum class StreamKind {
   kVelodynePositions,  ///< of its GPS receiver: no scans
   kHesaiPackets,
   kRobosensePackets,
-  kLslidarPackets,
-  kSettings,  ///< of a RoboSense or an LSLiDAR, which its scans need
+  kSettings,  ///< of a RoboSense, which its scans need
   kOusterPackets,
   kPointClouds,
   kInertialData,  ///< packets of an Ouster or sensor_msgs/Imu
@@ -38,10 +38,15 @@ struct Stream {
   std::string frame = {};  ///< of a topic's first message; empty if it does not say
 };
 
+/// What a user states about a recording. What is stated here wins over what the recording says.
 struct OpenOptions {
   /// A preset's name or a .json file (for packets of an Ouster its metadata; of a Hesai its .csv of
-  /// angles; of an HDL-64E its db.xml); empty: what the recording says. What is said here wins.
+  /// angles); empty: the recording's own.
   std::string sensor = {};
+  /// The sensor of upsampled scans, with all rows, of which it may name the measured ones. Files of
+  /// scans may have these rows alone, and it is the sensor of points and images whose own cannot be
+  /// determined. Nothing: scans stay as they are recorded.
+  std::optional<SensorModel> all_rows = std::nullopt;
   /// Which stream: a topic, a port or sender:port; empty: the only one with scans.
   std::string stream = {};
   /// Columns of the images that points are put into; 0: the sensor's, by its rate of turning. For
@@ -50,7 +55,13 @@ struct OpenOptions {
   KeptReturn kept_return = KeptReturn::kStrongest;
   /// For .npy stacks and other files of scans.
   RecordingOptions files = {};
+  /// A file of inertial data in place of the recording's own; "none": without any. Empty: the
+  /// recording's own, or a simulated drive's imu.csv.
+  std::string imu = {};
 };
+
+/// For OpenOptions::imu.
+inline constexpr const char* kNoInertialData = "none";
 
 /// What a recording is.
 struct RecordingInfo {
@@ -74,46 +85,69 @@ struct RecordingInfo {
   std::vector<std::string> warnings;
 };
 
-/// The scans of one stream of a capture or a bag. It was read just as far as it takes to know which
-/// sensor they are of, and is read once.
+/// The scans of one stream of a capture or a bag.
 class StreamSource : public ScanSource {
  public:
-  /// Puts points into images of so many columns (see OpenOptions), before the first scan is asked
-  /// for. Throws Error.
+  /// Puts points into images of this many columns (OpenOptions::columns), before the first scan is
+  /// read. Throws Error.
   virtual void use_columns(int columns) = 0;
-  /// What is known of it by now: how many scans there are, how long they last and what was lost,
-  /// only once all were read.
+  /// What is known of it so far: the number of scans, their duration and what was lost only once
+  /// all were read.
   virtual RecordingInfo info() const = 0;
 };
 
-/// Whether this is a capture or a bag, by its first bytes or, damaged, its name: what open_stream
-/// reads, or says what is wrong with.
+/// A recording of any kind, opened once and read once, scan by scan:
+/// - a .pcap or .pcapng capture of Velodyne, Hesai, RoboSense and Ouster packets, or a bag of
+///   packets or point clouds, read just as far as it takes to determine its sensor. An Ouster's
+///   metadata are found in the bag or beside the file (the same name with .json, else the only
+///   fitting .json of the folder), a Hesai's angles beside it (the same name with .csv or
+///   _angles.csv). Stamps are those of the recording. Streams that begin more than two seconds
+///   after the first one are found only by name;
+/// - files of scans (scan_source.h), with the inertial data of a simulated drive.
+/// Opening decides sensor, rows and columns. Move-only; one object serves one thread at a time.
+class Recording final : public ScanSource {
+ public:
+  /// Throws Error: which file, what was expected, what was found, how to mend it; also for an
+  /// option that does not apply to this kind of recording.
+  static Recording open(const std::string& path, const OpenOptions& options = {});
+  ~Recording() override;
+  Recording(Recording&&) noexcept;  ///< moved from: only assign or destroy
+  Recording& operator=(Recording&&) noexcept;
+
+  const SensorModel& sensor() const override { return source_->sensor(); }
+  std::optional<std::int64_t> size() const override { return source_->size(); }
+  double read_share() const override { return source_->read_share(); }
+  bool has_stamps() const override { return source_->has_stamps(); }
+  std::vector<std::string> warnings() const override { return source_->warnings(); }
+  /// Throws Error also at the end, where there was not one whole scan.
+  std::optional<RecordedScan> next() override { return source_->next(); }
+
+  /// Puts points into images of this many columns, before the first scan is read; image stacks and
+  /// an Ouster's packets keep theirs. Throws Error.
+  void use_columns(int columns);
+
+ private:
+  Recording(std::string path, OpenOptions options);
+
+  std::string path_;
+  OpenOptions options_;
+  std::unique_ptr<ScanSource> source_;
+  StreamSource* stream_ = nullptr;  ///< source_, or what it reads, of a capture or a bag
+};
+
+/// Whether this is a capture or a bag, by its first bytes or, damaged, its name.
 bool is_capture_or_bag(const std::string& path);
 
-/// Opens a .pcap or .pcapng capture of Velodyne, Hesai, RoboSense, LSLiDAR and Ouster packets, or a
-/// bag of packets or point clouds, whose sensor is found in the points where options.sensor does
-/// not say it. An Ouster's metadata are found in the bag or beside the file (the same name with
-/// .json, else the only fitting .json of the folder), a Hesai's angles beside it (the same name
-/// with .csv or _angles.csv). Stamps are those of the recording. Streams that begin more than two
-/// seconds behind the first one are not looked for, unless they are named. Throws Error: which
-/// file, what was expected, what was found, what to do; also next(), at the end, where there was
-/// not one whole scan.
-std::unique_ptr<StreamSource> open_stream(const std::string& path, const OpenOptions& options = {});
+/// What can be found out about a recording of any kind. A capture or a bag is read to its end, of
+/// files of scans the first hundred; scans that cannot be read are counted in a warning with the
+/// reason of the first of them. Throws Error as Recording::open does.
+RecordingInfo inspect(const std::string& path, const OpenOptions& options = {});
 
-/// Opens any recording: what open_stream reads, or whatever hqslam::open_recording does, with the
-/// inertial data of a simulated drive. Images without a sensor.json need options.sensor.
-/// source->warnings() says what a user should know. Throws Error.
+// Used by callers that do not open a Recording yet.
+std::unique_ptr<StreamSource> open_stream(const std::string& path, const OpenOptions& options = {});
 std::unique_ptr<ScanSource> open_recording(const std::string& path,
                                            const OpenOptions& options = {});
-
-/// The source of a recording at `path`, with the samples of the imu.csv that `hqslam-lab simulate`
-/// wrote there; as it is where there is none. Throws Error.
 std::unique_ptr<ScanSource> with_imu_of_drive(std::unique_ptr<ScanSource> source,
                                               const std::string& path);
-
-/// What was found out about a recording of any kind, which is read to its end, but for files of
-/// scans, of which the first hundred tell; scans that cannot be understood are counted in a
-/// warning, which says what is wrong with the first of them. Throws Error as open_recording does.
-RecordingInfo inspect(const std::string& path, const OpenOptions& options = {});
 
 }  // namespace hqslam::recordings

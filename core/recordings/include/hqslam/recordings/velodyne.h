@@ -13,7 +13,8 @@
 
 namespace hqslam::recordings {
 
-/// The sensors whose packets are understood.
+/// Sensors that send such packets. Those of an HDL-64E are recognized and refused: their distances
+/// mean nothing without the calibration of that unit.
 enum class VelodyneModel { kVlp16, kHdl32e, kVlp32c, kVls128, kHdl64e };
 
 /// The name of the model's sensor preset: "vlp-16", "hdl-32e", "vlp-32c", "vls-128", "hdl-64e".
@@ -25,27 +26,6 @@ std::optional<VelodyneModel> velodyne_model(std::string_view name);
 enum class KeptReturn { kStrongest, kLast };
 
 inline constexpr std::size_t kVelodynePacketBytes = 1206;
-
-/// How the lasers of one very HDL-64E stand: its distances mean nothing without.
-struct VelodyneCalibration {
-  struct Laser {
-    double elevation_rad = 0.0;
-    double azimuth_offset_rad = 0.0;  ///< counter-clockwise
-    double distance_m = 0.0;          ///< to be added to what is measured
-    double up_m = 0.0;    ///< of the beam's beginning, across the beam, in its vertical plane
-    double left_m = 0.0;  ///< and across that plane
-    bool operator==(const Laser&) const = default;
-  };
-  std::vector<Laser> lasers;  ///< in the order of their numbers
-  bool operator==(const VelodyneCalibration&) const = default;
-};
-
-/// Reads the db.xml that comes with an HDL-64E, 64 lasers. What it says of intensities and of the
-/// finer corrections of distances below 25 m (distCorrectionX_, distCorrectionY_) is left out.
-/// Throws Error.
-VelodyneCalibration read_velodyne_calibration(const std::string& path);
-/// The sensor that it is: rows by elevation, columns and limits of the preset.
-SensorModel sensor_of(const VelodyneCalibration& calibration);
 
 /// What the packets of a stream say of their sensor.
 struct VelodyneStream {
@@ -59,8 +39,6 @@ struct VelodyneStream {
   /// What the factory byte of the packets names; nothing if that is none of the models.
   std::optional<VelodyneModel> factory_model;
   double packet_spacing_us = 0.0;  ///< median; 0 with fewer than two packets
-  /// Of an HDL-64E, whose packets do not say it: to be filled in by whoever has it.
-  std::optional<VelodyneCalibration> calibration;
 };
 
 /// Looks at packets from the beginning of a stream, all of kVelodynePacketBytes. The time between
@@ -70,7 +48,7 @@ class VelodyneProbe {
  public:
   void add(const Packet& packet);
   /// `otherwise` is the model where neither spacing nor factory byte tell one. Nothing if no packet
-  /// is a Velodyne's, or nothing tells the model. Throws Error for an HDL-64E with two returns.
+  /// is a Velodyne's, or nothing tells the model.
   std::optional<VelodyneStream> result(std::optional<VelodyneModel> otherwise = std::nullopt) const;
 
  private:
@@ -81,7 +59,6 @@ class VelodyneProbe {
 
   std::int64_t packets_ = 0;
   std::int64_t with_pairs_ = 0;
-  std::int64_t with_double_pairs_ = 0;  ///< as an HDL-64E with two returns sends them
   std::array<std::int64_t, 4> banks_{};
   std::map<std::uint8_t, std::int64_t> products_;
   std::vector<std::int64_t> spacings_us_;
@@ -101,7 +78,7 @@ struct PacketCounts {
   std::int64_t foreign = 0;  ///< of another size or form: left out
 };
 
-/// Of the decoders of Velodyne, Hesai, RoboSense and LSLiDAR packets.
+/// Of the decoders of Velodyne, Hesai and RoboSense packets.
 struct TurnDecoderOptions {
   KeptReturn kept_return = KeptReturn::kStrongest;
   /// Whether points are computed; without them scans are only counted and timed.
