@@ -99,11 +99,6 @@ TEST_CASE("held parameters keep their values, free ones are found") {
   CHECK(found.tail<3>().isApprox(truth.tail<3>(), 1e-4));
 }
 
-TEST_CASE("no constraints leave the start") {
-  const auto found = slam::align({}, some_parameters(), FreeParameters::kAll, 5);
-  CHECK(found == some_parameters());
-}
-
 TEST_CASE("the motion along a corridor is unobservable and held") {
   // Walls left and right, a floor: normals along y and z only.
   std::vector<PlaneConstraint> corridor;
