@@ -6,6 +6,7 @@
 #include "hqslam/nn/hqs/outlier_removal.h"
 #include "hqslam/nn/interpolation.h"
 #include "hqslam/nn/network.h"
+#include "hqslam/nn/trace.h"
 #include "parameters.h"
 
 namespace hqslam::nn {

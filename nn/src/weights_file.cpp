@@ -156,8 +156,8 @@ Weights weights_of(NpzArrays arrays, const std::string& path) {
   const auto description = arrays.find(kDescription);
   if (description == arrays.end()) {
     throw Error(
-        "{}: expected weights with a member 'description', found none; weights are made by hqslam "
-        "train, or of other programs' arrays by hqslam weights pack",
+        "{}: expected weights with a member 'description', found none; hqslam-lab train makes weights, "
+        "and hqslam weights pack makes them from another program's arrays",
         path);
   }
   JsonFields fields(text_value(description->second, fmt::format("{}: description", path)),

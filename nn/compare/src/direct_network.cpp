@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hqslam/nn/trace.h"
+
 namespace hqslam::nn {
 namespace {
 
@@ -155,8 +157,8 @@ Trace DirectNetwork::trace(const Observation& seen) {
   }
   Trace trace;
   trace.add(traced_image("measured", seen.measured));
-  trace.add(traced_image("layers.0.z", std::move(said)));
-  trace.add(traced_image("layers.0.rejected", std::move(disagreed), ""));
+  trace.add(traced_image("layers.0.z", said));
+  trace.add(traced_image("layers.0.rejected", disagreed, ""));
   trace.add(traced_image("layers.0.y", upsampled));
   return trace;
 }

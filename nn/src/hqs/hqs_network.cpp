@@ -54,14 +54,16 @@ Trace HqsNetwork::trace(const Observation& seen) {
     RangeImage weight = seen.recalled->image;
     weight.range_m = seen.recalled->weight;
     trace.add(traced_image("recalled", seen.recalled->image));
-    trace.add(traced_image("recalled_weight", std::move(weight), ""));
+    trace.add(traced_image("recalled_weight", weight, ""));
   }
   image("start", hqs_.z0);
   for (int k = 0; k < hqs_.layers; ++k) {
     const HqsLayer& layer = all.layer(k);
     const std::string prefix = fmt::format("layers.{}.", k);
     if (hqs_.preset.learned_penalty) {
-      trace.add({prefix + "penalty", "", 1, 1, 1, {hqs_.penalty[k]}});
+      RangeImage penalty(1, 1);
+      penalty.at(0, 0) = hqs_.penalty[k];
+      trace.add(traced_image(prefix + "penalty", penalty, ""));
     }
     image(prefix + "h", layer.prior.h());
     hqs_.prior(k).add_inner(hqs_.measurement, layer.prior, prefix, trace);
@@ -69,7 +71,7 @@ Trace HqsNetwork::trace(const Observation& seen) {
     if (!hqs_.preset.filters) continue;
     RangeImage rejected(upsampled_.image.rows, upsampled_.image.columns);
     rejected.range_m.assign(layer.rejected.begin(), layer.rejected.end());
-    trace.add(traced_image(prefix + "rejected", std::move(rejected), ""));
+    trace.add(traced_image(prefix + "rejected", rejected, ""));
     image(prefix + "y", layer.y);
   }
   return trace;

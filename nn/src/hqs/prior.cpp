@@ -77,20 +77,18 @@ double l1_loss(const Tensor& z, const Tensor& truth, TileSize tile,
 
 TracedTensor traced(std::string name, const Tensor& tensor, int first, int channels) {
   if (channels == 0) channels = tensor.channels() - first;
-  TracedTensor result{std::move(name), "", channels, tensor.rows(), tensor.columns(), {}};
-  for (int channel = first; channel < first + channels; ++channel) {
-    for (int row = 0; row < tensor.rows(); ++row) {
-      const float* from = tensor.row(channel, row);
-      result.values.insert(result.values.end(), from, from + tensor.columns());
-    }
-  }
-  return result;
+  using Index = Eigen::array<Eigen::Index, 3>;
+  const auto all = tensor.with_borders();  // rows x channels x columns
+  return {std::move(name), "",
+          all.slice(Index{tensor.border_rows(), first, Tensor::kBorderColumns},
+                    Index{tensor.rows(), channels, tensor.columns()})
+              .shuffle(Index{1, 0, 2})};
 }
 
 TracedTensor traced_pixels(std::string name, const Tensor& tensor, int first, TileSize tile) {
   RangeImage image(tensor.rows() * tile.rows, tensor.columns() * tile.columns);
   from_tiles(tensor, tile, image.range_m.data(), first);
-  return traced_image(std::move(name), std::move(image), "");
+  return traced_image(std::move(name), image, "");
 }
 
 }  // namespace hqslam::nn

@@ -69,7 +69,7 @@ SeenScan scan_of(const InspectOptions& options, UpsampledInput& input) {
 
 void print_names(const nn::Trace& trace) {
   for (const nn::TracedTensor& tensor : trace.tensors()) {
-    to_stdout("{}  {} x {} x {}  {}\n", tensor.name, tensor.channels, tensor.rows, tensor.columns,
+    to_stdout("{}  {} x {} x {}  {}\n", tensor.name, tensor.channels(), tensor.rows(), tensor.columns(),
               tensor.unit);
   }
 }

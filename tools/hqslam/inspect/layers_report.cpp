@@ -84,7 +84,7 @@ struct LayersPage : Page {
     picture(color_by_range(image, report.max_range_m), caption);
   }
   void mask(const RangeImage& filtered, const std::string& tensor, const char* caption) {
-    picture(mask_image(filtered, report.min_range_m, trace.tensor(tensor).values), caption);
+    picture(mask_image(filtered, report.min_range_m, trace.image(tensor).range_m), caption);
   }
   /// How far an image is from the truth; `what` names both and the mean error.
   void error(const RangeImage& image, const std::string& what) {
@@ -115,14 +115,14 @@ std::string range_text(std::span<const float> values) {
 /// One channel of a tensor without a unit, black its smallest value, white its largest: beside a
 /// channel of large values one of small ones would be grey all over.
 void add_channel(LayersPage& page, const nn::TracedTensor& tensor, int channel) {
-  const auto pixels = static_cast<std::size_t>(tensor.rows) * tensor.columns;
-  const std::span<const float> values = std::span(tensor.values).subspan(channel * pixels, pixels);
+  const auto pixels = static_cast<std::size_t>(tensor.rows()) * tensor.columns();
+  const std::span<const float> values = tensor.all().subspan(channel * pixels, pixels);
   const auto [smallest, largest] = std::ranges::minmax(values);
   std::vector<float> shares;
   for (const float value : values) {
     shares.push_back(largest > smallest ? (value - smallest) / (largest - smallest) : 0.0F);
   }
-  page.picture(share_image(shares, tensor.rows, tensor.columns),
+  page.picture(share_image(shares, tensor.rows(), tensor.columns()),
                fmt::format("{}, channel {}: {}", tensor.name, channel, range_text(values)));
 }
 
@@ -133,14 +133,14 @@ void add_named(LayersPage& page) {
     const bool metres = tensor.unit == "m";
     page.heading(2, name);
     page.paragraph(fmt::format(
-        "{} channels of {} x {}, {}{}", tensor.channels, tensor.rows, tensor.columns,
-        range_text(tensor.values),
+        "{} channels of {} x {}, {}{}", tensor.channels(), tensor.rows(), tensor.columns(),
+        range_text(tensor.all()),
         metres ? " m" : "; of each channel black the smallest value, white the largest"));
     if (metres) {
       page.ranges(page.trace.image(name), name);
       continue;
     }
-    for (int channel = 0; channel < tensor.channels; ++channel) add_channel(page, tensor, channel);
+    for (int channel = 0; channel < tensor.channels(); ++channel) add_channel(page, tensor, channel);
   }
 }
 
@@ -166,14 +166,14 @@ void add_differences(LayersPage& page) {
 void add_mixture(LayersPage& page, std::size_t k) {
   const RangeImage z = page.image_of(k, "z");
   RangeImage likely = z;
-  const std::vector<float>& probability = page.trace.tensor("probability").values;
+  const std::vector<float> probability = page.trace.image("probability").range_m;
   for (std::size_t i = 0; i < probability.size(); ++i) {
     if (probability[i] < 0.5F) likely.range_m[i] = 0.0F;
   }
   page.ranges(page.image_of(k, "h"), "H: what was measured, and what is known of the rest so far");
   page.ranges(page.trace.image("mode_1"), "Mode 1, on the side of the measured row above");
   page.ranges(page.trace.image("mode_2"), "Mode 2, on the side of the row below");
-  page.picture(share_image(page.trace.tensor("weight_1").values, z.rows, z.columns),
+  page.picture(share_image(page.trace.image("weight_1").range_m, z.rows, z.columns),
                "Weight of mode 1: white certain, black none");
   page.ranges(z, "Z: the likelier of the two modes");
   page.picture(share_image(probability, z.rows, z.columns),
@@ -184,7 +184,7 @@ void add_mixture(LayersPage& page, std::size_t k) {
 /// M and W^2 / (W^2 + 1), the share of H that memory has where its mode does not scale it.
 void add_recalled(LayersPage& page) {
   const RangeImage recalled = page.trace.image("recalled");
-  std::vector<float> share = page.trace.tensor("recalled_weight").values;
+  std::vector<float> share = page.trace.image("recalled_weight").range_m;
   for (float& weight : share) weight /= weight + 1.0F;
   page.ranges(recalled, "M: what other scans measured, seen from here");
   page.picture(share_image(share, recalled.rows, recalled.columns),
@@ -218,7 +218,7 @@ void add_layer(LayersPage& page, std::size_t k) {
   if (!page.trace.has("layers.0.h")) return add_direct(page);
   const nn::ObjectiveTerms terms =
       objective_terms(page.trace, static_cast<int>(k), page.report.network.measured_rows);
-  const float penalty = page.trace.tensor(fmt::format("layers.{}.penalty", k)).values.front();
+  const float penalty = page.trace.tensor(fmt::format("layers.{}.penalty", k)).values(0, 0, 0);
   page.heading(2, fmt::format("{}, b = {:.3f}", heading, penalty));
   page.paragraph(
       fmt::format("data {:.2f} m², denoiser gap {:.0f} m², filter gap {:.1f} m², {} pixels "

@@ -7,6 +7,7 @@
 #include "hqslam/core/range_image.h"
 #include "hqslam/nn/reference/reference.h"
 #include "hqslam/nn/super_resolver.h"
+#include "hqslam/nn/trace.h"
 
 namespace hqslam::tools {
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "hqslam/nn/super_resolver.h"
+#include "hqslam/nn/trace.h"
 #include "hqslam/nn/upsampled_cloud.h"
 #include "parts.h"
 #include "paths.h"
@@ -27,8 +28,9 @@ void show_tensors(nn::Trace trace, nb::dict arrays) {
   TraceArrays<nn::Trace> shown(std::move(trace), std::move(arrays));
   for (const nn::TracedTensor& tensor : shown.trace().tensors()) {
     shown.show(tensor.name, tensor.values.data(),
-               {static_cast<std::size_t>(tensor.channels), static_cast<std::size_t>(tensor.rows),
-                static_cast<std::size_t>(tensor.columns)});
+               {static_cast<std::size_t>(tensor.channels()),
+                static_cast<std::size_t>(tensor.rows()),
+                static_cast<std::size_t>(tensor.columns())});
   }
 }
 

@@ -10,10 +10,11 @@
 #include "hqslam/core/range_image.h"
 #include "hqslam/nn/instruction_set.h"
 #include "hqslam/nn/network_description.h"
-#include "hqslam/nn/trace.h"
 #include "hqslam/nn/upsampled_image.h"
 
 namespace hqslam::nn {
+
+class Trace;
 
 /// What a network knows of a scan; refers to its parts.
 struct Observation {

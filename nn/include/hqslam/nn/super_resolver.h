@@ -9,11 +9,12 @@
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/nn/instruction_set.h"
 #include "hqslam/nn/network_description.h"
-#include "hqslam/nn/trace.h"
 #include "hqslam/nn/upsampled_image.h"
 #include "hqslam/nn/weights_file.h"
 
 namespace hqslam::nn {
+
+class Trace;
 
 struct SuperResolverOptions {
   int threads = 0;            ///< 0: as many as OpenMP would use

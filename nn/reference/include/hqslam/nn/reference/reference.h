@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <unsupported/Eigen/CXX11/Tensor>
 #include <vector>
 
 #include "hqslam/core/range_image.h"
@@ -13,14 +14,20 @@
 
 namespace hqslam::nn {
 
-/// An inner tensor in double precision; the same names, shapes and units as TracedTensor's.
+/// An inner tensor in double precision: channels x rows x columns, with the names, shapes and units
+/// of TracedTensor.
 struct ReferenceTensor {
+  /// DontAlign: as TracedTensor::Values.
+  using Values = Eigen::Tensor<double, 3, Eigen::RowMajor | Eigen::DontAlign>;
+
   std::string name;
   std::string unit;
-  int channels = 1;
-  int rows = 1;
-  int columns = 1;
-  std::vector<double> values;
+  Values values;
+
+  /// All values: channel by channel, row by row.
+  std::span<const double> all() const {
+    return {values.data(), static_cast<std::size_t>(values.size())};
+  }
 };
 
 /// In the order in which they are computed.
