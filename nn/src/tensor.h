@@ -8,14 +8,14 @@
 
 namespace hqslam::nn {
 
-/// How a tensor continues beyond its first and last column. Beyond its first and last row it is
+/// The values of a tensor beyond its first and last column. Beyond its first and last row they are
 /// always zero.
 enum class ColumnPadding {
   kCircular,  ///< a whole scan: the last column is a neighbour of the first
   kZero,
 };
 
-/// Memory that begins with a cache line: the widest vectors of a row then never lie on two.
+/// Memory that begins with a cache line: the widest vectors of a row then never span two.
 template <typename T>
 struct CacheLineAllocator {
   using value_type = T;
@@ -82,7 +82,7 @@ class Tensor {
   float& at(int channel, int row_, int column) { return row(channel, row_)[column]; }
   float at(int channel, int row_, int column) const { return row(channel, row_)[column]; }
 
-  /// Makes the border columns of one row continue the row as padding() says.
+  /// Makes the border columns of one row continue the row according to padding().
   void fill_border(int channel, int row) {
     if (padding_ == ColumnPadding::kCircular && columns_ == padded_columns_) {
       // At least as wide as the border, and what is called for every row of every layer.

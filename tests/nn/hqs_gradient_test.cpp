@@ -56,7 +56,7 @@ EngineResult engine(const GradientProblem& p, InstructionSet instruction_set) {
   return result;
 }
 
-/// Of each layer, in units of range_scale_m.
+/// Z of each layer, in units of range_scale_m.
 std::vector<std::vector<double>> reference_z(const GradientProblem& p,
                                              const std::vector<double>& parameters,
                                              const Masks& rejected) {

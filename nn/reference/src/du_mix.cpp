@@ -6,8 +6,8 @@
 #include "scan.h"
 
 // DU-Mix: one layer of eq. 10 in the limit b -> 0, where what was measured stays, on logarithms of
-// ranges (metres), with a prior that says two modes and the probability of a return. An addition to
-// the paper, which has one range per pixel.
+// ranges (metres), with a prior that gives two modes and the probability of a return. An addition
+// to the paper, which has one range per pixel.
 namespace hqslam::nn::reference {
 namespace {
 
@@ -33,7 +33,7 @@ Measured measured(const Run& run) {
   return m;
 }
 
-/// How far an image row lies between the measured beams around it, by their elevations: on a plane
+/// The place of an image row between the measured beams around it, by their elevations: on a plane
 /// 1 / range is nearly linear in the elevation.
 double part_down(const Run& run, int row, const Between& at) {
   if (at.above == at.below) return 0.0;
@@ -141,19 +141,19 @@ Image outputs_of(Run& run, const Image& input) {
   return convolved("head", x);
 }
 
-/// The share of a Laplace distribution of scale 1 around 0 that lies below v.
+/// The share of a Laplace distribution of scale 1 around 0 below v.
 double laplace_below(double v) {
   const double tail = 0.5 * std::exp(-std::fabs(v));
   return v > 0.0 ? 1.0 - tail : tail;
 }
 
-/// What is said of one pixel. With outputs o, s(v) = 1 / (1 + e^-v) and y in ln of metres:
+/// The result for one pixel. With outputs o, s(v) = 1 / (1 + e^-v) and y in ln of metres:
 ///   y1 = s(4 o0) above + (1 - s(4 o0)) h + o1      the mode on the side of the row above
 ///   y2 = s(4 o2) below + (1 - s(4 o2)) h + o3      the mode on the side of the row below
 ///   w  = s(4 o4)                                   probability of the first
 ///   scale = exp(-3.5 + 4 clamp(o5, -1/2, 1))       of both Laplace distributions
 ///   p  = s(4 o6)                                   probability of a return
-/// With a memory each mode has an h of its own, start + g (M - start): W^2 scaled by what it says,
+/// With a memory each mode has an h of its own, start + g (M - start): W^2 scaled by an output,
 ///   g = W^2 e / (W^2 e + 1),  e = exp(4 clamp(o, -2, 2)),  o = o7 for the first, o8 for the second
 struct Said {
   double mode_1, mode_2, weight_1, scale, probability;

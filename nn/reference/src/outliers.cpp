@@ -13,7 +13,7 @@ struct Pixel {
   int column = 0;
 };
 
-/// Whether two neighbours that are seen alpha apart lie on one surface: the angle between the
+/// Whether two neighbours whose beams are alpha apart are on one surface: the angle between the
 /// longer beam and the line through both points is larger than min_angle.
 bool connected(double a_m, double b_m, double alpha_rad, double min_angle_rad) {
   const double farther_m = std::max(a_m, b_m);

@@ -15,6 +15,7 @@
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
+#include "hqslam/nn/compare/compared_networks.h"
 #include "hqslam/nn/weights_file.h"
 #include "hqslam/sim/drive.h"
 #include "lab_commands.h"
@@ -85,7 +86,7 @@ void measure_networks(const std::vector<std::string>& paths, const std::vector<R
                       const InterruptGuard& interrupt, Measurements& measurements) {
   for (const std::string& path : paths) {
     if (interrupt.stop_requested()) return;
-    const nn::Weights weights = nn::read_weights(path);
+    const nn::Weights weights = nn::read_weights(path, nn::all_architectures());
     if (!takes(weights, images)) {
       to_stderr("{}: left out, it is for images of {} x {}\n", path,
                 weights.description.sensor.rows(), weights.description.sensor.columns);
@@ -114,7 +115,8 @@ std::vector<UpsampledInput> slam_inputs(const InputChoice& recording, const Sens
     }
   }
   for (const std::string& path : paths) {
-    nn::SuperResolver network = nn::SuperResolver::load(path);
+    nn::SuperResolver network =
+        nn::SuperResolver::load(path, {.architectures = nn::all_architectures()});
     const nn::NetworkDescription& description = network.description();
     if (network.multiply_adds() < kMostMultiplyAdds && description.sensor.rows() == sensor.rows() &&
         description.sensor.columns == sensor.columns) {

@@ -13,6 +13,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/evaluation/image_error.h"
+#include "hqslam/nn/compare/compared_networks.h"
 #include "hqslam/nn/upsampler.h"
 #include "report/page.h"
 #include "terminal/progress.h"
@@ -88,7 +89,8 @@ std::vector<TulipMethod> methods_of(const CompareOptions& options) {
     methods.push_back({{}, name, {nn::interpolation_from_name(name), sensor, rows}});
   }
   for (const std::string& weights : options.weights) {
-    nn::SuperResolver network = nn::SuperResolver::load(weights);
+    nn::SuperResolver network =
+        nn::SuperResolver::load(weights, {.architectures = nn::all_architectures()});
     const SensorModel& own = network.description().sensor;
     if (own.rows() != sensor.rows() || own.columns != sensor.columns ||
         network.description().measured_rows != rows) {

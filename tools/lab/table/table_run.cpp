@@ -10,6 +10,7 @@
 
 #include "compare/upsampling_comparison.h"
 #include "hqslam/core/error.h"
+#include "hqslam/nn/compare/compared_networks.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
 #include "hqslam/nn/instruction_set.h"
 #include "hqslam/nn/upsampled_cloud.h"
@@ -41,7 +42,7 @@ UpsampledInput shared_input(const TablePass& pass) {
   const std::string weights = weights_of(method, pass.drive.sensor.name);
   return upsampled_input(pass.drive.recording,
                          {weights.empty() ? method.source : weights, method.rows},
-                         {.filter_result = false});
+                         {.filter_result = false, .architectures = nn::all_architectures()});
 }
 
 std::optional<nn::OutlierRemoval> filter_of(const TableMethod& method,
