@@ -17,6 +17,7 @@
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
+#include "hqslam/nn/compare/compared_networks.h"
 #include "hqslam/nn/weights_file.h"
 #include "hqslam/sim/drive.h"
 #include "printing/printed_table.h"
@@ -87,7 +88,7 @@ void measure_networks(const std::vector<std::string>& paths, const std::vector<R
                       const InterruptGuard& interrupt, Measurements& measurements) {
   for (const std::string& path : paths) {
     if (interrupt.stop_requested()) return;
-    const nn::Weights weights = nn::read_weights(path);
+    const nn::Weights weights = nn::read_weights(path, nn::all_architectures());
     if (!takes(weights, images)) {
       to_stderr("{}: left out, the network takes images of {} x {}\n", path,
                 weights.description.sensor.rows(), weights.description.sensor.columns);
@@ -116,7 +117,8 @@ std::vector<pipeline::UpsamplingOptions> slam_inputs(const SensorModel& sensor,
     }
   }
   for (const std::string& path : paths) {
-    const nn::SuperResolver network = nn::SuperResolver::load(path);
+    const nn::SuperResolver network = 
+        nn::SuperResolver::load(path, {.architectures = nn::all_architectures()});
     if (network.multiply_adds() < kMostMultiplyAdds && network.sensor().rows() == sensor.rows() &&
         network.sensor().columns == sensor.columns) {
       inputs.push_back({.method = path});

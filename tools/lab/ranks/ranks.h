@@ -5,7 +5,7 @@
 #include <functional>
 #include <memory>
 
-#include "hqslam/core/ranks.h"
+#include "hqslam/nn/training/ranks.h"
 
 namespace hqslam::tools {
 

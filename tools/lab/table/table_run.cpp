@@ -11,6 +11,7 @@
 #include "compare/upsampling_comparison.h"
 #include "hqslam/core/error.h"
 #include "hqslam/lego_loam/lego_loam.h"
+#include "hqslam/nn/compare/compared_networks.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
 #include "hqslam/nn/instruction_set.h"
 #include "hqslam/nn/upsampled_cloud.h"
@@ -40,6 +41,7 @@ pipeline::UpsampledRecording shared_input(const TablePass& pass) {
   const std::string weights = weights_of(method, pass.drive.sensor.name);
   pipeline::UpsamplingOptions upsampling{weights.empty() ? method.source : weights, method.rows};
   upsampling.network.filter_result = false;
+  upsampling.network.architectures = nn::all_architectures();
   return pipeline::open_upsampled(pass.drive.recording.input, open_options(pass.drive.recording),
                                   upsampling);
 }
