@@ -1,7 +1,5 @@
 #pragma once
 
-#include <ceres/cost_function.h>
-
 #include <Eigen/Core>
 #include <array>
 #include <optional>
@@ -47,19 +45,13 @@ using MotionParameters = Vector6;
 Pose pose_of(const MotionParameters& parameters);
 MotionParameters parameters_of(const Pose& pose);
 
-/// All constraints as one batched residual with analytic Jacobians: parameter block 0 are those in
-/// plane, block 1 those out of plane.
+/// The residuals of all constraints with analytic Jacobians, as Ceres asks for them: parameter
+/// block 0 are the parameters in plane, block 1 those out of plane. Jacobians may be null, or one
+/// of them.
 ///
 ///   d residual / d t = weight n;   d residual / d angle = weight n . (dR/dangle p).
-class PlaneConstraintsCost : public ceres::CostFunction {
- public:
-  explicit PlaneConstraintsCost(const std::vector<PlaneConstraint>& constraints);
-  bool Evaluate(double const* const* parameters, double* residuals,
-                double** jacobians) const override;
-
- private:
-  const std::vector<PlaneConstraint>& constraints_;
-};
+void evaluate(const std::vector<PlaneConstraint>& constraints, double const* const* parameters,
+              double* residuals, double** jacobians);
 
 enum class FreeParameters { kInPlane, kOutOfPlane, kAll };
 

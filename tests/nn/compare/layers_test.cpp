@@ -105,7 +105,7 @@ struct Batch {
           {.input = &inputs[0][scan], .d_output = &before[scan], .d_input = &d_inputs[0][scan]});
       if (inputs.size() > 1) all.back().d_second = &d_inputs[1][scan];
     }
-    layer->backward(all, d_parameters);
+    dynamic_cast<LayerBackward&>(*layer).backward(all, d_parameters);
   }
   /// The sum of outputs times d_output.
   double loss() {
@@ -113,7 +113,7 @@ struct Batch {
       for (Tensor& scan : input) scan.fill_borders();
     }
     layer->set_parameters(parameters);
-    layer->forward_batch(passes());
+    dynamic_cast<LayerBackward&>(*layer).forward_batch(passes());
     const std::vector<float> values = values_of(output);
     const std::vector<float> factors = values_of(d_output);
     double sum = 0.0;

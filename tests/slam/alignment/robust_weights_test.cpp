@@ -58,9 +58,3 @@ TEST_CASE("an edge is weighed by its distance from the line, both its planes ali
   CHECK((*found[0])[0].weight == doctest::Approx(0.9 * per_sigma));
   CHECK((*found[0])[1].weight == doctest::Approx(0.9 * per_sigma));
 }
-
-TEST_CASE("no features, no weights") {
-  std::vector<std::optional<PlaneConstraint>> none = {std::nullopt, std::nullopt};
-  weigh_by_noise(none, 0.05, true);
-  CHECK(!none[0]);
-}

@@ -73,7 +73,7 @@ TEST_CASE("the effects of a bias and of each inertial error are predicted") {
   for (int i = 0; i < large.size(); ++i) check({0, 0, 0}, large[i] * ImuErrors::Unit(i));
 }
 
-TEST_CASE("poses that the forces contradict say nothing of gravity") {
+TEST_CASE("poses that contradict the forces give no gravity") {
   Trajectory poses = poses_of(kStraight);
   const std::vector<ImuStep> steps =
       measured(kStraight, Eigen::Vector3d::Zero(), ImuErrors::Zero());

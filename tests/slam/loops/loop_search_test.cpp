@@ -45,14 +45,14 @@ struct DrivenStreet {
 
 /// Nodes from x = -20 to 100 m of a street, then one, at x = 20 m by default, that is
 /// estimated elsewhere.
-DrivenStreet drive(const test::Village& village, const Pose& T_map_believed,
+DrivenStreet drive(const test::Village& village, const Pose& T_map_estimated,
                    const Pose& T_map_last = test::yard_pose(20.0, 1.0, 0.1)) {
   DrivenStreet street;
   for (double x_m = -20.0; x_m <= 100.0; x_m += 4.0) {
     const Pose pose = test::yard_pose(x_m, 0.0, 0.0);
     street.add_node(village.scan(pose), pose);
   }
-  street.add_node(village.scan(T_map_last), T_map_believed);
+  street.add_node(village.scan(T_map_last), T_map_estimated);
   return street;
 }
 

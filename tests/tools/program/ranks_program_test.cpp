@@ -87,7 +87,7 @@ TEST_CASE("a training that two processes began and one ended has the bytes of on
                             "kill -TERM $pid; wait $pid",
                             on_ranks(2), arguments, folder.file("parts/checkpoint.npz")));
   CHECK(stopped.status != 0);
-  CHECK(holds(stopped.error, "the same command goes on from there"));
+  CHECK(holds(stopped.error, "the same command continues"));
   succeeds(arguments + "parts'");
   for (const char* name : {"/weights.npz", "/checkpoint.npz", "/curve.json"}) {
     CAPTURE(name);

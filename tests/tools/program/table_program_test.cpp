@@ -151,7 +151,7 @@ TEST_CASE("a drive that was simulated once serves shorter tables too") {
   CHECK(json_of(folder.file("long/table.json"))["drives"][0]["scans"] == 6);
 }
 
-TEST_CASE("a simulated drive that was damaged is simulated anew, and said to be") {
+TEST_CASE("a simulated drive that was damaged is simulated again with a warning") {
   const TemporaryDirectory folder;
   const std::string out = folder.file("out");
   const std::string arguments =
@@ -168,7 +168,7 @@ TEST_CASE("a simulated drive that was damaged is simulated anew, and said to be"
     CAPTURE(file);
     write_file(out + "/drives/block-typical/" + file, damaged);
     const ProgramResult result = succeeds(arguments);
-    CHECK(missing(result.error, {"drives/block-typical: ", "it is simulated anew"}) == "");
+    CHECK(missing(result.error, {"drives/block-typical: ", "the drive is simulated again"}) == "");
     CHECK(file_contents(out + "/drives/block-typical/scans.npy") == scans);
   }
 }
@@ -261,7 +261,8 @@ TEST_CASE("stamps that fall are named before the work of a table, which could no
       "table --drives '{1}/bin' --sensor os1-64 --methods rows-16 --stamps '{0}/stamps.txt' --out "
       "'{0}/out'",
       folder.path().string(), simulated_drive("--sensor os1-64 --scans 4"));
-  CHECK(missing(result.error, {"000003.bin: has the stamp 0.150000 s", "--stamps"}) == "");
+  CHECK(missing(result.error,
+                {"000003.bin: expected a stamp after", "found 0.150000 s", "--stamps"}) == "");
 }
 
 TEST_CASE("a wrong table is one line on stderr and status 2, and writes nothing") {

@@ -11,7 +11,7 @@
 #include "hqslam/core/npy.h"
 #include "hqslam/core/scan_source.h"
 #include "hqslam/nn/network_json.h"
-#include "hqslam/nn/weights_file.h"
+#include "hqslam/nn/super_resolver.h"
 #include "tools/program/program.h"
 #include "tools/program/untrained_weights.h"
 
@@ -48,7 +48,7 @@ TEST_CASE("training leaves weights that load, a checkpoint and a learning curve"
                             "step       4/4"}) == "");
   CHECK_FALSE(holds(first.out, "confidence"));  // which DU-OR does not have
   const nn::Weights weights = nn::read_weights(folder.file("a/weights.npz"));
-  CHECK_NOTHROW(nn::check_self_test(weights, "a"));
+  CHECK_NOTHROW(nn::SuperResolver::checked(weights, "a"));
   CHECK_FALSE(holds(weights.training, "confidence"));
   CHECK(nlohmann::json::parse(network_json(weights.description))["layers"] == 2);
   CHECK(nlohmann::json::parse(weights.training)["configuration"]["steps"] == 4);

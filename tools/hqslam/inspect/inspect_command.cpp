@@ -69,8 +69,8 @@ SeenScan scan_of(const InspectOptions& options, pipeline::UpsampledRecording& in
 
 void print_names(const nn::Trace& trace) {
   for (const nn::TracedTensor& tensor : trace.tensors()) {
-    to_stdout("{}  {} x {} x {}  {}\n", tensor.name, tensor.channels, tensor.rows, tensor.columns,
-              tensor.unit);
+    to_stdout("{}  {} x {} x {}  {}\n", tensor.name, tensor.channels(), tensor.rows(),
+              tensor.columns(), tensor.unit);
   }
 }
 
@@ -155,7 +155,8 @@ int run(const InspectOptions& options) {
     guard_output_file(options.out, {options.input, options.weights}, page_marker("hqslam inspect"));
   }
   pipeline::UpsampledRecording input = upsampled_recording(options, {options.weights});
-  nn::SuperResolver network = nn::SuperResolver::load(options.weights);
+  const nn::Weights weights = nn::read_weights(options.weights);
+  nn::SuperResolver network = nn::SuperResolver::checked(weights, options.weights);
   const auto [scan, recalled] = scan_of(options, input);
   LayersReport report;
   report.recording = options.input;
@@ -173,7 +174,6 @@ int run(const InspectOptions& options) {
   for (const std::string& name : options.tensors) report.trace.tensor(name);  // is there
   report.tensors = options.tensors;
   if (options.reference) {
-    const nn::Weights weights = nn::read_weights(options.weights);
     report.differences =
         differences_from_reference(weights.description, weights.parameters, report.trace);
     print_differences(report.differences);

@@ -190,6 +190,7 @@ struct ViewServer::Implementation : httplib::Server {
       given = answer(request.target);
     }
     response.status = given.status;
+    if (given.body.empty()) return;
     // A provider, because the library would compress a body, and the processor is for SLAM.
     const auto body = std::make_shared<std::string>(std::move(given.body));
     response.set_content_provider(

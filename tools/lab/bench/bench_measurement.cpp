@@ -29,14 +29,14 @@ double median_ms(const std::vector<double>& values_ms, std::size_t begin, std::s
   return from < to ? distribution_of({from, to}).median : 0.0;
 }
 
-/// Makes the kernel count the peak of resident memory anew, so that one run is not charged with
-/// another's (Linux, proc(5): clear_refs 5).
+/// Resets the kernel's peak of resident memory, so that it is that of one run (Linux, proc(5):
+/// clear_refs 5).
 void reset_peak_memory() {
   malloc_trim(0);
   std::ofstream("/proc/self/clear_refs") << "5\n";
 }
 
-/// Peak resident memory since then in MB, from proc(5)'s VmHWM; nothing where there is no /proc.
+/// Peak resident memory since the last reset in MB, from proc(5)'s VmHWM; nothing without /proc.
 std::optional<double> peak_memory_mb() {
   std::ifstream status("/proc/self/status");
   std::string field;
@@ -91,14 +91,11 @@ StepTiming time_steps(const std::vector<RangeImage>& images, const SensorModel& 
   options.min_angle_rad = kOutlierAngle_rad;
   ComponentLabeler labeler(sensor, options);
   std::vector<double> components_ms;
-  std::vector<double> textbook_ms;
   std::vector<double> projection_ms;
   std::vector<double> unprojection_ms;
   for (int repetition = 0; repetition < kRepetitions; ++repetition) {
     for (const RangeImage& image : images) {
       components_ms.push_back(milliseconds_of([&] { labeler.label(image); }));
-      textbook_ms.push_back(
-          milliseconds_of([&] { textbook_components(image, sensor, kOutlierAngle_rad); }));
       OrganizedCloud cloud;
       unprojection_ms.push_back(milliseconds_of(
           [&] { cloud = unproject(image, sensor, CaptureTime::kMotionCorrected); }));
@@ -106,8 +103,8 @@ StepTiming time_steps(const std::vector<RangeImage>& images, const SensorModel& 
       projection_ms.push_back(milliseconds_of([&] { project(scan, sensor); }));
     }
   }
-  return {distribution_of(std::move(components_ms)), distribution_of(std::move(textbook_ms)),
-          distribution_of(std::move(projection_ms)), distribution_of(std::move(unprojection_ms))};
+  return {distribution_of(std::move(components_ms)), distribution_of(std::move(projection_ms)),
+          distribution_of(std::move(unprojection_ms))};
 }
 
 }  // namespace hqslam::tools

@@ -9,6 +9,7 @@
 #include "compare/upsampling_comparison.h"
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
+#include "hqslam/nn/compare/compared_networks.h"
 #include "pages/text_table.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
@@ -44,7 +45,8 @@ void require_rows_to_compute(const CompareOptions& options, const SensorModel& s
 
 /// The network of a weights file, if it is for scans such as the sensor's.
 nn::SuperResolver network_of(const std::string& weights, const SensorModel& sensor,
-                             const nn::SuperResolverOptions& options = {}) {
+                             nn::SuperResolverOptions options = {}) {
+  options.architectures = nn::all_architectures();
   nn::SuperResolver network = nn::SuperResolver::load(weights, options);
   const SensorModel& made_for = network.sensor();
   if (sensor.columns != made_for.columns || !have_same_beams(sensor, made_for)) {

@@ -36,42 +36,42 @@ namespace {
 
 constexpr const char* kWeights = "du-mix_os1_16to64.npz";
 constexpr int kFewRows = 16;
-/// Image errors are means over every so many scans.
+/// Image errors are means over every n-th scan.
 constexpr std::int64_t kComparedScans = 10;
 
-/// One way of coming from the drive to a trajectory.
-struct Way {
+/// One input of SLAM made from the drive.
+struct DemoInput {
   std::string name;
   std::string folder;    ///< of its results
-  int rows = 0;          ///< of the recording that are looked at
+  int rows = 0;          ///< of the recording that are used
   std::string upsample;  ///< as RunOptions::upsample
   bool dense_map = false;
 };
 
 struct DemoRow {
-  Way way;
+  DemoInput input;
   SlamRun run;
-  std::optional<UpsamplingScore> score;  ///< of the ways that upsample
+  std::optional<UpsamplingScore> score;  ///< of inputs that are upsampled
 };
 
-std::vector<Way> ways(const std::optional<std::string>& weights) {
-  std::vector<Way> result = {{"64 beams", "rows-64", 64, ""},
-                             {"16 beams", "rows-16", kFewRows, "", true},
-                             {"16 -> 64, linear", "linear", kFewRows, "linear"}};
+std::vector<DemoInput> inputs_with(const std::optional<std::string>& weights) {
+  std::vector<DemoInput> result = {{"64 beams", "rows-64", 64, ""},
+                                   {"16 beams", "rows-16", kFewRows, "", true},
+                                   {"16 -> 64, linear", "linear", kFewRows, "linear"}};
   if (weights) {
     result.push_back({"16 -> 64, DU-Mix", "du-mix", kFewRows, *weights, true});
   }
   return result;
 }
 
-/// Scores the ways that upsample against the drive's own 64 rows.
+/// Scores the upsampled inputs against the drive's 64 rows.
 void score(const std::string& drive, std::vector<DemoRow>& rows, const InterruptGuard& interrupt) {
   std::vector<ComparedMethod> methods;
   for (const DemoRow& row : rows) {
-    if (!row.way.upsample.empty()) {
+    if (!row.input.upsample.empty()) {
       pipeline::UpsampledRecording input =
-          upsampled_recording({drive}, {row.way.upsample, row.way.rows});
-      methods.push_back({row.way.name, std::move(*input.upsampler.method())});
+          upsampled_recording({drive}, {row.input.upsample, row.input.rows});
+      methods.push_back({row.input.name, std::move(*input.upsampler.method())});
     }
   }
   UpsamplingComparison comparison(std::move(methods));
@@ -86,7 +86,7 @@ void score(const std::string& drive, std::vector<DemoRow>& rows, const Interrupt
   progress.finish();
   for (const UpsamplingScore& result : comparison.scores()) {
     for (DemoRow& row : rows) {
-      if (row.way.name == result.method) row.score = result;
+      if (row.input.name == result.method) row.score = result;
     }
   }
 }
@@ -110,11 +110,11 @@ TextTable table_of(const std::vector<DemoRow>& rows) {
   for (const DemoRow& row : rows) {
     const SlamRun& run = row.run;
     std::vector<std::string>& cells = table.rows.emplace_back();
-    cells = {row.way.name, fmt::format("{}", run.scans.size()), ape_text(run)};
+    cells = {row.input.name, fmt::format("{}", run.scans.size()), ape_text(run)};
     std::ranges::copy(score_cells(row.score), std::back_inserter(cells));
     cells.push_back(fmt::format("{:.1f}", distribution_of(slam_times(run).times_ms).median));
     cells.push_back(fmt::format("{:.1f}", scans_per_second(run)));
-    table.links.push_back(row.way.folder + "/report.html");
+    table.links.push_back(row.input.folder + "/report.html");
   }
   return table;
 }
@@ -130,34 +130,34 @@ std::vector<std::string> notes_of(const std::vector<DemoRow>& rows) {
       "upsampling/s: scans per second of the upsampling alone; all: reading, upsampling and SLAM"};
 }
 
-/// The scan in the middle of the drive as every way sees it.
+/// The scan in the middle of the drive in every input.
 std::vector<std::pair<std::string, RangeImage>> example_images(const std::string& drive,
                                                                const std::vector<DemoRow>& rows) {
   NpyStackReader stack(drive + "/scans.npy");
   const RangeImage truth = stack.read(stack.images() / 2);
   std::vector<std::pair<std::string, RangeImage>> images;
   for (const DemoRow& row : rows) {
-    const RowSelection seen = selection_for(truth.rows, row.way.rows);
-    if (row.way.upsample.empty()) {
-      images.emplace_back(row.way.name, select_rows(truth, seen));
+    const RowSelection seen = selection_for(truth.rows, row.input.rows);
+    if (row.input.upsample.empty()) {
+      images.emplace_back(row.input.name, select_rows(truth, seen));
       continue;
     }
     pipeline::UpsampledRecording input =
-        upsampled_recording({drive}, {row.way.upsample, row.way.rows});
-    images.emplace_back(row.way.name,
+        upsampled_recording({drive}, {row.input.upsample, row.input.rows});
+    images.emplace_back(row.input.name,
                         input.upsampler.method()->run(select_rows(truth, seen)).image);
   }
   return images;
 }
 
-/// The last way's path and scans over the dense maps.
+/// The path and the scans of the last input over the dense maps.
 TurningView view_of(const std::filesystem::path& out, const std::vector<DemoRow>& rows) {
   TurningView view = view_of(rows.back().run);
   view.clouds.clear();
   for (const DemoRow& row : rows) {
-    if (!row.way.dense_map) continue;
-    RawPoints map = read_point_file((out / row.way.folder / "dense_map.pcd").string());
-    view.clouds.insert(view.clouds.begin(), {row.way.name, std::move(map.scan.points_m),
+    if (!row.input.dense_map) continue;
+    RawPoints map = read_point_file((out / row.input.folder / "dense_map.pcd").string());
+    view.clouds.insert(view.clouds.begin(), {row.input.name, std::move(map.scan.points_m),
                                              std::move(map.scan.confidence)});
   }
   return view;
@@ -191,8 +191,8 @@ std::string demo_html(const TurningView& view, const TextTable& table,
 
 void declare(CLI::App& app, DemoOptions& options) {
   add_command(app, "demo",
-              "Simulate a short city drive and run SLAM on it: with 64 beams, with 16, "
-              "and with 16 that are upsampled to 64")
+              "Simulate a short city drive and run SLAM on it with 64 beams, with 16, and with 16 "
+              "upsampled to 64")
       .option("--out", &options.out, "Folder for the drive and the results",
               {.shows_default = true});
 }
@@ -216,14 +216,14 @@ int run(const DemoOptions& options) {
 
   const std::optional<std::string> weights = installed_weights(kWeights);
   std::vector<DemoRow> rows;
-  for (const Way& way : ways(weights)) {
+  for (const DemoInput& input : inputs_with(weights)) {
     RunOptions run;
     run.input = simulate.out;
-    run.rows = way.rows;
-    run.upsample = way.upsample;
-    run.dense_map = way.dense_map;
-    run.out = (out / way.folder).string();
-    rows.push_back({way, run_and_write(run, interrupt), std::nullopt});
+    run.rows = input.rows;
+    run.upsample = input.upsample;
+    run.dense_map = input.dense_map;
+    run.out = (out / input.folder).string();
+    rows.push_back({input, run_and_write(run, interrupt), std::nullopt});
     const std::vector<std::string>& failed = rows.back().run.failed_maps;
     if (!failed.empty()) throw Error("{}", failed.front());
     if (rows.back().run.end == ReadingEnd::kInterrupted) return interrupted();
@@ -236,14 +236,14 @@ int run(const DemoOptions& options) {
   const std::vector<std::string> notes = notes_of(rows);
   to_stdout("{}{}\n\n", aligned_text(table), fmt::join(notes, "\n"));
   if (!weights) {
-    to_stdout("Without DU-Mix: its weights, weights/{}, are not there.\n\n", kWeights);
+    to_stdout("DU-Mix was left out: its weights, weights/{}, were not found.\n\n", kWeights);
   }
   const double max_range_m = recordings::Recording::open(simulate.out).sensor().max_range_m;
   const std::string page = (out / kPage[0]).string();
   write_text_file(
       demo_html(view_of(out, rows), table, notes, example_images(simulate.out, rows), max_range_m),
       page);
-  to_stdout("To look at, in any browser:\n  {}\n", page);
+  to_stdout("Pages for any browser:\n  {}\n", page);
   for (const std::string& report : table.links) to_stdout("  {}\n", (out / report).string());
   return kOk;
 }

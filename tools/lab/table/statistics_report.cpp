@@ -84,17 +84,17 @@ std::vector<std::string> notes_of(const TableSample& sample) {
       fmt::format(
           "Every method saw the same {} simulated drives, without loop closing; errors are against "
           "the truth. [ , ]: 95 % interval, bootstrap over drives (10,000 draws, percentiles). An "
-          "interval of differences that leaves out 0, or of ratios that leaves out 1, speaks for a "
-          "difference.",
+          "interval of differences without 0, or of ratios without 1, is evidence of a difference.",
           sample.drives.size()),
       fmt::format("Drift: mean error of the motion over pieces of {:.0f} m, one from every scan, "
                   "as in KITTI's odometry benchmark; mean over drives.",
                   kDriftPiece_m),
       ("Slips: places where the motion over ten scans is wrong by more than 0.3 m or 0.3 degrees; "
-       "scans that follow one another are one slip. Where it does not slip: pieces that share no "
-       "scan with a slip."),
+       "successive scans are one slip. Drift where it does not slip: over pieces that share no "
+       "scan "
+       "with a slip."),
       ("Share of the gap closed: (LiDAR-16 - method) / (LiDAR-16 - LiDAR-64); 1 is as good as "
-       "LiDAR-64. It means little where the two hardly differ."),
+       "LiDAR-64. It is unreliable where the two hardly differ."),
       ("APE: absolute pose error, RMSE of the position after an SE(3) alignment. SLAM, ms: mean "
        "per scan with one thread, drives beside each other where there were several threads."),
       fmt::format("Made by build {} of the program.", result_sources_hash())};

@@ -84,7 +84,7 @@ TextTable upsampling_table(const DriveFigures& drive);
 /// "town: 4000 scans, sensor os1-64, 2963 m of path"
 std::string drive_text(const DriveFigures& drive);
 std::vector<std::string> drives_notes(const std::vector<DriveFigures>& drives);
-/// A number with three significant digits: "0.042", "3.78", "31.7", "6717".
+/// A number with about three significant digits: "0.042", "3.78", "31.7", "6717".
 std::string three_digits(double value);
 
 // table.json.

@@ -27,12 +27,12 @@ SensorModel sensor_of(const TableDrive& drive) {
       recordings::Recording::open(recording.input, open_options(recording)).sensor();
   if (sensor.rows() == kTableAllRows) return sensor;
   throw Error(
-      "{}: expected a recording with {} rows, of which 16 are upsampled, found '{}' with {}; give "
-      "another of --drives, or --sensor",
+      "{}: expected a recording with {} rows, found sensor '{}' with {}; give another of --drives, "
+      "or --sensor",
       recording.input, kTableAllRows, sensor.name, sensor.rows());
 }
 
-/// Weights that cannot upsample the drive are named before the work.
+/// Throws Error, before the work, for weights that cannot upsample the drive.
 void require_weights(const SensorModel& sensor, const TableDrive& drive, const TablePlan& plan) {
   for (const TableMethod& method : plan.methods) {
     const std::string weights = weights_of(method, sensor.name);
@@ -41,7 +41,7 @@ void require_weights(const SensorModel& sensor, const TableDrive& drive, const T
   }
 }
 
-/// Results of another number of scans, or of another build, lie beside each other.
+/// The folder of a drive's results, which depends on the number of scans and on the build.
 std::string result_folder(const TableDrive& drive, std::int64_t scans, const std::string& out) {
   constexpr std::size_t kDigits = 8;
   return (fs::path(out) / "results" / drive.name /
@@ -76,7 +76,7 @@ TableSettings settings_of(const PreparedDrive& drive, const TableMethod& method,
   return settings;
 }
 
-/// What is left to do on a drive.
+/// The passes that are left on a drive.
 std::vector<TablePass> passes_on(const PreparedDrive& drive, const TablePlan& plan) {
   std::vector<TableMethod> missing;
   for (const TableMethod& method : plan.methods) {
@@ -141,9 +141,9 @@ bool run_drive(DriveWork& work, const TablePlan& plan, const TableOptions& optio
   return true;
 }
 
-/// Does the job on all drives: one after the other or, over seeds, as many side by side as OpenMP
-/// has threads, with one thread each. `scans`: of all drives together. Returns false if it was
-/// interrupted.
+/// Does the job on all drives: one after the other or, over seeds, in parallel on as many drives as
+/// OpenMP has threads, with one thread each. `scans`: of all drives together. Returns false if it
+/// was interrupted.
 bool on_drives(std::vector<DriveWork>& works, const TablePlan& plan, std::int64_t scans,
                const std::function<bool(DriveWork&, Progress&)>& job) {
   if (scans == 0) return true;
@@ -163,7 +163,7 @@ bool run_drives(std::vector<DriveWork>& works, const TablePlan& plan, const Tabl
   });
 }
 
-/// This rank's share of the drives that are to be simulated; nothing is left to run on them yet.
+/// This rank's share of the drives that are to be simulated.
 std::vector<DriveWork> own_simulations(const std::vector<DriveWork>& works, const Ranks& ranks) {
   std::vector<DriveWork> own;
   for (std::size_t i = 0; i < works.size(); ++i) {
@@ -172,9 +172,9 @@ std::vector<DriveWork> own_simulations(const std::vector<DriveWork>& works, cons
   return own;
 }
 
-/// Leaves each work the passes that are this rank's. A pass goes by its place in the whole plan,
-/// all drives of one kind of pass after the other: every rank gets as many of the slow ones, and
-/// what others have finished meanwhile moves none.
+/// Removes the passes of other ranks. A pass is assigned by its place in the whole plan, all drives
+/// of one kind of pass after the other: every rank gets an equal number of slow passes, and the
+/// assignment does not change as passes are finished.
 void keep_own_passes(std::vector<DriveWork>& works, const TablePlan& plan, const Ranks& ranks) {
   const std::vector<std::vector<TableMethod>> kinds = passes_of(plan.methods);
   for (std::size_t drive = 0; drive < works.size(); ++drive) {
@@ -202,7 +202,7 @@ bool simulate_drives(std::vector<DriveWork>& works, const TablePlan& plan,
 
 std::vector<DriveWork> work_of(const TablePlan& plan, const TableOptions& options) {
   std::vector<DriveWork> works;
-  // Before anything is written. The sensor of simulated drives is always the same.
+  // Before anything is written; all simulated drives have one sensor.
   bool simulated = false;
   for (const TableDrive& drive : plan.drives) {
     if (drive.simulated && simulated) continue;
@@ -241,7 +241,7 @@ FoundResults results_of(const PreparedDrive& drive, const std::vector<TableMetho
         found.results.push_back(std::move(*result));
       }
     } catch (const Error&) {
-      continue;  // no weights for this sensor: nothing can be there
+      continue;  // no weights for this sensor, so no result
     }
   }
   return found;

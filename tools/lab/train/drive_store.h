@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "hqslam/core/ranks.h"
 #include "hqslam/core/sensor_model.h"
+#include "hqslam/nn/training/ranks.h"
 #include "hqslam/sim/drive.h"
 #include "terminal/terminal.h"
 

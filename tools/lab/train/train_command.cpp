@@ -14,7 +14,10 @@
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/whole_file.h"
+#include "hqslam/nn/compare/compared_networks.h"
+#include "hqslam/nn/network.h"
 #include "hqslam/nn/training/checkpoint.h"
+#include "hqslam/nn/training/starting_parameters.h"
 #include "hqslam/nn/training/training_configuration.h"
 #include "hqslam/nn/weights_file.h"
 #include "ranks/ranks.h"
@@ -72,8 +75,8 @@ nn::TrainingState starting_state(Training& training) {
   }
   std::vector<float> parameters = nn::initial_parameters(c.network, c.plan.seed);
   if (!c.start_from.empty()) {
-    parameters =
-        nn::parameters_to_start_from(nn::read_weights(c.start_from), c.network, c.start_from);
+    parameters = nn::parameters_to_start_from(
+        nn::read_weights(c.start_from, nn::all_architectures()), c.network, c.start_from);
   }
   const std::size_t count = parameters.size();
   std::vector<float> average = parameters;
@@ -134,9 +137,12 @@ void write_results(const Training& training, const nn::TrainingState& state) {
     network.confidence_exponent = static_cast<float>(v.confidence_exponent);
   }
   const RangeImage sample = select_rows(training.validation.front().truth, network.measured_rows);
+  const auto trained =
+      nn::make_network(network, network.sensor.columns, nn::chosen_instruction_set(), 1);
+  trained->set_parameters(state.average);
   nn::write_weights((training.out / "weights.npz").string(),
                     {network, state.average, training_json(training, state),
-                     nn::make_self_test(network, state.average, sample)});
+                     nn::make_self_test(*trained, sample)});
   write_text_file(curve_json(training.curve), (training.out / "curve.json").string());
 }
 
@@ -250,8 +256,8 @@ int run(const TrainOptions& options) {
   ranks->rank_0_first([&] {
     training.configuration_text =
         whole_file(options.config, "a training configuration (.json)", 1U << 20U);
-    training.configuration =
-        nn::training_configuration(training.configuration_text, options.config);
+    training.configuration = nn::training_configuration(training.configuration_text, options.config,
+                                                        nn::all_architectures());
     training.out = options.out;
     if (ranks->rank() == 0) {
       guard_training(training);

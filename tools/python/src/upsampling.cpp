@@ -6,6 +6,7 @@
 
 #include "hqslam/core/error.h"
 #include "hqslam/nn/super_resolver.h"
+#include "hqslam/nn/trace.h"
 #include "hqslam/pipeline/upsampler.h"
 #include "parts.h"
 #include "paths.h"
@@ -28,8 +29,9 @@ void show_tensors(nn::Trace trace, nb::dict arrays) {
   TraceArrays<nn::Trace> shown(std::move(trace), std::move(arrays));
   for (const nn::TracedTensor& tensor : shown.trace().tensors()) {
     shown.show(tensor.name, tensor.values.data(),
-               {static_cast<std::size_t>(tensor.channels), static_cast<std::size_t>(tensor.rows),
-                static_cast<std::size_t>(tensor.columns)});
+               {static_cast<std::size_t>(tensor.channels()),
+                static_cast<std::size_t>(tensor.rows()),
+                static_cast<std::size_t>(tensor.columns())});
   }
 }
 
