@@ -79,7 +79,7 @@ std::string HelpFormatter::make_description(const CLI::App* app) const {
 }
 
 std::string HelpFormatter::make_footer(const CLI::App* app) const {
-  return '\n' + filled(app->get_footer());
+  return filled(app->get_footer());
 }
 
 }  // namespace hqslam::tools
