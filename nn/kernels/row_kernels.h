@@ -126,7 +126,7 @@ struct TwoModesInput {
   int columns = 0;  ///< all arrays hold them rounded up to whole vectors of 16
 };
 
-/// What the outputs say.
+/// The two modes of a row of pixels from the outputs.
 struct TwoModesRow {
   TwoModesInput in;
   float tolerance_m = 0.5F;
@@ -159,7 +159,8 @@ struct WinogradInputRow {
   float* transformed = nullptr;
   std::int64_t place_stride = 0;
 };
-/// And back: one channel of the two rows that a row of tiles makes, ended as AccumulateRow ends.
+/// Transforms products back to one channel of the two rows of a row of tiles, ended as AccumulateRow
+/// ends.
 struct WinogradOutputRow {
   const float* products = nullptr;  ///< as `transformed`
   std::int64_t place_stride = 0;
@@ -197,11 +198,11 @@ struct MergeRow {
   int columns = 0;  ///< of each half, rounded up to whole vectors of 16
 };
 
-/// Points of the world as a sensor sees them that moves while its head turns:
+/// Points of the world in the frame of a sensor that moves while its head turns:
 ///   p(h) = R(h) (p_world - t(h)),  h the head's place in its turn, -1 its begin, 1 its end
 /// R and t are cubics in h: term k of element e, of R row by row and then of t, is motion[e][k].
-/// The head sees a point at column head_offset - turn, and begins at first_column; begun in the
-/// middle of the turn and taken twice more, which settles it.
+/// The head measures a point at column head_offset - turn, and begins at first_column; iterated from
+/// the middle of the turn twice, which converges.
 struct SeePoints {
   const float* x_m = nullptr;  ///< world
   const float* y_m = nullptr;
@@ -232,8 +233,8 @@ struct RowKernels {
   /// Returns the row's share of the loss: of the columns alone, though vectors reach beyond them.
   double (*two_modes_loss)(const TwoModesLossRow&);
   void (*see_points)(const SeePoints&);
-  /// For measuring the processor's peak: `rounds` times one multiply-add in every lane of so many
-  /// independent chains that their latency hides. Returns something that depends on all of them.
+  /// For measuring the processor's peak: `rounds` times one multiply-add in every lane of enough
+  /// independent chains to hide their latency. Returns something that depends on all of them.
   float (*multiply_add_chains)(std::int64_t rounds, float start);
   int chain_multiply_adds;  ///< of one round
 };

@@ -92,8 +92,8 @@ void accumulate(const AccumulateRow& row) {
   for (; x < row.end; x += kVectorFloats) accumulate_columns<1>(row, x);
 }
 
-/// The same. The compiler would otherwise read a value that is used kTaps times as often from
-/// memory, which costs half of the speed.
+/// The vector itself, kept in a register. The compiler would otherwise read a value that is used
+/// kTaps times as often from memory, which costs half of the speed.
 inline Vector in_register(Vector vector) {
 #if defined(__x86_64__)
   asm("" : "+v"(vector));

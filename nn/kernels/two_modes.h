@@ -2,19 +2,19 @@
 
 namespace hqslam::nn {
 
-/// What the two-mode network says of each computed pixel. With y the natural logarithm of a range
+/// The result of the two-mode network for each computed pixel. With y the natural logarithm of a range
 /// in metres, s(v) = 1 / (1 + e^-v), and seven outputs o of the convolutions:
 ///   y1 = s(4 o0) y_above + (1 - s(4 o0)) y_middle + o1     the mode on the side of the row above
 ///   y2 = s(4 o2) y_below + (1 - s(4 o2)) y_middle + o3     the mode on the side of the row below
 ///   w  = s(4 o4)                                           probability of the first
 ///   ln b = -3.5 + 4 clamp(o5, -1/2, 1)                     the scale of both
 ///   p  = s(4 o6)                                           probability of a return
-/// With a memory two outputs more say how much either mode believes what is recalled, by scaling
+/// With a memory two more outputs weigh what is recalled for each mode, by scaling
 /// its W^2: y_middle, which is start + W^2 / (W^2 + 1) (M - start), becomes for mode i
 ///   start + g (M - start),  g = W^2 e / (W^2 e + 1),  e = exp(4 clamp(o_i, -2, 2)),  i = 7, 8
 /// so that a range, where there is one, is distributed as w Laplace(y1, b) + (1 - w) Laplace(y2,
 /// b). At a depth jump the truth is one surface or the other, never the mean: two modes and a hard
-/// choice say so, one number cannot.
+/// choice can express that, one number cannot.
 ///
 /// Result: the mode with the larger weight; its confidence, the probability that there is a return
 /// and that it lies within a tolerance of that range: p times the mass of both modes there, to the
@@ -35,7 +35,7 @@ enum class TwoModesOutput {
   kRecallAbove,
   kRecallBelow,
 };
-/// Of each computed pixel.
+/// The number of outputs of each computed pixel.
 inline constexpr int two_modes_outputs(bool scan_memory) { return scan_memory ? 9 : 7; }
 inline constexpr float kLargestRecall = 2.0F;  ///< the clamp of the last two
 

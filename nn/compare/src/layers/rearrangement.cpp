@@ -98,7 +98,7 @@ class PatchesAndChannels final : public TrainableLayer {
   }
 
  private:
-  /// Of row i, column j of a patch of `channel`, one of `channels`.
+  /// The channel of row i, column j of a patch of `channel`, one of `channels`.
   int channel_of(int channels, int channel, int i, int j) const {
     return direction_ == Direction::kMerge ? (j * factor_ + i) * channels + channel
                                            : (channel * factor_ + i) * factor_ + j;
