@@ -100,7 +100,7 @@ class DenseMap {
 };
 
 /// Writes a map with fields x y z confidence times_seen (float32, the last uint32) and, where they
-/// are not empty, intensities (float32) before the confidence, as a .pcd, .ply or .las file by its
+/// are not empty, intensities (float32) before the confidence, as a .pcd or .ply file by its
 /// name (write_cloud). Throws Error.
 void write_dense_map(const std::vector<DenseMapPoint>& points, const std::string& path,
                      const std::vector<float>& intensity = {});
