@@ -35,7 +35,7 @@ double rms(std::span<const float> a, std::span<const float> b) {
 }
 
 std::int64_t count_of(const nn::TracedTensor& mask) {
-  return std::ranges::count_if(mask.values, [](float value) { return value != 0.0F; });
+  return std::ranges::count_if(mask.all(), [](float value) { return value != 0.0F; });
 }
 
 /// The image with its measured rows as they were measured.
@@ -64,12 +64,12 @@ LayerFigures figures_of_layer(const LayersReport& report, std::size_t k) {
     const std::string name = layer_name(k, what);
     return trace.has(name) ? &trace.tensor(name) : nullptr;
   };
-  if (const auto* penalty = tensor("penalty")) figures.penalty = penalty->values.front();
+  if (const auto* penalty = tensor("penalty")) figures.penalty = penalty->all().front();
   if (const auto* h = tensor("h")) {
-    figures.rms_h_z_m = rms(h->values, tensor("z")->values);
-    if (const auto* y = tensor("y")) figures.rms_h_y_m = rms(h->values, y->values);
+    figures.rms_h_z_m = rms(h->all(), tensor("z")->all());
+    if (const auto* y = tensor("y")) figures.rms_h_y_m = rms(h->all(), y->all());
     const RangeImage kept = select_rows(trace.image(h->name), report.network.measured_rows);
-    figures.rms_dh_l_m = rms(kept.range_m, trace.tensor("measured").values);
+    figures.rms_dh_l_m = rms(kept.range_m, trace.tensor("measured").all());
   }
   if (const auto* rejected = tensor("rejected")) figures.rejected = count_of(*rejected);
   add_error(report, trace.image(layer_name(k, "z")), figures);
@@ -99,12 +99,12 @@ class Images {
     }
     add(what, "range", image.rows, image.columns, range_block(image));
   }
-  void share(const char* what, const std::vector<float>& shares, int rows, int columns) {
+  void share(const char* what, std::span<const float> shares, int rows, int columns) {
     add(what, "share", rows, columns, u16_block(shares, 0.0F, 1.0F));
   }
   /// 0: no return, 1: kept, 2: rejected.
   void mask(const RangeImage& filtered, const std::string& tensor) {
-    const std::vector<float>& rejected = report_.trace.tensor(tensor).values;
+    const std::span<const float> rejected = report_.trace.tensor(tensor).all();
     std::vector<std::uint8_t> classes;
     for (std::size_t i = 0; i < rejected.size(); ++i) {
       const bool is_return = filtered.range_m[i] >= report_.network.sensor.min_range_m;
@@ -127,7 +127,8 @@ void add_input(const LayersReport& report, Images& images) {
   images.range("measured", report.measured);
   if (trace.has("start")) images.range("start", trace.image("start"));
   if (!trace.has("recalled")) return;
-  std::vector<float> share = trace.tensor("recalled_weight").values;
+  const std::span<const float> weights = trace.tensor("recalled_weight").all();
+  std::vector<float> share(weights.begin(), weights.end());
   for (float& weight : share) weight /= weight + 1.0F;
   const RangeImage recalled = trace.image("recalled");
   images.range("recalled", recalled);
@@ -142,8 +143,8 @@ void add_layer(const LayersReport& report, std::size_t k, Images& images) {
   if (trace.has("probability")) {
     images.range("mode_1", trace.image("mode_1"));
     images.range("mode_2", trace.image("mode_2"));
-    images.share("weight_1", trace.tensor("weight_1").values, z.rows, z.columns);
-    images.share("probability", trace.tensor("probability").values, z.rows, z.columns);
+    images.share("weight_1", trace.tensor("weight_1").all(), z.rows, z.columns);
+    images.share("probability", trace.tensor("probability").all(), z.rows, z.columns);
   }
   images.range("z", z);
   if (const std::string rejected = layer_name(k, "rejected"); trace.has(rejected)) {
@@ -195,14 +196,14 @@ void add_result(const LayersReport& report, Images& images) {
 /// The tensors that were asked for, channel by channel, each on a scale of its own: beside a
 /// channel of large values one of small ones would have one colour all over.
 void add_tensor(const nn::TracedTensor& tensor, Images& images) {
-  const auto pixels = static_cast<std::size_t>(tensor.rows) * tensor.columns;
+  const auto pixels = static_cast<std::size_t>(tensor.rows()) * tensor.columns();
   images.begin(tensor.name);
-  for (int channel = 0; channel < tensor.channels; ++channel) {
+  for (int channel = 0; channel < tensor.channels(); ++channel) {
     const std::span<const float> values =
-        std::span(tensor.values).subspan(static_cast<std::size_t>(channel) * pixels, pixels);
+        tensor.all().subspan(static_cast<std::size_t>(channel) * pixels, pixels);
     const auto [low, high] = std::ranges::minmax(values);
     Json& image =
-        images.add("tensor", "value", tensor.rows, tensor.columns, u16_block(values, low, high));
+        images.add("tensor", "value", tensor.rows(), tensor.columns(), u16_block(values, low, high));
     image["channel"] = channel;
     image["unit"] = tensor.unit;
     image["low"] = low + 0.0F;  // no zero has a sign

@@ -60,7 +60,7 @@ TurningView view_of(const SlamRun& run, const DenseMapRun* dense_map) {
   };
   for (std::size_t pose = 0; pose < run.trajectory.size(); ++pose) {
     if (!is_shown(pose)) continue;
-    const bool goes_on = pose > 0 && is_shown(pose - 1) && knows_way(run, pose - 1);
+    const bool goes_on = pose > 0 && is_shown(pose - 1) && is_way_known(run, pose - 1);
     if (!goes_on) view.path_m.emplace_back();
     view.path_m.back().push_back(place_m(pose));
   }

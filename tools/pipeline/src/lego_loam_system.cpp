@@ -30,7 +30,8 @@ class LegoLoamSystem : public SlamSystem {
     report.covariance.diagonal().setConstant(std::numeric_limits<double>::infinity());
     report.velocity_covariance = report.covariance;
     const bool is_first = segment_of_scan_.size() == 1;
-    report.odometry_status = found.odometry_ok || is_first ? Status::kOk : Status::kTooFewFeatures;
+    const bool has_odometry = found.odometry_planes > 0 && found.odometry_edges > 0;
+    report.odometry_status = has_odometry || is_first ? Status::kOk : Status::kTooFewFeatures;
     for (const float range_m : cloud.range_m) report.returns += range_m > 0.0F ? 1 : 0;
     report.ground_points = found.ground_points;
     report.clusters = found.clusters;

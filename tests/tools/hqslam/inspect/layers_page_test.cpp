@@ -11,6 +11,13 @@ namespace hqslam::tools {
 namespace {
 
 /// Two rows of two pixels, of which the second row is measured.
+nn::TracedTensor tensor(const std::string& name, const std::string& unit,
+                        const std::array<int, 3>& shape, const std::vector<float>& values) {
+  nn::TracedTensor result{name, unit, nn::TracedTensor::Values(shape[0], shape[1], shape[2])};
+  std::ranges::copy(values, result.values.data());
+  return result;
+}
+
 LayersReport example_report() {
   LayersReport report;
   report.recording = "</script>";
@@ -22,9 +29,9 @@ LayersReport example_report() {
   report.truth = RangeImage(2, 2);
   report.truth->range_m = {12.0F, 0.0F, 10.0F, 20.0F};
   report.result = *report.truth;
-  report.trace.add({"measured", "m", 1, 1, 2, {10.0F, 20.0F}});
-  report.trace.add({"layers.0.h", "m", 1, 2, 2, {10.0F, 10.0F, 10.0F, 21.0F}});
-  report.trace.add({"layers.0.z", "m", 1, 2, 2, {11.0F, 10.0F, 13.0F, 21.0F}});
+  report.trace.add(tensor("measured", "m", {1, 1, 2}, {10.0F, 20.0F}));
+  report.trace.add(tensor("layers.0.h", "m", {1, 2, 2}, {10.0F, 10.0F, 10.0F, 21.0F}));
+  report.trace.add(tensor("layers.0.z", "m", {1, 2, 2}, {11.0F, 10.0F, 13.0F, 21.0F}));
   report.confidence.assign(4, 1.0F);
   return report;
 }
@@ -55,9 +62,9 @@ TEST_CASE("what a network does not have is not among the figures and images") {
     CHECK(image["what"] != "y");
     CHECK(image["what"] != "rejected");
   }
-  report.trace.add({"layers.0.penalty", "", 1, 1, 1, {0.25F}});
-  report.trace.add({"layers.0.y", "m", 1, 2, 2, {10.0F, 10.0F, 10.0F, 23.0F}});
-  report.trace.add({"layers.0.rejected", "", 1, 2, 2, {0.0F, 0.0F, 0.0F, 1.0F}});
+  report.trace.add(tensor("layers.0.penalty", "", {1, 1, 1}, {0.25F}));
+  report.trace.add(tensor("layers.0.y", "m", {1, 2, 2}, {10.0F, 10.0F, 10.0F, 23.0F}));
+  report.trace.add(tensor("layers.0.rejected", "", {1, 2, 2}, {0.0F, 0.0F, 0.0F, 1.0F}));
   data = layers_json(report);
   CHECK(data["layers"][0]["rms_h_y_m"] == 1.0);
   CHECK(data["layers"][0]["rejected"] == 1);
@@ -68,7 +75,7 @@ TEST_CASE("what a network does not have is not among the figures and images") {
 
 TEST_CASE("a tensor that was asked for is shown channel by channel, each on its own scale") {
   LayersReport report = example_report();
-  report.trace.add({"a", "", 2, 1, 2, {-0.0F, -0.0F, -0.5F, 1.5F}});
+  report.trace.add(tensor("a", "", {2, 1, 2}, {-0.0F, -0.0F, -0.5F, 1.5F}));
   report.tensors = {"a"};
   const nlohmann::json data = test::data_of(layers_html(report));
   const auto& images = data["images"];
