@@ -88,5 +88,5 @@ TEST_CASE("LeGO-LOAM refuses scans of another sensor and stamps that are no time
   CHECK(test::refused_with([&] { system.process(OrganizedCloud(3, 4), 0.0); }, "3x4", "16x512"));
   CHECK(
       test::refused_with([&] { system.process(OrganizedCloud(16, 512), std::nan("")); }, "stamp"));
-  CHECK_THROWS_AS(LegoLoam(SensorModel()), Error);
+  CHECK_THROWS_AS(LegoLoam{SensorModel()}, Error);
 }

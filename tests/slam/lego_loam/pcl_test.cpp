@@ -105,7 +105,7 @@ TEST_CASE("what PCL writes as PCD or PLY is read as PCL has it") {
 TEST_CASE("PCL reads what is written as PCD or PLY") {
   const test::TemporaryDirectory directory;
   const Scan scan = random_scan(500, 50.0F);
-  for (const std::string& name : {"b.pcd", "b.ply"}) {
+  for (const std::string name : {"b.pcd", "b.ply"}) {
     CAPTURE(name);
     write_cloud(scan, directory.file(name));
     PclCloud read;
