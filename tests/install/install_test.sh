@@ -11,7 +11,7 @@ program=${4:-}
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
-for component in core evaluation recordings live nn slam; do
+for component in core evaluation recordings live nn slam lego_loam; do
   cmake --install "$build_folder" --prefix "$folder/prefix" --component "$component" >/dev/null
 done
 
@@ -27,6 +27,13 @@ for consumer in drive_to_poses driver_to_poses upsample_scans; do
   "$folder/build/$consumer" || status=$?
   [[ $status == 2 ]] || { echo "$consumer ended with $status instead of 2"; exit 1; }
 done
+
+# Where PCL is, its VoxelGrid thins what hqslam reads.
+if [[ -x "$folder/build/05_pcl" ]]; then
+  printf '%s\n' '1 1 1' '1.1 1.1 1.1' '5 5 5' >"$folder/cloud.txt"
+  [[ $("$folder/build/05_pcl" "$folder/cloud.txt" "$folder/thinned.ply" 2) == "2 of 3 points" ]] ||
+    { echo "05_pcl does not thin three points to two"; exit 1; }
+fi
 
 # They read a recording, upsample and locate: after ten scans as far
 # from the start as the truth, to 0.1 m.
