@@ -34,8 +34,15 @@ for example in "$source_folder"/../../examples/cpp/*.cpp; do
   [[ $status == 2 ]] || { echo "$consumer ended with $status instead of 2"; exit 1; }
 done
 
-# They read a recording, upsample and locate: after 24 scans as far from the start as the truth, to
-# 0.1 m.
+# Where PCL is, its VoxelGrid thins what hqslam reads.
+if [[ -x "$folder/build/05_pcl" ]]; then
+  printf '%s\n' '1 1 1' '1.1 1.1 1.1' '5 5 5' >"$folder/cloud.txt"
+  [[ $("$folder/build/05_pcl" "$folder/cloud.txt" "$folder/thinned.ply" 2) == "2 of 3 points" ]] ||
+    { echo "05_pcl does not thin three points to two"; exit 1; }
+fi
+
+# They read a recording, upsample and locate: after 24 scans as far
+# from the start as the truth, to 0.1 m.
 if [[ -n "$program" ]]; then
   "$program" simulate --drive block --sensor os1-16 --scans 24 --out "$folder/drive" >/dev/null 2>&1
   for example in 01_recording_to_poses 03_driver_callback; do

@@ -100,7 +100,8 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
                            const nn::Upsampler* upsampler = nullptr) {
   require_memory(options.poses, upsampler != nullptr && upsampler->has_scan_memory());
   const ScanPoses poses = read_scan_poses(options.poses, interrupt, [&] {
-    return recordings::Recording::open(options.input, open_options(options));
+    return std::make_unique<recordings::Recording>(
+        recordings::Recording::open(options.input, open_options(options)));
   });
   const auto measured_of = [&](const OrganizedCloud& truth) {
     return select_rows(truth, selection_for(truth.rows, kMeasuredRows));
