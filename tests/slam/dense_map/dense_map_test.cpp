@@ -279,7 +279,7 @@ TEST_CASE("clouds, poses and options that cannot be are errors of one line") {
       [&] {
         map.insert(test::cloud_of({{5.0F, 0.0F, 0.0F}}), std::nullopt, SensorPath(nowhere));
       },
-      "pose", "not finite"));
+      "expected a finite pose"));
   DenseMapOptions options;
   options.voxel_m = 0.0;
   CHECK(refused_with([&] { DenseMap{options}; }, "voxel_m", "0.02"));

@@ -36,6 +36,6 @@ TEST_CASE(
 }
 
 TEST_CASE("a scan without a pose is an error of one line") {
-  CHECK(
-      hqslam::test::refused_with([] { SensorPath({pose_at(0.0, 0.0)}, 1); }, "scan 1", "trajectory of 1"));
+  CHECK(hqslam::test::refused_with([] { SensorPath({pose_at(0.0, 0.0)}, 1); }, "scan 1",
+                                   "trajectory of 1"));
 }
