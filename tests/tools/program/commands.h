@@ -87,8 +87,7 @@ inline const std::vector<Command>& commands() {
   static const std::vector<std::string> of_run = {"/trajectory.tum", "/trajectory.kitti",
                                                   "/timings.json",   "/covariances.csv",
                                                   "/map.pcd",        "/report.html"};
-  static const std::vector<std::string> of_map = {
-      "/dense_map.pcd", "/dense_map.ply"};
+  static const std::vector<std::string> of_map = {"/dense_map.pcd", "/dense_map.ply"};
   static const std::vector<std::string> of_grid = {"/map.pgm", "/map.yaml"};
   static const std::vector<Command> table = {
       {"run {drive} --out {out}",

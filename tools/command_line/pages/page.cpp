@@ -23,8 +23,8 @@ void put_files_into(std::string& html, std::string_view before, std::string_view
   for (std::size_t at = 0; (at = html.find(before, at)) != std::string::npos;) {
     const std::size_t name = at + before.size();
     const std::size_t end = html.find(after, name);
-    const std::string file =
-        fmt::format("{}{}{}", open, web_file(std::string_view(html).substr(name, end - name)), close);
+    const std::string file = fmt::format(
+        "{}{}{}", open, web_file(std::string_view(html).substr(name, end - name)), close);
     html.replace(at, end + after.size() - at, file);
     at += file.size();
   }
@@ -46,7 +46,8 @@ std::string page_html(std::string_view name, PageJson data) {
   constexpr std::string_view kData = R"(id="data">)";
   const std::size_t place = html.find(kData) + kData.size();
   std::string text;
-  for (const char c : data.dump(-1, ' ', /*ensure_ascii=*/true, PageJson::error_handler_t::replace)) {
+  for (const char c :
+       data.dump(-1, ' ', /*ensure_ascii=*/true, PageJson::error_handler_t::replace)) {
     if (c == '<') {
       text += "\\u003c";
     } else {

@@ -32,7 +32,7 @@ struct ViewScan {
 
 /// What a view shows: everything in one frame, z upwards.
 struct TurningView {
-  std::vector<ViewCloud> clouds;                     ///< one is shown at a time
+  std::vector<ViewCloud> clouds;  ///< one is shown at a time
   /// In pieces: the relative pose of two pieces is unknown.
   std::vector<std::vector<Eigen::Vector3f>> path_m;
   std::vector<std::pair<Eigen::Vector3f, Eigen::Vector3f>> loops_m;  ///< places that are the same

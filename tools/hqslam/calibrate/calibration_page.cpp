@@ -97,8 +97,8 @@ std::string calibration_html(const CalibrationReport& report) {
        {"elevation_correction_deg",
         with_sigma(report, kDegreesPerRadian, &BeamCorrection::elevation_rad,
                    &BeamCorrection::elevation_sigma_rad)},
-       {"range_correction_mm", with_sigma(report, kMillimetres, &BeamCorrection::range_m,
-                                          &BeamCorrection::range_sigma_m)},
+       {"range_correction_mm",
+        with_sigma(report, kMillimetres, &BeamCorrection::range_m, &BeamCorrection::range_sigma_m)},
        {"table", json_of(beam_table(report))}});
 }
 

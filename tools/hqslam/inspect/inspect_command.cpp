@@ -150,8 +150,7 @@ int run(const InspectOptions& options) {
   if (options.weights.empty()) throw Error("inspect: expected --weights, or --slam");
   if (!options.list) {
     if (options.out.empty()) throw Error("inspect: no --out, expected a page to write or --list");
-    guard_output_file(options.out, {options.input, options.weights},
-                      page_marker("hqslam inspect"));
+    guard_output_file(options.out, {options.input, options.weights}, page_marker("hqslam inspect"));
   }
   UpsampledInput input = upsampled_input(options, {options.weights});
   nn::SuperResolver network = nn::SuperResolver::load(options.weights);

@@ -26,25 +26,23 @@ Json numbers_json(const SlamScanReport& page) {
   const slam::ScanReport& report = page.report;
   const slam::ScanTrace& trace = page.trace;
   const Eigen::Matrix<double, 6, 1> variance = report.covariance.diagonal();
-  const auto number = [](const char* label, std::string value, const char* unit,
-                         std::string note) {
+  const auto number = [](const char* label, std::string value, const char* unit, std::string note) {
     return Json{{"label", label}, {"value", value}, {"unit", unit}, {"note", note}};
   };
-  return {number("mapping", std::string(name(report.mapping_status)), "",
-                 fmt::format("state: {} → {}", trace.state_before, trace.state)),
-          number("odometry", std::string(name(report.odometry_status)), "",
-                 fmt::format("{} edges, {} flat points", trace.sharp_edges, trace.flat_points)),
-          number("returns", fmt::format("{}", report.returns), "",
-                 fmt::format("{} on the ground, {} clusters", report.ground_points,
-                             report.clusters)),
-          number("inlier ratio", fmt::format("{:.2f}", trace.inlier_ratio), "",
-                 fmt::format("{:.2f} in the last registered scan", trace.last_inlier_ratio)),
-          number("standard deviation", fmt::format("{:.3f}", std::sqrt(variance.head<3>().sum())),
-                 "m",
-                 fmt::format("and {:.3f}° of the pose",
-                             kDegreesPerRadian * std::sqrt(variance.tail<3>().sum()))),
-          number("keyframe", report.keyframe ? "yes" : "no", "",
-                 fmt::format("loop: {}", name(report.loop.status)))};
+  return {
+      number("mapping", std::string(name(report.mapping_status)), "",
+             fmt::format("state: {} → {}", trace.state_before, trace.state)),
+      number("odometry", std::string(name(report.odometry_status)), "",
+             fmt::format("{} edges, {} flat points", trace.sharp_edges, trace.flat_points)),
+      number("returns", fmt::format("{}", report.returns), "",
+             fmt::format("{} on the ground, {} clusters", report.ground_points, report.clusters)),
+      number("inlier ratio", fmt::format("{:.2f}", trace.inlier_ratio), "",
+             fmt::format("{:.2f} in the last registered scan", trace.last_inlier_ratio)),
+      number("standard deviation", fmt::format("{:.3f}", std::sqrt(variance.head<3>().sum())), "m",
+             fmt::format("and {:.3f}° of the pose",
+                         kDegreesPerRadian * std::sqrt(variance.tail<3>().sum()))),
+      number("keyframe", report.keyframe ? "yes" : "no", "",
+             fmt::format("loop: {}", name(report.loop.status)))};
 }
 
 /// Per pixel: range, class (slam::PixelClass) and place in the level frame.
@@ -60,12 +58,9 @@ Json pixels_json(const slam::ScanTrace& trace) {
     for (const Eigen::Vector3f& point_m : trace.cloud.points_m) values_m.push_back(point_m[axis]);
     return u16_block(values_m, -kReach_m, kReach_m);
   };
-  return {{"rows", ranges.rows},
-          {"columns", ranges.columns},
-          {"ranges", range_block(ranges)},
-          {"classes", u8_block(classes)},
-          {"x", coordinate(0)},
-          {"y", coordinate(1)}};
+  return {
+      {"rows", ranges.rows},          {"columns", ranges.columns}, {"ranges", range_block(ranges)},
+      {"classes", u8_block(classes)}, {"x", coordinate(0)},        {"y", coordinate(1)}};
 }
 
 /// Of each feature: pixel, place in the level frame, and if it was matched the step to its line or

@@ -142,7 +142,8 @@ std::string LiveView::state() const {
       {"lost_packets", status_.counts.packets.lost},
       {"dropped_scans", status_.counts.dropped_scans},
       {"path_m", status_.path_m},
-      {"mapping", status_.latest ? slam::name(status_.latest->report.mapping_status) : "no scan yet"},
+      {"mapping",
+       status_.latest ? slam::name(status_.latest->report.mapping_status) : "no scan yet"},
       {"warning", warning_of(status_)},
   };
   return json.dump(-1, ' ', false, PageJson::error_handler_t::replace);

@@ -72,8 +72,8 @@ struct PathPosition {
   std::size_t segment = 0;
 };
 
-/// What the page of a sensor that sends now (tools/web/live.html) shows: the path, the map and numbers, all of bounded
-/// size. Written by the thread that runs SLAM, read by the page's.
+/// What the page of a sensor that sends now (tools/web/live.html) shows: the path, the map and
+/// numbers, all of bounded size. Written by the thread that runs SLAM, read by the page's.
 class LiveView {
  public:
   static constexpr std::size_t kMostPositions = 20'000;

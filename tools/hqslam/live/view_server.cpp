@@ -39,7 +39,8 @@ class Connections {
   void add(int socket) {
     const std::lock_guard lock(mutex_);
     if (last_byte_.size() >= ViewServer::kMostConnections) {
-      const auto silent = std::ranges::min_element(last_byte_, {}, [](const auto& c) { return c.second; });
+      const auto silent =
+          std::ranges::min_element(last_byte_, {}, [](const auto& c) { return c.second; });
       shutdown(silent->first, SHUT_RDWR);
       last_byte_.erase(silent);
     }
@@ -137,7 +138,8 @@ bool is_own_host(const std::string& host) {
   gethostname(own.data(), own.size() - 1);
   const std::string own_name = own.data();
   return is_same_name(name, "localhost") ||
-         (!own_name.empty() && (is_same_name(name, own_name) || is_same_name(name, own_name + ".local")));
+         (!own_name.empty() &&
+          (is_same_name(name, own_name) || is_same_name(name, own_name + ".local")));
 }
 
 struct ViewServer::Implementation : httplib::Server {
@@ -161,9 +163,9 @@ struct ViewServer::Implementation : httplib::Server {
       throw Error("{}: is no address to show the page at, expected one of IPv4 such as 127.0.0.1",
                   address);
     }
-    port = wanted_port == 0                                ? bind_to_any_port(address)
+    port = wanted_port == 0                     ? bind_to_any_port(address)
            : bind_to_port(address, wanted_port) ? wanted_port
-                                                           : -1;
+                                                : -1;
     if (port < 0) {
       throw Error("the page cannot be served at {}:{} ({}); give --view another port", address,
                   wanted_port, std::strerror(errno));

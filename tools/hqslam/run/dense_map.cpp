@@ -153,9 +153,8 @@ int run(const MapOptions& options) {
   }
   if (run.scans == 0) throw Error(no_scan_message(run, options));
   write_dense_map(run, options.out);
-  to_stdout(
-      "{}\nresults: {}/dense_map.pcd, dense_map.ply{}\n", dense_map_summary(run), options.out,
-      run.las ? ", dense_map.las" : "");
+  to_stdout("{}\nresults: {}/dense_map.pcd, dense_map.ply{}\n", dense_map_summary(run), options.out,
+            run.las ? ", dense_map.las" : "");
   if (options.occupancy_grid) {
     const auto grid = build_occupancy_grid(options, options, poses, options.grid, interrupt);
     if (interrupt.stop_requested()) {

@@ -46,8 +46,7 @@ DenseMapRun build_dense_map(const InputChoice& recording, const UpsamplingChoice
                             const InterruptGuard& interrupt);
 
 /// The .ply, by which the others are known as ours, is the last; the .las only if it was asked for.
-inline constexpr const char* kDenseMapFiles[] = {"dense_map.pcd", "dense_map.las",
-                                                 "dense_map.ply"};
+inline constexpr const char* kDenseMapFiles[] = {"dense_map.pcd", "dense_map.las", "dense_map.ply"};
 
 /// Throws Error if one of the files is there and was not written by hqslam, or is one of `inputs`.
 void guard_dense_map(const std::filesystem::path& folder, const Paths& inputs);

@@ -29,10 +29,10 @@ Json path_length(const SlamRun& run) {
 
 Json numbers_json(const SlamRun& run) {
   const char* const from = run.command == "live" ? "received" : "in the recording";
-  Json numbers = {number("Scans", fmt::format("{}", run.scans.size()), "",
-                         run.scans_in_recording ? fmt::format("of {} {}", *run.scans_in_recording, from)
-                                                : ""),
-                  path_length(run)};
+  Json numbers = {
+      number("Scans", fmt::format("{}", run.scans.size()), "",
+             run.scans_in_recording ? fmt::format("of {} {}", *run.scans_in_recording, from) : ""),
+      path_length(run)};
   if (run.comparison) {
     const double rmse_m = run.comparison->error.translation_statistics.rmse;
     numbers.push_back(number("Position error", fmt::format("{:.3f}", rmse_m), "m", "APE, RMSE"));
@@ -54,9 +54,10 @@ Json numbers_json(const SlamRun& run) {
 
 Json notices_json(const SlamRun& run) {
   if (run.end == ReadingEnd::kComplete) return Json::array();
-  return {fmt::format("The run ended after {}: {}. The results are valid up to there.",
-                      scans_text(std::ssize(run.scans), run.scans_in_recording),
-                      run.end == ReadingEnd::kInterrupted ? "it was interrupted" : run.end_message)};
+  return {
+      fmt::format("The run ended after {}: {}. The results are valid up to there.",
+                  scans_text(std::ssize(run.scans), run.scans_in_recording),
+                  run.end == ReadingEnd::kInterrupted ? "it was interrupted" : run.end_message)};
 }
 
 /// The recording without most of its path: "kitti_drive_0005/velodyne".
@@ -87,9 +88,8 @@ Json trajectory_json(const SlamRun& run) {
   const Trajectory& trajectory = run.trajectory;
   const auto stamp_s = trajectory.empty() ? 0.0 : trajectory.front().stamp_s;
   const auto position_m = [&](int axis) {
-    return of_poses(trajectory, [=](const StampedPose& pose) {
-      return pose.T_map_sensor.translation()[axis];
-    });
+    return of_poses(trajectory,
+                    [=](const StampedPose& pose) { return pose.T_map_sensor.translation()[axis]; });
   };
   const auto rotation_deg = [&](int axis) {
     return of_poses(trajectory, [=](const StampedPose& pose) {
@@ -182,12 +182,9 @@ Json grid_json(const slam::OccupancyMap& map, const std::string& summary) {
   for (std::size_t i = 0; i < map.cells.size(); ++i) {
     packed[i / 4] |= static_cast<std::uint8_t>(static_cast<unsigned>(map.cells[i]) << 2 * (i % 4));
   }
-  return {{"rows", map.rows},
-          {"columns", map.columns},
-          {"cell_m", map.resolution_m},
-          {"origin_m", {map.origin_m.x(), map.origin_m.y()}},
-          {"summary", summary},
-          {"cells", u8_block(packed)}};
+  return {{"rows", map.rows},           {"columns", map.columns},
+          {"cell_m", map.resolution_m}, {"origin_m", {map.origin_m.x(), map.origin_m.y()}},
+          {"summary", summary},         {"cells", u8_block(packed)}};
 }
 
 }  // namespace

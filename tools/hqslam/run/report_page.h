@@ -11,9 +11,9 @@
 
 namespace hqslam::tools {
 
-/// The dense map of a run if there is one, the features of its map, its path, loops and scans, whose
-/// points are where the sensor was when it measured each. Other submaps, if there are any, are not
-/// in it: their relative pose is unknown.
+/// The dense map of a run if there is one, the features of its map, its path, loops and scans,
+/// whose points are where the sensor was when it measured each. Other submaps, if there are any,
+/// are not in it: their relative pose is unknown.
 TurningView view_of(const SlamRun& run, const DenseMapRun* dense_map = nullptr);
 
 /// What a page may have of an occupancy grid: cells of twice, three times, ... the side, so that

@@ -177,8 +177,8 @@ void add_dense_map(const RunOptions& options, const InterruptGuard& interrupt, R
 }
 
 /// What goes wrong here costs the occupancy grid alone.
-void add_occupancy_grid(const RunOptions& options, const InterruptGuard& interrupt, RunOutput& output,
-                        SlamRun& run) {
+void add_occupancy_grid(const RunOptions& options, const InterruptGuard& interrupt,
+                        RunOutput& output, SlamRun& run) {
   const OccupancyGridRun grid =
       build_occupancy_grid(options, options, poses_of(run), options.grid, interrupt);
   if (interrupt.stop_requested()) return;

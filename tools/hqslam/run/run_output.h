@@ -57,7 +57,7 @@ class RunOutput {
   double last_duration_s_ = 0.0;  ///< what the last checkpoint took
   bool first_ = true;
   bool made_folder_ = false;
-  std::optional<FolderLock> lock_;  ///< from the first checkpoint on
+  std::optional<FolderLock> lock_;          ///< from the first checkpoint on
   std::optional<slam::OccupancyMap> grid_;  ///< thinned, for the report
 };
 

@@ -96,9 +96,9 @@ int run(const ViewOptions& options) {
     view.clouds.push_back(cloud_in(path, options));
     points += view.clouds.back().points_m.size();
   }
-  write_text_file(page_html("view", {{"title", view.clouds.front().name},
-                                     {"view", turning_view_json(view)}}),
-                  options.out);
+  write_text_file(
+      page_html("view", {{"title", view.clouds.front().name}, {"view", turning_view_json(view)}}),
+      options.out);
   to_stdout("{} points\nresults: {}\n", points, options.out);
   return kOk;
 }

@@ -168,8 +168,9 @@ std::string demo_html(const TurningView& view, const TextTable& table,
                       const std::vector<std::pair<std::string, RangeImage>>& images,
                       double max_range_m) {
   PageJson data = {{"title", "One drive, four ways"},
-                   {"subtitle", "A drive through a simulated city with 64 beams, with 16, and with "
-                                "16 upsampled to 64"},
+                   {"subtitle",
+                    "A drive through a simulated city with 64 beams, with 16, and with "
+                    "16 upsampled to 64"},
                    {"view", turning_view_json(view)},
                    {"table", json_of(table)},
                    {"notes", notes},
