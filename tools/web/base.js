@@ -36,7 +36,8 @@ function el(tag, attributes = {}, ...children) {
   const element = svg ? document.createElementNS('http://www.w3.org/2000/svg', tag) : document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) {
     if (name.startsWith('on')) element[name] = value;
-    else if (value !== undefined && value !== null && value !== false) element.setAttribute(name, value === true ? '' : value);
+    else if (value !== undefined && value !== null && value !== false)
+      element.setAttribute(name, value === true ? '' : value);
   }
   element.append(...children.filter(child => child !== null && child !== undefined));
   return element;
@@ -46,10 +47,14 @@ function el(tag, attributes = {}, ...children) {
 const at = id => document.getElementById(id);
 
 /** Puts elements into the element with this id, instead of what is there. */
-const fill = (id, ...children) => at(id).replaceChildren(...children.filter(child => child !== null && child !== undefined));
+const fill = (id, ...children) =>
+    at(id).replaceChildren(...children.filter(child => child !== null && child !== undefined));
 
 /** Shows the part of the page with this id only if there is something to show. */
-const showIf = (id, isThere) => { at(id).hidden = !isThere; return isThere; };
+const showIf = (id, isThere) => {
+  at(id).hidden = !isThere;
+  return isThere;
+};
 
 const clamp = (value, least, most) => Math.max(least, Math.min(most, value));
 const css = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
@@ -67,15 +72,20 @@ const fixed = (value, decimals) => Number.isFinite(value) ? value.toFixed(decima
 
 /** Headline numbers, each {label, value, unit, note}. */
 function numbers(list) {
-  return el('dl', {class: 'numbers'}, ...list.filter(Boolean).map(n => el('div', {},
-      el('dt', {}, n.label), el('dd', {}, String(n.value), n.unit ? el('small', {}, ' ' + n.unit) : null),
-      n.note ? el('dd', {class: 'note'}, n.note) : null)));
+  return el(
+      'dl', {class: 'numbers'},
+      ...list.filter(Boolean).map(
+          n =>
+              el('div', {}, el('dt', {}, n.label),
+                 el('dd', {}, String(n.value), n.unit ? el('small', {}, ' ' + n.unit) : null),
+                 n.note ? el('dd', {class: 'note'}, n.note) : null)));
 }
 
 /** What colours mean: [[colour, text], ...]. */
 function legend(entries) {
-  return el('ul', {class: 'legend'}, ...entries.map(([colour, text]) =>
-      el('li', {}, el('i', {style: `background:${colour}`}), text)));
+  return el(
+      'ul', {class: 'legend'},
+      ...entries.map(([colour, text]) => el('li', {}, el('i', {style: `background:${colour}`}), text)));
 }
 
 /** A row of buttons of which one is chosen; choose(i) is called for each click. */
@@ -108,8 +118,9 @@ function quantile(values, share) {
 /** The page's title, heading, line below it, notices, and which program made it. */
 function pageHead(data, kind) {
   document.title = `hqslam ${kind}: ${data.title}`;
-  document.body.prepend(...[el('h1', {}, data.title),
-      data.subtitle ? el('p', {class: 'quiet'}, data.subtitle) : null,
-      ...(data.notices || []).map(text => el('p', {class: 'notice'}, text))].filter(Boolean));
-  document.body.append(el('footer', {}, `Made by hqslam ${data.version}. This page needs no other file and no network.`));
+  document.body.prepend(...[el('h1', {}, data.title), data.subtitle ? el('p', {class: 'quiet'}, data.subtitle) : null,
+                            ...(data.notices || []).map(text => el('p', {class: 'notice'}, text))]
+                            .filter(Boolean));
+  document.body.append(
+      el('footer', {}, `Made by hqslam ${data.version}. This page needs no other file and no network.`));
 }

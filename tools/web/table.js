@@ -10,9 +10,15 @@ function table(data, {text = []} = {}) {
   const body = el('tbody');
   const isText = i => i === 0 || text.includes(i);
   function show() {
-    body.replaceChildren(...rows.map(({cells, link}) => el('tr', {}, ...cells.map((cell, i) =>
-        el('td', {class: isText(i) ? 'text' : undefined},
-           i === 0 && link ? el('a', {href: link}, cell) : cell instanceof Node ? cell : String(cell))))));
+    body.replaceChildren(...rows.map(
+        ({cells, link}) =>
+            el('tr', {},
+               ...cells.map(
+                   (cell, i) =>
+                       el('td', {class: isText(i) ? 'text' : undefined},
+                          i === 0 && link          ? el('a', {href: link}, cell) :
+                              cell instanceof Node ? cell :
+                                                     String(cell))))));
   }
   let sorted = -1, rising = false;
   function sortBy(column) {
@@ -26,9 +32,13 @@ function table(data, {text = []} = {}) {
     rows.sort((a, b) => (rising ? 1 : -1) * order(key(a), key(b)));
     show();
   }
-  const head = el('tr', {}, ...data.columns.map((name, i) =>
-      el('th', {class: isText(i) ? 'text' : undefined, title: 'sort', onclick: () => sortBy(i)}, name)));
+  const head =
+      el('tr', {},
+         ...data.columns.map(
+             (name, i) =>
+                 el('th', {class: isText(i) ? 'text' : undefined, title: 'sort', onclick: () => sortBy(i)}, name)));
   show();
-  return el('div', {}, data.title ? el('h3', {}, data.title) : null,
-            el('div', {class: 'scroll'}, el('table', {}, el('thead', {}, head), body)));
+  return el(
+      'div', {}, data.title ? el('h3', {}, data.title) : null,
+      el('div', {class: 'scroll'}, el('table', {}, el('thead', {}, head), body)));
 }

@@ -28,8 +28,10 @@ bool is_whole(const std::string& path) {
   const std::string extension = fs::path(path).extension();
   if (extension == ".npz") return test::error_message([&] { read_npz(path); }) == "no Error";
   if (extension == ".pcd") return test::error_message([&] { read_cloud(path); }) == "no Error";
-  static const std::map<std::string, std::string> ends = {{".html", "</html>\n"},
-                                                          {".json", "}\n"},};
+  static const std::map<std::string, std::string> ends = {
+      {".html", "</html>\n"},
+      {".json", "}\n"},
+  };
   const auto end = ends.find(extension);
   return end == ends.end() || file_contents(path).ends_with(end->second);
 }

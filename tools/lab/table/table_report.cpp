@@ -69,9 +69,7 @@ std::string markdown_of(const TableReport& report) {
   return text;
 }
 
-std::string html_of(const TableReport& report) {
-  return page_html("table", page_data(report));
-}
+std::string html_of(const TableReport& report) { return page_html("table", page_data(report)); }
 
 ErrorMap error_map_of(const DriveFigures& drive, std::size_t loop_closing) {
   ErrorMap map;

@@ -69,8 +69,7 @@ TEST_CASE("a view of nothing is still one, without numbers that are none") {
 TEST_CASE("the view begins around the path, or around most of the points") {
   TurningView view;
   view.clouds = {{"map", points_m(1000)}};
-  CHECK(turning_view_json(view)["radius"].get<double>() ==
-        doctest::Approx(127).epsilon(0.05));
+  CHECK(turning_view_json(view)["radius"].get<double>() == doctest::Approx(127).epsilon(0.05));
   view.path_m = {{{100.0F, 0.0F, 1.0F}, {130.0F, 0.0F, 1.0F}}};
   const nlohmann::json data = turning_view_json(view);
   CHECK(data["centre"] == nlohmann::json({115.0, 0.0, 1.0}));

@@ -157,9 +157,7 @@ TEST_CASE("a path whose parts are not joined is not drawn as if they were") {
 
 TEST_CASE("the view that turns has intensities where the sensor gives them, also after a loop") {
   LiveView view("");
-  const auto bright = [&] {
-    return answered(view, "/view")["clouds"][0]["bright"];
-  };
+  const auto bright = [&] { return answered(view, "/view")["clouds"][0]["bright"]; };
   OrganizedCloud cloud = ring(10.0F, 64);
   view.add(cloud, Pose::Identity(), 0);
   CHECK(bright().empty());
