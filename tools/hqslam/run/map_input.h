@@ -7,6 +7,7 @@
 
 #include "hqslam/slam/sensor_path.h"
 #include "recording/reading.h"
+#include "recording/recording_choice.h"
 #include "recording/scan_poses.h"
 #include "terminal/terminal.h"
 

@@ -13,6 +13,7 @@
 #include "hqslam/slam/saved_map.h"
 #include "pages/page.h"
 #include "pages/turning_view.h"
+#include "recording/recording_choice.h"
 #include "terminal/command_options.h"
 #include "terminal/terminal.h"
 

@@ -8,6 +8,7 @@
 
 #include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"
+#include "hqslam/pipeline/upsampled_recording.h"
 #include "terminal/terminal.h"
 #include "timing/timing.h"
 
