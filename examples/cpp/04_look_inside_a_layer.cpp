@@ -1,4 +1,5 @@
 #include <hqslam/nn/super_resolver.h>
+#include <hqslam/nn/trace.h>
 #include <hqslam/pipeline/upsampler.h>
 #include <hqslam/recordings/recording.h>
 

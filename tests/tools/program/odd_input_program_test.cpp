@@ -66,7 +66,7 @@ TEST_CASE("options that would do nothing are refused with what they need") {
     CHECK(holds(refused(fmt::format(fmt::runtime(command), drive,
                                     "--motion-corrected --capture rolling", out.file("z")))
                     .error,
-                "--capture says nothing of a stack of range images"));
+                "--capture does not apply to a stack of range images"));
   }
   CHECK(holds(refused("info '{}' --stream 7502", drive).error, "leave --stream out"));
   CHECK(holds(
@@ -88,7 +88,7 @@ TEST_CASE("compare refuses what cannot be compared or written before it begins")
   NpyStackWriter(folder.file("scans.npy"), 64, 1024).append(RangeImage(64, 1024));
   write_file(folder.file("notes.json"), R"({"todo": "hqslam-lab compare", "sensor": "os1-64"})");
   for (const auto& [arguments, with] :
-       {std::pair("'{1}'", "16 rows"),
+       {std::pair("'{1}'", "'os1-16' with 16"),
         std::pair("'{0}/scans.npy' --sensor os1-64 --json '{0}/notes.json'", "was not written by"),
         std::pair("'{0}/scans.npy' --sensor os1-64 --json '{0}/none/table.json'", "make "),
         std::pair("'{0}/scans.npy' --sensor os1-64 --weights '{2}/du-mix_vlp16_16to64.npz'",

@@ -39,6 +39,13 @@ std::string entry(const std::string& name, const std::string& explanation) {
   return left + broken(explanation, kColumn, kColumn, HelpFormatter::kWidth) + '\n';
 }
 
+/// A list "{a,b,c}" with spaces after its commas, where a line can end.
+std::string spaced(const std::string& list) {
+  std::string result;
+  for (const char c : list) result += c == ',' ? std::string(", ") : std::string(1, c);
+  return result;
+}
+
 }  // namespace
 
 std::string filled(const std::string& text, std::size_t width) {
@@ -66,7 +73,7 @@ std::string filled(const std::string& text, std::size_t width) {
 }
 
 std::string HelpFormatter::make_option(const CLI::Option* option, bool is_positional) const {
-  return entry(make_option_name(option, is_positional) + make_option_opts(option),
+  return entry(make_option_name(option, is_positional) + spaced(make_option_opts(option)),
                make_option_desc(option));
 }
 

@@ -110,7 +110,7 @@ TableDrive drive_of(const std::string& drive, const TableOptions& options) {
   const fs::path path = fs::canonical(drive);
   InputChoice recording = options.reading;
   recording.input = path.string();
-  recordings::Recording::open(recording.input, open_options(recording));  // before all work
+  recordings::refuse_idle_options(recording.input, open_options(recording));  // before all work
   return {recording_name(path), recording, options.reference, std::nullopt};
 }
 
