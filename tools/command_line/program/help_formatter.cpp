@@ -31,13 +31,7 @@ std::string broken(const std::string& text, std::size_t indent, std::size_t colu
 }
 
 /// A name and its explanation, side by side or, where the name is long, below each other.
-std::string entry(std::string name, const std::string& explanation) {
-  if (name.size() + 2 > HelpFormatter::kWidth) {  // a list of values may be broken
-    for (std::size_t comma = name.find(','); comma != std::string::npos;) {
-      name.insert(comma + 1, " ");
-      comma = name.find(',', comma + 1);
-    }
-  }
+std::string entry(const std::string& name, const std::string& explanation) {
   std::string left = "  " + broken(name, 6, 2, HelpFormatter::kWidth);
   if (explanation.empty()) return left + '\n';
   const bool fits = left.size() + 2 <= kColumn && left.find('\n') == std::string::npos;
