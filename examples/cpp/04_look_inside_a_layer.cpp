@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
   hqslam::nn::Trace trace;
   network.run(hqslam::range_image(upsampler.measured(scan->cloud)), &trace);
   for (const auto& tensor : trace.tensors()) {
-    std::cout << tensor.name << "  " << tensor.channels << " x " << tensor.rows << " x "
-              << tensor.columns << "  " << tensor.unit << '\n';
+    std::cout << tensor.name << "  " << tensor.channels() << " x " << tensor.rows() << " x "
+              << tensor.columns() << "  " << tensor.unit << '\n';
   }
 }

@@ -209,5 +209,5 @@ TEST_CASE("a map as large as a country is refused before it is made") {
       grid.see_through(scan, SensorPath(Pose(Eigen::Translation3d(x_m, y_m, 0.0))));
     }
   }
-  CHECK(refused_with([&] { static_cast<void>(grid.map()); }, "larger cells"));
+  CHECK(refused_with([&] { static_cast<void>(grid.map()); }, "give larger ones"));
 }

@@ -41,7 +41,7 @@ try() {
   echo "$1: $(grep -o 'should be, [^"]*' log)"
 }
 
-"$laboratory" simulate --drive block --sensor os1-64 --scans 50 --out drive >/dev/null 2>&1
+"$laboratory" simulate --drive block --sensor os1-64 --scans 60 --out drive >/dev/null 2>&1
 "$program" run drive --rows 16 --upsample linear --dense-map --occupancy-grid --out results >/dev/null 2>&1
 "$program" view results/dense_map.ply results/map.pcd --out view.html >/dev/null
 for weights in du-or du-mix simple-du; do
