@@ -194,8 +194,8 @@ TEST_CASE("turns are counted on over scans that cannot be read or have no points
       write_file(directory.file(std::to_string(i) + ".txt"),
                  i == missing ? contents : firing_order(40.0 + 364.0 * i, 364.0));
     }
-    const auto source =
-        open_scan_files(directory.path().string(), sensor, {.without_times = CaptureTime::kRolling});
+    const auto source = open_scan_files(directory.path().string(), sensor,
+                                        {.without_times = CaptureTime::kRolling});
     std::vector<double> result;
     for (int i = 0; i < 4; ++i) {
       try {

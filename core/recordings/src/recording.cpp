@@ -144,7 +144,8 @@ std::optional<SensorModel> sensor_of_points(const std::string& path,
 }
 
 /// Files of scans.
-std::unique_ptr<ScanSource> open_files(const std::string& path, const OpenOptions& options) {
+std::unique_ptr<ScanSource> open_files(const std::string& path, const OpenOptions& options,
+                                       std::optional<SensorModel>& of_points) {
   const std::optional<SensorModel> stated = stated_sensor(path, options);
   const std::optional<int> rows = image_rows(path);
   std::optional<SensorModel> sensor =
@@ -153,6 +154,7 @@ std::unique_ptr<ScanSource> open_files(const std::string& path, const OpenOption
     if (!sensor) sensor = hqslam::open_scan_files(path, std::nullopt, options.files)->sensor();
     sensor->columns = options.columns;
   }
+  if (!rows) of_points = sensor;
   return hqslam::open_scan_files(path, sensor, options.files);
 }
 
@@ -206,7 +208,8 @@ void describe_imu(const std::vector<ImuSample>& samples, RecordingInfo& info) {
 
 RecordingInfo inspect_files(const std::string& path, const OpenOptions& options) {
   RecordingInfo info;
-  const auto source = open_files(path, options);
+  std::optional<SensorModel> of_points;  // the file's own beams are shown instead
+  const auto source = open_files(path, options, of_points);
   info.sensor_known = options.sensor.empty();
   info.sensor = source->sensor();
   info.scans = source->size().value_or(0);
@@ -261,7 +264,7 @@ Recording::Recording(std::string path, OpenOptions options)
     stream_ = stream.get();
     source_ = std::move(stream);
   } else {
-    source_ = open_files(path_, options_);
+    source_ = open_files(path_, options_, stated_);
   }
   if (options_.imu == kNoInertialData) {
     source_ = with_imu(std::move(source_), {});
