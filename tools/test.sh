@@ -40,7 +40,7 @@ step "core alone, core and nn alone"
 cmake --preset core-only -Wno-dev >/dev/null
 cmake --preset nn-only -Wno-dev -DCMAKE_BUILD_TYPE= -DHQSLAM_BUILD_TESTS=OFF >/dev/null
 cmake --build --preset nn-only -j "$jobs"
-for part in EVALUATION SIM RECORDINGS NN NN_COMPARE NN_REFERENCE SLAM; do
+for part in EVALUATION RECORDINGS NN NN_COMPARE NN_REFERENCE SLAM LEGO_LOAM LAB; do
   cmake --preset release -B build/without --fresh -Wno-dev "-DHQSLAM_BUILD_$part=OFF" >/dev/null
 done
 

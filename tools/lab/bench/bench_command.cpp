@@ -182,6 +182,7 @@ void print_json(const Measurements& measurements) {
       {"steps_ms",
        {{"scans", measurements.step_images},
         {"components", steps.components_ms},
+        {"components_textbook", steps.components_textbook_ms},
         {"projection", steps.projection_ms},
         {"unprojection", steps.unprojection_ms}}},
       {"peaks", measurements.peaks},
@@ -240,6 +241,9 @@ void print_text(const Measurements& measurements) {
   const StepTiming& steps = measurements.steps;
   to_stdout("Single steps on {} scans, one thread, median ms per scan\n", measurements.step_images);
   to_stdout("{:<40}{:>8.2f}\n", "connected components (10 degrees)", steps.components_ms.median);
+  to_stdout("{:<40}{:>8.2f}  ({:.1f} times as long)\n", "  textbook: std::queue, atan2",
+            steps.components_textbook_ms.median,
+            steps.components_textbook_ms.median / steps.components_ms.median);
   to_stdout("{:<40}{:>8.2f}\n", "projection (scan to range image)", steps.projection_ms.median);
   to_stdout("{:<40}{:>8.2f}\n", "unprojection (range image to points)",
             steps.unprojection_ms.median);

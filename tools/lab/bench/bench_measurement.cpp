@@ -91,11 +91,14 @@ StepTiming time_steps(const std::vector<RangeImage>& images, const SensorModel& 
   options.min_angle_rad = kOutlierAngle_rad;
   ComponentLabeler labeler(sensor, options);
   std::vector<double> components_ms;
+  std::vector<double> textbook_ms;
   std::vector<double> projection_ms;
   std::vector<double> unprojection_ms;
   for (int repetition = 0; repetition < kRepetitions; ++repetition) {
     for (const RangeImage& image : images) {
       components_ms.push_back(milliseconds_of([&] { labeler.label(image); }));
+      textbook_ms.push_back(
+          milliseconds_of([&] { textbook_components(image, sensor, kOutlierAngle_rad); }));
       OrganizedCloud cloud;
       unprojection_ms.push_back(milliseconds_of(
           [&] { cloud = unproject(image, sensor, CaptureTime::kMotionCorrected); }));
@@ -103,8 +106,8 @@ StepTiming time_steps(const std::vector<RangeImage>& images, const SensorModel& 
       projection_ms.push_back(milliseconds_of([&] { project(scan, sensor); }));
     }
   }
-  return {distribution_of(std::move(components_ms)), distribution_of(std::move(projection_ms)),
-          distribution_of(std::move(unprojection_ms))};
+  return {distribution_of(std::move(components_ms)), distribution_of(std::move(textbook_ms)),
+          distribution_of(std::move(projection_ms)), distribution_of(std::move(unprojection_ms))};
 }
 
 }  // namespace hqslam::tools
