@@ -6,6 +6,7 @@
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
+#include "hqslam/core/whole_file.h"
 #include "npy_format.h"
 
 namespace hqslam {
@@ -61,10 +62,7 @@ constexpr const char* dtype_of() {
 }  // namespace
 
 NpyStackReader::NpyStackReader(const std::string& path, bool or_bytes)
-    : path_(path), stream_(path, std::ios::binary) {
-  if (!stream_) {
-    throw Error("{}: expected a readable .npy file, found none; check the path", path);
-  }
+    : path_(path), stream_(open_file(path, "an .npy file")) {
   const NpyHeader header = read_npy_header(stream_, path);
   require_range_images(header, or_bytes, path);
   value_bytes_ = header.dtype == "|u1" ? 1 : sizeof(float);

@@ -1,33 +1,41 @@
 #include "hqslam/core/whole_file.h"
 
 #include <filesystem>
-#include <fstream>
 #include <system_error>
 
 #include "hqslam/core/error.h"
 
 namespace hqslam {
 
-std::string whole_file(const std::string& path, const std::string& kind, std::size_t max_bytes) {
+std::ifstream open_file(const std::string& path, const std::string& kind) {
   std::error_code error;
-  const bool regular = std::filesystem::is_regular_file(path, error);
-  const auto size = regular ? std::filesystem::file_size(path, error) : 0;
-  if (!regular || error) {
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (!std::filesystem::is_regular_file(status)) {
     throw Error("{}: expected {}, found {}; check the path", path, kind,
-                std::filesystem::is_directory(path, error) ? "a folder" : "no file");
+                std::filesystem::is_directory(status) ? "a folder"
+                : std::filesystem::exists(status)     ? "a pipe or a device"
+                                                      : "no file");
   }
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) {
+    throw Error("{}: expected {} that can be read; check its permissions", path, kind);
+  }
+  return stream;
+}
+
+std::string whole_file(const std::string& path, const std::string& kind, std::size_t max_bytes) {
+  std::ifstream stream = open_file(path, kind);
+  std::error_code error;
+  const auto size = std::filesystem::file_size(path, error);  // the largest number on failure
   if (size > max_bytes) {
     throw Error("{}: expected {} of at most {} bytes, found {} bytes; check the path", path, kind,
                 max_bytes, size);
   }
   std::string bytes(size, '\0');
-  std::ifstream stream(path, std::ios::binary);
   stream.read(bytes.data(), static_cast<std::streamsize>(size));
   if (!stream) {
-    throw Error(
-        "{}: expected {} that can be read, found {} of {} bytes; check its permissions and the "
-        "disk",
-        path, kind, stream.gcount(), size);
+    throw Error("{}: expected {} of {} bytes, could read {}; check the disk", path, kind, size,
+                stream.gcount());
   }
   return bytes;
 }

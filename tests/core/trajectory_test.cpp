@@ -129,7 +129,7 @@ TEST_CASE("a trajectory is a regular file that is not far larger than any drive"
     return error_message([&] { read_trajectory_file(file); });
   };
   CHECK(one_line_with(complaint(directory.path().string()), "a trajectory", "found a folder"));
-  CHECK(one_line_with(complaint("/dev/null"), "/dev/null", "a trajectory", "found no file"));
+  CHECK(one_line_with(complaint("/dev/null"), "/dev/null", "a trajectory", "found a pipe"));
   write_file(path, "0 0 0 0 0 0 0 1\n");
   std::filesystem::resize_file(path, 1'000'000'000);  // a hole, no blocks
   CHECK(one_line_with(complaint(path), "t.tum", "at most", "1000000000 bytes"));

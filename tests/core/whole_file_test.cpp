@@ -1,12 +1,14 @@
 #include "hqslam/core/whole_file.h"
 
 #include <doctest/doctest.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <stdexcept>
 
 #include "error_message.h"
 #include "file_contents.h"
+#include "hqslam/core/npy.h"
 #include "temporary_directory.h"
 
 using namespace hqslam;
@@ -37,12 +39,23 @@ TEST_CASE("a place that cannot be written is one line") {
   CHECK_FALSE(std::filesystem::exists(folder.file("taken.part")));
 }
 
-TEST_CASE("no more is read than is asked for, and no folder or device") {
+TEST_CASE("no more is read than is asked for") {
   const TemporaryDirectory folder;
   write_file(folder.file("a"), "four");
   CHECK(
       refused_with([&] { whole_file(folder.file("a"), "a file", 3); }, "at most 3 bytes, found 4"));
-  for (const std::string& path : {folder.path().string(), std::string("/dev/zero")}) {
-    CHECK(refused_with([&] { whole_file(path, "a file", 3); }, path));
-  }
+}
+
+TEST_CASE("folders, devices and pipes are refused before they are opened, where they could block") {
+  const TemporaryDirectory folder;
+  const std::string pipe = folder.file("scans.npy");
+  REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+  const auto refuse = [](const std::string& path, const char* found) {
+    CHECK(refused_with([&] { whole_file(path, "a file", 3); }, path, found));
+    CHECK(refused_with([&] { NpyStackReader reader(path); }, path, found));
+  };
+  refuse(folder.path().string(), "found a folder");
+  refuse(folder.file("none"), "found no file");
+  refuse("/dev/zero", "found a pipe or a device");
+  refuse(pipe, "found a pipe or a device");
 }
