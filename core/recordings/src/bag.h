@@ -29,11 +29,13 @@ class BagFile {
   /// The next message, or nothing at the end, be it that of the file or of what was written of it;
   /// its `stream` is the number of its topic. Throws Error for a damaged file.
   virtual std::optional<Message> next() = 0;
-  /// Those that were met so far.
+  /// The topics of the messages read so far.
   const std::map<std::uint32_t, Topic>& topics() const { return topics_; }
   /// As RecordingFile's.
   virtual void keep_only(const std::vector<std::string>& /*topics*/) {}
   virtual double read_share() const = 0;
+  /// As RecordingFile's.
+  virtual std::string complaint() const { return ""; }
 
  protected:
   void add_topic(std::uint32_t id, Topic topic);
@@ -58,10 +60,14 @@ using OpenBagFile = std::unique_ptr<BagFile> (*)(const std::string& path);
 /// A bag's file, record by record; records may be packed in chunks.
 class ScannedBag : public BagFile {
  public:
-  /// Begins behind the file's first bytes; `repair` ends the messages about damage.
-  ScannedBag(const std::string& path, std::uint64_t first_bytes, std::string repair);
+  /// Records stand between the file's first bytes and its last ones; `repair` ends the messages
+  /// about damage.
+  ScannedBag(const std::string& path, std::uint64_t first_bytes, std::uint64_t last_bytes,
+             std::string repair);
   std::optional<Message> next() override;
   double read_share() const override;
+  /// Names a file that ends within a record.
+  std::string complaint() const override;
 
  protected:
   /// Sets `message` if the record is one; false at the end. Throws Error, with no file's name in
@@ -79,6 +85,7 @@ class ScannedBag : public BagFile {
  private:
   std::string path_;
   std::string repair_;
+  std::uint64_t last_bytes_ = 0;
   std::ifstream stream_;
   std::uint64_t bytes_ = 0;  ///< of the file
   std::uint64_t left_ = 0;   ///< of these
@@ -86,6 +93,7 @@ class ScannedBag : public BagFile {
   std::vector<std::uint8_t> chunk_;
   Bytes left_of_chunk_;
   bool in_chunk_ = false;
+  bool is_cut_off_ = false;
 };
 
 }  // namespace hqslam::recordings

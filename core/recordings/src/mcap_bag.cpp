@@ -39,7 +39,7 @@ class Fields {
 class McapFile : public ScannedBag {
  public:
   explicit McapFile(const std::string& path)
-      : ScannedBag(path, kMagicBytes,
+      : ScannedBag(path, kMagicBytes, kMagicBytes,
                    "the file is damaged, record it again or repair it with 'mcap recover'") {}
 
  private:

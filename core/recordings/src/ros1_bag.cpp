@@ -49,7 +49,7 @@ std::string words(const std::map<std::string, Bytes>& fields, const char* name) 
 class Ros1File : public ScannedBag {
  public:
   explicit Ros1File(const std::string& path)
-      : ScannedBag(path, kVersionLine, "the bag is damaged, repair it with 'rosbag reindex'") {}
+      : ScannedBag(path, kVersionLine, 0, "the bag is damaged, repair it with 'rosbag reindex'") {}
 
  private:
   bool read_record(std::optional<Message>& message) override {

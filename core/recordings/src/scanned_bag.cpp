@@ -1,4 +1,5 @@
 #include <bzlib.h>
+#include <fmt/format.h>
 #include <lz4frame.h>
 #include <zstd.h>
 
@@ -8,13 +9,14 @@
 #include "bag.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
+#include "hqslam/core/whole_file.h"
 
 namespace hqslam::recordings {
 
 namespace {
 
-/// So many times a block can grow: what claims more is refused before memory is taken. Zeros
-/// compress best.
+/// A block grows at most by this factor, which zeros reach; one that claims more is refused before
+/// memory is taken.
 constexpr std::uint64_t kMaxRatio = 100'000;
 
 bool from_lz4(Bytes chunk, std::vector<std::uint8_t>& result) {
@@ -53,9 +55,8 @@ bool from_bz2(Bytes chunk, std::vector<std::uint8_t>& result) {
   return status == BZ_OK && written == result.size();
 }
 
-/// The bytes that a chunk of this compression stands for: "" or "none" (as it is), "lz4" (frames),
-/// "zstd" or "bz2". Throws Error, with no file's name in it, if they are not exactly `size`, or for
-/// another compression.
+/// The content of a chunk; compression: "" or "none" (as it is), "lz4" (frames), "zstd" or "bz2".
+/// Throws Error, without the file's name, for content of another size and for other compressions.
 std::vector<std::uint8_t> decompressed(Bytes chunk, const std::string& compression,
                                        std::uint64_t size) {
   if (size > kMaxChunkBytes || size > kMaxRatio * (chunk.size() + 1) || chunk.size() > UINT32_MAX) {
@@ -83,26 +84,31 @@ std::vector<std::uint8_t> decompressed(Bytes chunk, const std::string& compressi
 
 }  // namespace
 
-ScannedBag::ScannedBag(const std::string& path, std::uint64_t first_bytes, std::string repair)
-    : path_(path), repair_(std::move(repair)), stream_(path, std::ios::binary) {
+ScannedBag::ScannedBag(const std::string& path, std::uint64_t first_bytes, std::uint64_t last_bytes,
+                       std::string repair)
+    : path_(path),
+      repair_(std::move(repair)),
+      last_bytes_(last_bytes),
+      stream_(open_file(path, "a bag")) {
   std::error_code error;
   bytes_ = std::filesystem::file_size(path, error);
-  left_ = bytes_;
-  if (error || !stream_) {
-    throw Error("{}: expected a bag, found a file that cannot be read; check its permissions",
-                path);
-  }
+  left_ = error ? 0 : bytes_;
   skip(first_bytes);
 }
 
 std::optional<Message> ScannedBag::next() {
   try {
-    while (true) {
+    while (!is_cut_off_) {
       in_chunk_ = !left_of_chunk_.empty();
       std::optional<Message> message;
-      if (!read_record(message)) return std::nullopt;
+      const std::uint64_t left_before = left_;
+      if (!read_record(message)) {
+        is_cut_off_ = left_before != last_bytes_;
+        break;
+      }
       if (message && topics_.contains(static_cast<std::uint32_t>(message->stream))) return message;
     }
+    return std::nullopt;
   } catch (const Error& error) {
     throw Error("{}: {}; {}", path_, error.what(), repair_);
   }
@@ -147,6 +153,14 @@ void BagFile::add_topic(std::uint32_t id, Topic topic) {
   constexpr std::size_t kMaxTopics = 10'000;
   if (topic.name.size() > kMaxNameBytes || topic.type.size() > kMaxNameBytes) return;
   if (topics_.size() < kMaxTopics) topics_[id] = std::move(topic);
+}
+
+std::string ScannedBag::complaint() const {
+  return is_cut_off_ ? fmt::format(
+                           "the file ends within a record: it was cut off, and what was "
+                           "recorded last is missing; {}",
+                           repair_)
+                     : "";
 }
 
 double ScannedBag::read_share() const {

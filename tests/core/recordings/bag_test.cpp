@@ -75,6 +75,25 @@ TEST_CASE("every kind of bag carries the same packets") {
   }
 }
 
+TEST_CASE("a bag that was cut off gives the scans before the cut, and a warning that names it") {
+  const TemporaryDirectory directory;
+  const std::vector<BagMessage> messages = velodyne_messages(false);
+  const std::string whole = mcap_bytes(messages, "");
+  // A chunk of all messages, and one behind it of which a half is there.
+  const std::string chunk = whole.substr(0, whole.size() - 8 - 2 * 9 - 4 - 20);
+  const std::string cut = chunk + whole.substr(8, whole.size() / 2);
+  const std::string path = directory.file("a.mcap");
+  for (const auto& [bytes, complaints] : {std::pair(whole, 0), std::pair(cut, 1)}) {
+    write_file(path, bytes);
+    const auto source = open_recording(path);
+    CHECK(all_scans(*source).size() == 4);
+    REQUIRE(std::ssize(source->warnings()) == complaints);
+  }
+  const std::string warning = inspect(path).warnings.at(0);
+  CHECK(warning.find("cut off") != std::string::npos);
+  CHECK(warning.find("mcap recover") != std::string::npos);
+}
+
 TEST_CASE(
     "a bag whose recorder left the serialization format empty is read, one of another is not") {
   const TemporaryDirectory directory;
