@@ -226,15 +226,26 @@ class FileScanSource : public ScanSource {
   /// the beams may be others than the sensor's.
   void look_at_first_scans(bool may_be_off) {
     has_stamps_ = !stamps_s_.empty();
-    std::vector<Scan> scans;
+    std::vector<PointTimeField> times;
     for (std::size_t i = 0; i < std::min(kScansToLearnFrom, paths_.size()); ++i) {
       try {
         first_points_[i] = read_point_file(paths_[i]);
+        times.push_back(first_points_[i]->time);
+      } catch (const Error&) {
+        continue;  // reported when its turn comes
+      }
+    }
+    has_clock_ = times_rise(times, sensor_.scan_period_s);
+    std::vector<Scan> scans;
+    for (std::size_t i = 0; i < first_points_.size(); ++i) {
+      if (!first_points_[i]) continue;
+      try {
+        first_points_[i]->time.is_of_clock = has_clock_;
         scans.push_back(scan_of(*first_points_[i], &sensor_, paths_[i]));
         has_stamps_ = has_stamps_ || scans.back().stamp_s != 0.0;
         set_rows(scans.back(), paths_[i], false);
       } catch (const Error&) {
-        continue;  // will be said when it is its turn
+        continue;
       }
     }
     if (!may_be_off) return;
@@ -253,10 +264,10 @@ class FileScanSource : public ScanSource {
   }
 
   RawPoints points_of(std::size_t index) {
-    if (index >= first_points_.size() || !first_points_[index])
-      return read_point_file(paths_[index]);
-    RawPoints points = std::move(*first_points_[index]);
-    first_points_[index].reset();
+    const bool is_kept = index < first_points_.size() && first_points_[index].has_value();
+    RawPoints points = is_kept ? std::move(*first_points_[index]) : read_point_file(paths_[index]);
+    if (is_kept) first_points_[index].reset();
+    points.time.is_of_clock = has_clock_;
     return points;
   }
 
@@ -293,6 +304,7 @@ class FileScanSource : public ScanSource {
   AzimuthTimes azimuth_times_{0.0};
   std::array<std::optional<RawPoints>, kScansToLearnFrom> first_points_;
   bool has_stamps_ = false;
+  bool has_clock_ = false;  ///< times of points are those of a clock
   std::size_t next_ = 0;
   bool any_used_ = false;
   bool is_warned_ = false;

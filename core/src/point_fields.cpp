@@ -52,7 +52,7 @@ constexpr std::array<Unit, 4> kWholeNumbers = {
     {{1e-9, "nanoseconds"}, {1e-6, "microseconds"}, {1e-3, "milliseconds"}, {1.0, "seconds"}}};
 constexpr double kShortestInTurns = 0.01;
 constexpr double kLongestInTurns = 1.25;
-/// Times of a scan's own count from near 0; those of a clock that was set, from 1970.
+/// Times of a scan's own count from near 0. Larger ones are a clock's even in a single scan.
 constexpr double kSmallestClock_s = 1e6;
 /// Rings in the order of the beams correlate with the elevation by more than 0.95; in the order of
 /// firing by less than 0.6.
@@ -193,12 +193,30 @@ std::optional<PointTimes> point_times(const PointTimeField& field, double scan_p
   PointTimes times;
   const double middle = *first + span / 2.0;
   times.middle_s = middle * unit->s;
-  times.absolute = std::abs(times.middle_s) > kSmallestClock_s;
+  times.absolute = field.is_of_clock || std::abs(times.middle_s) > kSmallestClock_s;
   times.offset_s.reserve(field.values.size());
   for (const double t : field.values) {
     times.offset_s.push_back(static_cast<float>((t - middle) * unit->s));
   }
   return times;
+}
+
+bool times_rise(const std::vector<PointTimeField>& fields, double scan_period_s) {
+  std::optional<double> before_s;
+  int rises = 0;
+  for (const PointTimeField& field : fields) {
+    std::optional<PointTimes> times;
+    try {
+      times = point_times(field, scan_period_s, "");
+    } catch (const Error&) {
+      continue;  // reported with its scan
+    }
+    if (!times) continue;
+    if (before_s && times->middle_s - *before_s < 0.5 * scan_period_s) return false;
+    if (before_s) ++rises;
+    before_s = times->middle_s;
+  }
+  return rises > 0;
 }
 
 std::vector<std::uint16_t> rows_from_rings(const std::vector<double>& ring, const Scan& scan,

@@ -1,4 +1,5 @@
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include <cmath>
 #include <filesystem>
@@ -154,6 +155,29 @@ TEST_CASE("stamps come from KITTI's timestamps.txt, from a file, or from the fil
   CHECK(one_line_with(complaint("10.5\nyesterday\n11\n"), "line 2", "yesterday"));
 }
 
+TEST_CASE("times that rise from scan to scan are a clock's, whatever its zero") {
+  const auto stamps_s = [](double first_s, double step_s) {
+    const TemporaryDirectory directory;
+    for (const int i : {0, 1, 3}) {  // a scan is missing
+      const double t_s = first_s + step_s * i;
+      write_file(directory.file(fmt::format("{}.csv", i)),
+                 fmt::format("x,y,z,t\n5,0,0.2616,{}\n5,0,-1.1507,{}\n", t_s, t_s + 0.1));
+    }
+    const auto source = open_scan_files(directory.path().string(), sensor_preset("vlp-16"));
+    std::vector<double> result;
+    while (const auto scan = source->next()) result.push_back(scan->stamp_s);
+    return result;
+  };
+  for (const double uptime_s : {0.0, 300.0, 400'000.0}) {
+    const std::vector<double> found_s = stamps_s(uptime_s, 0.1);
+    REQUIRE(found_s.size() == 3);
+    for (const auto& [scan, turn] : {std::pair(0, 0), std::pair(1, 1), std::pair(2, 3)}) {
+      CHECK(found_s[scan] == doctest::Approx(uptime_s + 0.1 * turn + 0.05).epsilon(1e-9));
+    }
+  }
+  CHECK(stamps_s(0.0, 0.0) == std::vector<double>{0.0, 0.1, 0.2});  // each scan's own
+}
+
 TEST_CASE("points without times get that of their azimuth, counted on from scan to scan") {
   const TemporaryDirectory directory;
   SensorModel sensor = sensor_preset("vlp-16");
@@ -194,8 +218,8 @@ TEST_CASE("turns are counted on over scans that cannot be read or have no points
       write_file(directory.file(std::to_string(i) + ".txt"),
                  i == missing ? contents : firing_order(40.0 + 364.0 * i, 364.0));
     }
-    const auto source =
-        open_scan_files(directory.path().string(), sensor, {.without_times = CaptureTime::kRolling});
+    const auto source = open_scan_files(directory.path().string(), sensor,
+                                        {.without_times = CaptureTime::kRolling});
     std::vector<double> result;
     for (int i = 0; i < 4; ++i) {
       try {

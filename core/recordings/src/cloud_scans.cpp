@@ -106,16 +106,21 @@ RawPoints read_point_cloud(const Message& message, const std::string& source) {
   return points;
 }
 
-/// By whose stamps the rate of turning is told.
+/// The rate of turning is determined from the stamps of these.
 constexpr std::size_t kProbedClouds = 50;
-/// In whose points the sensor is looked for.
+/// The sensor is determined from the points of these.
 constexpr std::size_t kCloudsToLearnFrom = 10;
+/// Whether times are a clock's is determined from these.
+constexpr std::size_t kTimedClouds = 5;
 
 /// Scans of a topic of point clouds.
 class CloudScans : public StreamScans {
  public:
-  CloudScans(StreamReader reader, RecordingInfo info, bool with_points)
-      : StreamScans(std::move(reader), std::move(info)), with_points_(with_points) {}
+  /// has_clock: times of points are those of a clock. Not with_points: scans are timed alone.
+  CloudScans(StreamReader reader, RecordingInfo info, bool has_clock, bool with_points)
+      : StreamScans(std::move(reader), std::move(info)),
+        has_clock_(has_clock),
+        with_points_(with_points) {}
 
  private:
   std::optional<RecordedScan> read() override {
@@ -137,7 +142,9 @@ class CloudScans : public StreamScans {
       timed.stamp_s = stamp_s;
       return timed;
     }
-    Scan scan = scan_of(read_point_cloud(message, name), &info_.sensor, name, stamp_s);
+    RawPoints points = read_point_cloud(message, name);
+    points.time.is_of_clock = has_clock_;
+    Scan scan = scan_of(std::move(points), &info_.sensor, name, stamp_s);
     set_rows_by_order(scan, info_.sensor, name);
     return recorded_scan(scan, info_.sensor, name);
   }
@@ -145,12 +152,14 @@ class CloudScans : public StreamScans {
   void sensor_changed() override {}
   void complete(RecordingInfo& /*info*/) override {}
 
+  bool has_clock_;
   bool with_points_;
+  bool any_read_ = false;
   std::int64_t index_ = 0;
 };
 
-/// read(message) of the next messages, so many of them; damaged ones, which will be named when it
-/// is their turn, are passed over.
+/// read(message) of the next messages, this many of them; damaged ones, which are reported when
+/// their turn comes, are passed over.
 template <typename Read>
 auto read_ahead(StreamReader& reader, std::size_t messages, const Read& read) {
   std::vector<decltype(read(Message()))> results;
@@ -184,6 +193,13 @@ std::vector<RawPoints> first_clouds(StreamReader& reader) {
   });
 }
 
+bool has_clock(StreamReader& reader, double scan_period_s) {
+  const auto times = read_ahead(reader, kTimedClouds, [&](const Message& message) {
+    return read_point_cloud(message, reader.path()).time;
+  });
+  return times_rise(times, scan_period_s);
+}
+
 bool has_point_times(StreamReader& reader, std::vector<std::string>& warnings) {
   try {
     const auto first = reader.ahead(0);
@@ -214,7 +230,8 @@ std::unique_ptr<StreamSource> open_clouds(StreamReader reader, const OpenOptions
               named && velodyne_model(info.sensor.name) && !options.sensor.ends_with(".json"));
   info.has_point_times = has_point_times(reader, info.warnings);
   info.format = info.has_point_times ? "point clouds with times" : "point clouds without times";
-  return std::make_unique<CloudScans>(std::move(reader), std::move(info), with_points);
+  const bool clock = with_points && has_clock(reader, info.sensor.scan_period_s);
+  return std::make_unique<CloudScans>(std::move(reader), std::move(info), clock, with_points);
 }
 
 }  // namespace hqslam::recordings

@@ -281,6 +281,24 @@ TEST_CASE("clouds of every unit and origin of times get the recording's stamps")
   }
 }
 
+TEST_CASE("times of a clock that is not the messages' are counted from each message's stamp") {
+  const TemporaryDirectory directory;
+  std::vector<BagMessage> messages;
+  for (int i = 0; i < 4; ++i) {
+    const auto begin_ns = static_cast<std::int64_t>(1'600'000'000'000'000'000 + 100'000'000 * i);
+    messages.push_back({"/points", kCloudType, begin_ns + 5'000'000,
+                        cloud_message(begin_ns, round_cloud(0.1, 1.0, 127.0 + 0.1 * i), false, 8)});
+  }
+  write_file(directory.file("a.mcap"), mcap_bytes(messages, ""));
+  const auto scans = all_scans(*open_recording(directory.file("a.mcap"), {.sensor = "vlp-16"}));
+  REQUIRE(scans.size() == 4);
+  const double middle_s = 0.1 * 359.0 / 720.0;
+  for (int i = 0; i < 4; ++i) {
+    CHECK(scans[i].stamp_s ==
+          doctest::Approx(1'600'000'000.0 + 0.1 * i + middle_s).scale(0).epsilon(1e-12));
+  }
+}
+
 TEST_CASE("clouds with the fields that other makers' drivers write are read") {
   struct Driver {
     const char* ring;

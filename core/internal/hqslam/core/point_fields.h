@@ -75,13 +75,20 @@ struct PointTimeField {
   std::string name;
   bool whole_numbers = false;
   std::vector<double> values;
+  bool is_of_clock = false;  ///< by times_rise
 };
+
+/// Whether the times of a recording's scans rise by a turn or so from scan to scan, so that they
+/// are those of a clock, whatever its zero; times that begin again with each scan do not. `fields`:
+/// of scans in the order of recording. False for fewer than two scans with times.
+bool times_rise(const std::vector<PointTimeField>& fields, double scan_period_s);
 
 /// The same in seconds.
 struct PointTimes {
   std::vector<float> offset_s;  ///< from the middle of the times
   double middle_s = 0.0;        ///< by the field's own zero
-  /// Whether that zero is that of a clock rather than the scan's own.
+  /// Whether that zero is a clock's rather than the scan's own: PointTimeField::is_of_clock, or
+  /// times too large for one scan.
   bool absolute = false;
 };
 
