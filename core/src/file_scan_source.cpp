@@ -182,7 +182,11 @@ class FileScanSource : public ScanSource {
     const std::size_t index = next_++;
     try {
       RecordedScan result = recorded(index);
-      any_used_ = true;
+      if (!std::exchange(any_used_, true)) {
+        if (std::string text = crowding_warning(result); !text.empty()) {
+          warnings_.push_back(std::move(text));
+        }
+      }
       return result;
     } catch (const Error& error) {
       // One scan may be damaged; if the first ones all are, the recording is not what it should be.

@@ -1,5 +1,7 @@
 #include "hqslam/core/recorded_scan.h"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 #include "hqslam/core/angles.h"
@@ -80,6 +82,15 @@ RecordedScan recorded_scan(const Scan& scan, const SensorModel& sensor, std::str
   result.counts = projected.counts;
   result.invalid_points = scan.invalid_points;
   return result;
+}
+
+std::string crowding_warning(const RecordedScan& scan) {
+  const std::int64_t in_pixels = scan.counts.kept + scan.counts.hidden_by_nearer;
+  if (4 * scan.counts.hidden_by_nearer <= in_pixels) return "";
+  return fmt::format(
+      "{}: {} of {} points kept, the nearest in each pixel of {} x {}; name a sensor with more "
+      "columns to keep more",
+      scan.name, scan.counts.kept, in_pixels, scan.cloud.rows, scan.cloud.columns);
 }
 
 }  // namespace hqslam

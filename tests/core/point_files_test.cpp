@@ -273,6 +273,26 @@ TEST_CASE("a unit whose beams are off the table by a degree is read with its own
   CHECK(open_scan_files(other.path().string(), sensor)->sensor() == sensor);
 }
 
+TEST_CASE("a sensor with too few columns for its points is named once") {
+  const TemporaryDirectory directory;
+  for (int i = 0; i < 2; ++i) {  // a point each half of a degree
+    write_file(directory.file(fmt::format("{}.txt", i)), firing_order(0.0, 360.0));
+  }
+  SensorModel sensor = sensor_preset("vlp-16");
+  for (const int columns : {1800, 720, 360}) {
+    sensor.columns = columns;
+    const auto source = open_scan_files(directory.path().string(), sensor,
+                                        {.without_times = CaptureTime::kRolling});
+    while (source->next()) continue;
+    const std::vector<std::string> warnings = source->warnings();
+    REQUIRE(std::ssize(warnings) == (columns == 360 ? 1 : 0));
+    if (columns == 360) {
+      CHECK(warnings[0].find("5760 of 11520 points kept") != std::string::npos);
+      CHECK(warnings[0].find("16 x 360") != std::string::npos);
+    }
+  }
+}
+
 TEST_CASE("a recording whose first scans all are of something else is refused") {
   const TemporaryDirectory directory;
   for (int i = 0; i < 12; ++i) write_file(directory.file(std::to_string(i) + ".txt"), "no scan\n");

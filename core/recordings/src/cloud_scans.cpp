@@ -128,7 +128,13 @@ class CloudScans : public StreamScans {
     if (!message) return std::nullopt;
     const std::string name = fmt::format("{}[{}]", reader_.path(), index_++);
     try {
-      return scan_of_message(*message, name);
+      RecordedScan scan = scan_of_message(*message, name);
+      if (!std::exchange(any_read_, true)) {
+        if (std::string text = crowding_warning(scan); !text.empty()) {
+          info_.warnings.push_back(std::move(text));
+        }
+      }
+      return scan;
     } catch (const Error& error) {
       const std::string text = error.what();
       throw ScanError(text.starts_with(name) ? text : fmt::format("{}: {}", name, text));

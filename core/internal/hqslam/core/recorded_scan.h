@@ -23,4 +23,8 @@ void set_rows_by_order(Scan& scan, const SensorModel& sensor, const std::string&
 /// Points -> pixels of the sensor's image. Throws Error for points that cannot be the sensor's.
 RecordedScan recorded_scan(const Scan& scan, const SensorModel& sensor, std::string name);
 
+/// A warning where the sensor's image has too few columns: "" unless more than a quarter of the
+/// points share a pixel with a nearer one.
+std::string crowding_warning(const RecordedScan& scan);
+
 }  // namespace hqslam
