@@ -225,7 +225,8 @@ void VelodyneDecoder::add_points(const Firing& firing, Bytes payload, double sta
     const float sine = table.sine[entry] + rest * table.cosine[entry];
     const float distance_m = unit_m * static_cast<float>(measured.distance);
     const float horizontal_m = distance_m * channel.cos_elevation;
-    scan_.points_m.emplace_back(horizontal_m * cosine, -horizontal_m * sine,
+    // Not -horizontal_m * sine: a y of -0 behind the sensor would be in the last column.
+    scan_.points_m.emplace_back(horizontal_m * cosine, 0.0F - horizontal_m * sine,
                                 distance_m * channel.sin_elevation);
     scan_.row.push_back(channel.row);
     scan_.intensity.push_back(measured.reflectivity);
