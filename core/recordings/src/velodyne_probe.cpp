@@ -61,13 +61,8 @@ void VelodyneProbe::add(const Packet& packet) {
   last_azimuth_ = azimuth;
 }
 
-std::optional<VelodyneModel> VelodyneProbe::factory_model() const {
-  const auto most =
-      std::ranges::max_element(products_, [](auto& a, auto& b) { return a.second < b.second; });
-  for (const VelodyneModel model : kVelodyneModels) {
-    if (timing(model).product == most->first) return model;
-  }
-  return std::nullopt;
+std::uint8_t VelodyneProbe::factory_byte() const {
+  return std::ranges::max_element(products_, {}, [](auto& count) { return count.second; })->first;
 }
 
 std::optional<VelodyneModel> VelodyneProbe::model_by_spacing(double spacing_us, bool dual) const {
@@ -114,7 +109,10 @@ std::optional<VelodyneStream> VelodyneProbe::result(std::optional<VelodyneModel>
   if (packets_ == 0) return std::nullopt;
   VelodyneStream stream;
   stream.dual_return = 2 * with_pairs_ > packets_;
-  stream.factory_model = factory_model();
+  stream.factory_byte = factory_byte();
+  for (const VelodyneModel model : kVelodyneModels) {
+    if (timing(model).product == stream.factory_byte) stream.factory_model = model;
+  }
   if (!spacings_us_.empty()) {
     stream.packet_spacing_us = static_cast<double>(median(spacings_us_));
   }

@@ -61,6 +61,26 @@ void refuse_hdl64e(const VelodyneStream& stream, const std::string& path) {
       path);
 }
 
+/// A warning where the factory byte names another sensor than the packets' spacing does. Throws
+/// Error for a Puck Hi-Res, which sends the packets of a VLP-16 but has other beams.
+void check_factory_byte(const VelodyneStream& stream, const std::string& path,
+                        std::vector<std::string>& warnings) {
+  constexpr std::uint8_t kPuckHiRes = 0x24;  // source: ros-drivers/velodyne, pull request 127
+  if (stream.factory_byte == kPuckHiRes) {
+    throw Error(
+        "{}: expected packets of a VLP-16, HDL-32E, VLP-32C or VLS-128, found factory byte 0x24 of "
+        "a Puck Hi-Res; name a sensor file with its 16 beams from 10 to -10 degrees, 4/3 apart",
+        path);
+  }
+  if (stream.factory_model == stream.model) return;
+  warnings.push_back(fmt::format(
+      "{}: the packets' factory byte 0x{:02x} is that of {}, but they are {:.0f} us apart as those "
+      "of a {}: taken as that; name the sensor if it is not",
+      path, stream.factory_byte,
+      stream.factory_model ? fmt::format("a {}", name(*stream.factory_model)) : "no known sensor",
+      stream.packet_spacing_us, name(stream.model)));
+}
+
 }  // namespace
 
 std::unique_ptr<StreamSource> open_velodyne(StreamReader reader, const OpenOptions& options,
@@ -90,12 +110,7 @@ SensorModel velodyne_sensor(VelodyneStream& stream, const std::string& wanted_se
   if (wanted_sensor.empty()) {
     refuse_hdl64e(stream, path);
     sensor = sensor_preset(name(stream.model));
-    if (stream.factory_model && *stream.factory_model != stream.model) {
-      warnings.push_back(fmt::format(
-          "{}: the packets' factory bytes say {}, but they are {:.0f} us apart as those of a {}: "
-          "taken as that; name the sensor if it is not",
-          path, name(*stream.factory_model), stream.packet_spacing_us, name(stream.model)));
-    }
+    check_factory_byte(stream, path, warnings);
   } else {
     sensor = load_sensor(wanted_sensor);
     preset = !wanted_sensor.ends_with(".json");

@@ -163,6 +163,23 @@ TEST_CASE("packets of an HDL-64E and of an LSLiDAR, which look alike, are refuse
   CHECK(refused_with([&] { Recording::open(folder.file("b.pcap")); }, "b.pcap"));
 }
 
+TEST_CASE("a Puck Hi-Res is refused without its beams, and an unknown factory byte is named") {
+  const TemporaryDirectory folder;
+  const std::string path = folder.file("a.pcap");
+  write_file(path, pcap_bytes(velodyne_capture({.product = 0x24})));
+  CHECK(refused_with([&] { Recording::open(path); }, path, "Puck Hi-Res", "sensor file"));
+  SensorModel own = sensor_preset("vlp-16");
+  for (double& elevation_rad : own.beam_elevation_rad) elevation_rad *= 2.0 / 3.0;
+  write_sensor_json(own, folder.file("own.json"));
+  CHECK(Recording::open(path, {.sensor = folder.file("own.json")}).warnings().empty());
+  for (const auto& [byte, warnings] : {std::pair(0x22, 0), std::pair(0x7F, 1)}) {
+    write_file(path, pcap_bytes(velodyne_capture({.product = static_cast<std::uint8_t>(byte)})));
+    const std::vector<std::string> found = Recording::open(path).warnings();
+    REQUIRE(std::ssize(found) == warnings);
+    if (warnings == 1) CHECK(found[0].find("0x7f") != std::string::npos);
+  }
+}
+
 TEST_CASE("turns of any rate and field of view become scans with the recording's stamps") {
   for (const double rate_hz : {5.0, 10.0, 17.0, 20.0}) {
     for (const bool blind : {false, true}) {
