@@ -9,8 +9,8 @@
 #include "hqslam/core/median.h"
 #include "ring_segments.h"
 
-// Which points are of one beam is told by their rings, else by their order where each scan holds
-// beam after beam (KITTI), else by the elevation: beams are the peaks of its histogram over all
+// Points are assigned to beams by their rings, else by their order where each scan holds beam after
+// beam (KITTI), else by the elevation: beams are the peaks of its histogram over all
 // scans, parted where it falls below kValley of both peaks, but for peaks that were seen in
 // different directions: those are parts of one beam.
 //
@@ -26,9 +26,9 @@ namespace hqslam {
 
 namespace {
 
-/// Of what other beams have: fewer are strays.
+/// Beams with a smaller share of the points of other beams are strays.
 constexpr double kFewestShare = 0.01;
-/// What is nearer is the vehicle, or seen too askew to say anything.
+/// Nearer points are the vehicle's, or seen too obliquely.
 constexpr double kNearest_m = 1.0;
 constexpr double kFarthest_m = 26.0;
 /// Lasers sit no farther from the origin.

@@ -10,7 +10,7 @@ namespace hqslam {
 
 /// No sensor has more beams.
 inline constexpr int kMostBeams = 256;
-/// Fewer points say nothing of a beam.
+/// Fewer points do not determine a beam.
 inline constexpr std::size_t kFewestPoints = 30;
 
 /// A point of a beam.
@@ -22,7 +22,7 @@ struct Sight {
 };
 using Sights = std::vector<Sight>;
 
-/// What it sees at the horizontal distance r: a slope far_slope + height_m / r.
+/// A beam; a point at the horizontal distance r has the slope far_slope + height_m / r.
 struct Beam {
   double elevation_rad = 0.0;  ///< on flat ground
   double far_slope = 0.0;      ///< tangent of the elevation
@@ -38,19 +38,19 @@ struct Beam {
   }
 };
 
-/// Highest first.
+/// The beams of a sensor, highest first.
 struct Beams {
   std::vector<Beam> beams;
-  double strays = 0.0;   ///< points of none
-  double nearest = 0.5;  ///< share of the way to the next beam up to which points are a beam's
-  int rings = 0;         ///< that there must be by their numbers, seen or not; 0: unknown
+  double strays = 0.0;   ///< number of points that belong to no beam
+  double nearest = 0.5;  ///< share of a beam's spacing within which points belong to it
+  int rings = 0;         ///< number of rings by their largest number; 0: unknown
 };
 
-/// By the numbers of the rings; none where not all points have one.
+/// Beams from the numbers of the rings; none where not all points have one.
 Beams beams_by_rings(const std::vector<RawPoints>& scans);
-/// Of scans that hold beam after beam: as many as most of the scans have, else none.
+/// Beams from scans stored beam after beam: as many as most of the scans have, else none.
 Beams beams_by_order(const std::vector<RawPoints>& scans);
-/// By the elevation alone.
+/// Beams from the elevations alone.
 Beams beams_by_elevation(const std::vector<RawPoints>& scans);
 
 }  // namespace hqslam

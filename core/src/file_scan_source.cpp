@@ -226,8 +226,8 @@ class FileScanSource : public ScanSource {
     return std::move(found.sensor);
   }
 
-  /// Looks at the first scans, whose points are kept until it is their turn. may_be_off: whether
-  /// the beams may be others than the sensor's.
+  /// Reads the first scans, whose points are kept until their turn. may_be_off: whether the beams
+  /// may be others than the sensor's.
   void look_at_first_scans(bool may_be_off) {
     has_stamps_ = !stamps_s_.empty();
     std::vector<PointTimeField> times;
@@ -262,7 +262,7 @@ class FileScanSource : public ScanSource {
     }
   }
 
-  /// A .pcd file is what a driver gives, which would have said the rings; its elevations tell.
+  /// A .pcd file is a driver's, with rings where they are known; else elevations determine rows.
   void set_rows(Scan& scan, const std::string& path, bool must_fit) const {
     if (!path.ends_with(".pcd")) set_rows_by_order(scan, sensor_, path, must_fit);
   }

@@ -119,7 +119,7 @@ class ImageStackSource : public ScanSource {
   }
 
  private:
-  /// The file that says more of each pixel, if there is one of this name beside the stack.
+  /// The file with further values of each pixel, if there is one of this name beside the stack.
   std::optional<NpyStackReader> beside(const char* name, bool or_bytes) const {
     const auto path = std::filesystem::path(path_).replace_filename(name);
     std::error_code error;
@@ -136,7 +136,7 @@ class ImageStackSource : public ScanSource {
     return values;
   }
 
-  /// Of an image's pixels; 0 where there is no return.
+  /// The values of an image's pixels; 0 where there is no return.
   std::vector<float> values_of(NpyStackReader& stack, const RangeImage& image, std::int64_t index) {
     RangeImage values = stack.read(index);
     if (row_order_ == RowOrder::kLowestFirst) flip_rows(values);

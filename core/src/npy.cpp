@@ -39,7 +39,7 @@ void require_range_images(const NpyHeader& header, bool or_bytes, const std::str
   }
 }
 
-/// The data may be longer than the shape says by up to one image: what is left when writing is
+/// The data may be longer than the shape implies by up to one image, as after writing was
 /// interrupted.
 void require_data(const NpyHeader& header, std::int64_t value_bytes, std::int64_t file_bytes,
                   const std::string& path) {
@@ -89,7 +89,7 @@ RangeImage NpyStackReader::read(std::int64_t image) {
         "read",
         path_, bytes, image, stream_.gcount());
   }
-  if (value_bytes_ == 1) {  // they lie at the front; from the back none is overwritten unread
+  if (value_bytes_ == 1) {  // bytes at the front: from the back none is overwritten unread
     const auto* values = reinterpret_cast<const std::uint8_t*>(result.range_m.data());
     for (std::size_t i = result.range_m.size(); i-- > 0;) result.range_m[i] = values[i];
   }

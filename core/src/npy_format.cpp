@@ -28,7 +28,7 @@ template <typename... Values>
               fmt::format(complaint, std::forward<Values>(values)...));
 }
 
-/// The dictionary literal of a header, told in JSON.
+/// The dictionary literal of a header as JSON.
 std::string as_json(const std::string& literal) {
   constexpr std::string_view kPython = "'()";
   constexpr std::string_view kJson = "\"[]";

@@ -24,7 +24,7 @@ constexpr const char* kNpzDtypes = "<f4, <f8, <i8, <i4, |u1, |i1 or |b1";
 std::optional<std::int64_t> npz_element_bytes(const std::string& dtype);
 
 /// The product of the shape's sizes; none if one is negative or the product exceeds 2^59, so that
-/// the bytes of so many elements are no overflow.
+/// the number of bytes does not overflow.
 std::optional<std::int64_t> npz_element_count(const std::vector<std::int64_t>& shape);
 
 }  // namespace hqslam

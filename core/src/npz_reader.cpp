@@ -53,7 +53,7 @@ zip_stat_t directory_entry(zip_t* archive, zip_uint64_t index, const std::string
   return entry;
 }
 
-/// A claim of more bytes than the packed ones can yield must not be believed.
+/// Refuses a claim of more bytes than the packed ones can yield.
 void require_possible_size(const zip_stat_t& entry, const std::string& where) {
   // Deflate's best is 258 bytes from two bits. Source: RFC 1951.
   const zip_uint64_t ratio = entry.comp_method == ZIP_CM_DEFLATE ? 1032 : 1;
@@ -119,7 +119,7 @@ class ZipMemberStream {
     if (!file_) fail_in_npz(where_, "a member that can be opened", zip_strerror(archive));
   }
 
-  /// Exactly so many bytes.
+  /// Reads exactly `count` bytes.
   void read(void* bytes, std::int64_t count) {
     std::int64_t done = 0;
     while (done < count) {
@@ -174,7 +174,7 @@ void require_size(const std::string& where, std::int64_t found_bytes, std::int64
       where, largest_bytes, found_bytes);
 }
 
-/// What libzip has to say about one of its error codes.
+/// libzip's text of one of its error codes.
 std::string zip_error_text(int code) {
   zip_error_t error;
   zip_error_init_with_code(&error, code);

@@ -21,8 +21,8 @@ struct PcdHeader {
   std::size_t data_offset_bytes = 0;
 };
 
-/// The bytes that an LZF stream stands for; nothing if the stream is damaged or does not stand for
-/// exactly `size` bytes. Source of the format: liblzf (Marc Lehmann).
+/// The bytes of an LZF stream, decompressed; nothing if the stream is damaged or they are not
+/// exactly `size`. Source of the format: liblzf (Marc Lehmann).
 std::optional<std::string> lzf_decompressed(std::string_view stream, std::size_t size);
 
 /// Parses the header at the beginning of a .pcd file. Throws Error.

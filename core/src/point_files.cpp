@@ -14,9 +14,9 @@ namespace hqslam {
 
 namespace {
 
-/// Places in a recording that are looked at, two scans each.
+/// Places in a recording from which two scans each are read.
 constexpr std::size_t kPlaces = 5;
-/// More than in ten scans of any LiDAR: a map, say.
+/// More points than ten scans of any LiDAR have, as in a map.
 constexpr std::size_t kMostPoints = 5'000'000;
 /// Longer than a turn of any LiDAR.
 constexpr double kLongestTurn_s = 1.0;
@@ -41,7 +41,7 @@ std::optional<PointTimes> times_of(const RawPoints& points, const std::string& p
   try {
     return point_times(points.time, kLongestTurn_s, path);
   } catch (const Error&) {
-    return std::nullopt;  // will be said when it is its turn
+    return std::nullopt;  // reported with its scan
   }
 }
 

@@ -9,9 +9,9 @@
 namespace hqslam {
 
 /// A .txt or .csv file: a point per line, numbers separated by spaces, tabs, commas or semicolons.
-/// A first line of names says which column is which (x y z, ring or channel, t or time ...);
-/// without one they are x y z intensity ring t, of which the first three must be there. Lines that
-/// begin with # or // are passed over. Throws Error with the line.
+/// A first line may name the columns (x y z, ring or channel, t or time ...); without one they are
+/// x y z intensity ring t, of which the first three are required. Lines that begin with # or // are
+/// skipped. Throws Error with the line.
 RawPoints read_text_points(const std::string& path);
 
 /// A .ply file, ascii or binary_little_endian, whose first element is `vertex`; properties x y z,
@@ -21,9 +21,9 @@ RawPoints read_ply_points(const std::string& path);
 /// A .pcd file, as read_cloud describes it. Throws Error.
 RawPoints read_pcd_points(const std::string& path);
 
-/// The sensor of a recording with one scan per file, from some of them; at least one file. The rate
-/// of turning by the stamps, else by the points' times. Files that cannot be read are passed over.
-/// Throws Error where the points do not tell.
+/// The sensor of a recording with one scan per file, determined from some of at least one file. The
+/// rate of turning follows from the stamps, else from the points' times. Files that cannot be read
+/// are skipped. Throws Error where the points do not determine a sensor.
 FoundSensor find_sensor_of_files(const std::vector<std::string>& paths,
                                  const std::vector<double>& stamps_s);
 

@@ -83,7 +83,7 @@ std::vector<float> time_offsets_s(const SensorModel& sensor, int first_column) {
   return result;
 }
 
-/// (cos, sin) of the azimuth of every pixel. Rows of the same residual azimuth look the same ways:
+/// (cos, sin) of the azimuth of every pixel. Rows of the same residual azimuth have the same ones:
 /// all rows where beams have no offsets.
 struct HorizontalDirections {
   int columns = 0;

@@ -12,7 +12,7 @@ namespace hqslam {
 
 namespace {
 
-/// A scan with fewer points may look any way; one with more tells which sensor it is from.
+/// The sensor of a scan with fewer points is not checked.
 constexpr std::size_t kMinPointsToJudge = 1000;
 
 void require_rings_of(const SensorModel& sensor, const RingRecovery& rings,

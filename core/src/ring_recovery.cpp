@@ -13,10 +13,10 @@
 // In:  points in the order of the file (sensor frame, metres), the sensor's beam table.
 // Out: a row per point.
 //
-// Wraps of the azimuth alone do not tell the rings: one may be missing (a ring ends early and the
-// next one begins late) or spurious (a stray point), and a ring may be empty. So each segment s of
-// the scan (ring_segments.h), of n_s of all n points, is given a row r_s, never falling, such that
-// the sum of three costs is least; e is the beam table, d the beam spacing:
+// Wraps of the azimuth alone do not separate the rings: one may be missing (a ring ends early and
+// the next one begins late) or spurious (a stray point), and a ring may be empty. So each segment s
+// of the scan (ring_segments.h), of n_s of all n points, is given a row r_s, never falling, such
+// that the sum of three costs is least; e is the beam table, d the beam spacing:
 //
 //   heights     min(n_s, n_s-1) rows / n  min(2, |(h_s - h_s-1) - (e[r_s] - e[r_s-1])| / d[r_s])
 //   elevations  n_s / n                   min(20, |median elevation_s - e[r_s]| / d[r_s])

@@ -12,16 +12,16 @@
 // The azimuth of the points, counted in the direction of rotation from the seam where rings begin,
 // rises within a ring and falls back where the next one begins: a wrap.
 //
-// The height h of each ring is its elevation, freed from what the absolute elevation suffers from:
-// the lasers of an HDL-64E do not meet in one point, so what is near is seen up to two beam
-// spacings off. Two rings are off by the same amount where they look the same way, though. So, with
+// The height h of each ring is its elevation without the error of the absolute elevation: the
+// lasers of an HDL-64E do not meet in one point, so near points appear up to two beam spacings off.
+// Two rings are off by the same amount where they have the same azimuth, though. So, with
 // e_s(a) the mean elevation of segment s at azimuth a (bins of 5 degrees) and l(a) the segment last
 // seen there before,
 //   h_s = median over a of  h_l(a) + e_s(a) - e_l(a)(a)
 // and the fall of h from ring to ring follows the beam table to a tenth of a beam spacing. A
-// segment that sees nothing but directions in which no ring was seen before must be held against
-// others by its elevation: up to what lasers so far apart can do there (kLaserApart_m / distance)
-// it says nothing, and what is known of its directions gives way to what other rings say.
+// segment at azimuths where no ring was seen before is compared with others by its elevation, which
+// is uncertain by the parallax of lasers that far apart (kLaserApart_m / distance); heights of
+// other rings at those azimuths take precedence over it.
 
 namespace hqslam {
 
@@ -35,7 +35,7 @@ constexpr double kGap_rad = 0.035;
 constexpr double kGapColumns = 4.0;
 /// How far the height must fall across a gap, in beam spacings, to count as a possible wrap.
 constexpr double kFallAcrossGap = 0.4;
-/// Lasers do not lie farther apart, one above the other.
+/// Largest vertical distance between lasers.
 constexpr double kLaserApart_m = 0.25;
 /// A part of a ring smaller than this is no evidence of a ring of its own.
 constexpr double kMinRingShareAfterGap = 0.03;

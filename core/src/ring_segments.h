@@ -9,7 +9,7 @@
 
 namespace hqslam {
 
-/// Directions that are told apart: bins of 5 degrees.
+/// Bins of azimuth, 5 degrees each.
 inline constexpr int kAzimuthBins = 72;
 
 /// Points of one ring, or of a part of one, in the order of the file.
@@ -17,10 +17,10 @@ struct RingSegment {
   std::size_t first = 0;
   std::size_t end = 0;
   bool begins_with_wrap = false;
-  double height_rad = 0.0;     ///< elevation relative to the rings before it, seen the same way
+  double height_rad = 0.0;     ///< elevation relative to the rings before it at equal azimuths
   double elevation_rad = 0.0;  ///< median of its points
-  double parallax_rad = 0.0;   ///< so far may that be off: a laser may lie above the origin
-  bool is_sure = false;        ///< of the height: it looks where others did
+  double parallax_rad = 0.0;   ///< error bound of elevation_rad, as lasers may be off the origin
+  bool is_sure = false;        ///< whether height_rad was measured at azimuths of earlier rings
   std::bitset<kAzimuthBins> looks_to = {};
 };
 

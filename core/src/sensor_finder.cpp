@@ -18,8 +18,8 @@
 // In:  points in the sensor frame, metres, with the numbers of their rings where the file has them.
 // Out: the elevation of each beam (beams_in_points.cpp), highest first; columns.
 //
-// A sensor is believed if hardly any point lies nearer to another beam than to its own, and if each
-// scan alone says the same.
+// A sensor is accepted if hardly any point is nearer to another beam than to its own, and if each
+// scan alone gives the same beams.
 
 namespace hqslam {
 
@@ -28,7 +28,7 @@ namespace {
 constexpr int kFewestBeams = 4;
 constexpr double kMostBetweenBeams = 0.03;
 constexpr double kMostContradicting = 0.1;
-/// Of the beams in single scans.
+/// Share of the beams that single scans must have, in the mean.
 constexpr double kLeastSeen = 0.7;
 /// A beam is a preset's, or that of another scan, within this.
 constexpr double kSameBeam_rad = 0.15 * kDegree_rad;
@@ -36,7 +36,7 @@ constexpr double kSameBeam_rad = 0.15 * kDegree_rad;
 constexpr double kDefaultPeriod_s = 0.1;
 constexpr int kDefaultColumns = 1024;
 
-/// The way to the nearer neighbour.
+/// Distance to the nearer neighbour.
 double spacing_rad(const std::vector<Beam>& beams, std::size_t i) {
   double nearest_rad = 2.0 * std::numbers::pi;
   for (const std::size_t j : {i - 1, i + 1}) {  // before the first: beyond the last
@@ -46,7 +46,7 @@ double spacing_rad(const std::vector<Beam>& beams, std::size_t i) {
   return nearest_rad;
 }
 
-/// What speaks against these beams; "" if nothing does.
+/// Why these beams cannot be a sensor's; "" if they can.
 std::string complaint(const Beams& found, std::size_t scans) {
   const std::vector<Beam>& beams = found.beams;
   if (beams.size() < kFewestBeams || beams.size() > kMostBeams) {
@@ -182,8 +182,8 @@ FoundSensor find_sensor(const std::vector<RawPoints>& scans, std::optional<doubl
     return found;
   }
   throw Error(
-      "{}: does not say which sensor it was recorded with, and its points do not either: {}; give "
-      "--sensor NAME or --sensor FILE.json",
+      "{}: cannot determine the sensor from the recording or its points: {}; give --sensor NAME or "
+      "--sensor FILE.json",
       source, wrong);
 }
 

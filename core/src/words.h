@@ -11,7 +11,7 @@ namespace hqslam {
 
 inline constexpr std::string_view kSpace = " \t\r";
 
-/// The words of a line, at most so many.
+/// The first words of a line, at most `most`.
 std::vector<std::string_view> words_of(std::string_view line, std::string_view separators = kSpace,
                                        std::size_t most = std::numeric_limits<std::size_t>::max());
 
@@ -35,7 +35,7 @@ std::optional<double> decimal_from(std::string_view word);
 /// "scan10".
 bool naturally_before(std::string_view a, std::string_view b);
 
-/// Points as text: so many numbers each, with any space between them.
+/// Points as text: numbers with any space between them.
 class AsciiPoints {
  public:
   /// `text` and `path` must outlive the object. Throws Error if the text is too short.

@@ -9,7 +9,7 @@ namespace hqslam {
 
 using ZipArchive = std::unique_ptr<zip_t, decltype([](zip_t* archive) { zip_discard(archive); })>;
 
-/// Of an array's name in a message: more than the longest name of a network's weight.
+/// Longest excerpt of an array's name in a message; names of a network's weights are shorter.
 inline constexpr std::size_t kNameCharacters = 120;
 
 }  // namespace hqslam

@@ -194,7 +194,7 @@ bool LiveSensor::Impl::is_sensors(const Packet& packet) {
   return is_sensors;
 }
 
-/// Says it where the sensor sends, but nothing that was to be expected: its mode was changed.
+/// Reports packets of the sensor in another form than expected: its mode was changed.
 void LiveSensor::Impl::judge(std::int64_t arrival_ns) {
   const PacketCounts& packets = counts_.packets;
   if (packets.used + packets.late != understood_) {
@@ -214,7 +214,7 @@ void LiveSensor::Impl::judge_silence() {
       "no packet comes from the sensor any more: see to its power, cable and settings";
 }
 
-/// Its inertial samples go to the next one: whoever missed a scan needs them most.
+/// The inertial samples of a dropped scan go to the next one.
 void LiveSensor::Impl::drop_oldest() {
   std::vector<ImuSample> samples = std::move(waiting_.front().scan.imu);
   waiting_.pop_front();

@@ -23,12 +23,12 @@ constexpr std::uint16_t kOusterPort = 7502;
 constexpr std::uint16_t kOusterImuPort = 7503;
 /// From firmware 2.2 on; older sensors' metadata must be given as a file.
 constexpr const char* kMetadataPath = "/api/v1/sensor/metadata";
-/// What a Velodyne is recognised by: half a second, or so many packets if their clock stands still.
+/// A Velodyne is recognised by half a second of packets, or this many if their clock stands still.
 constexpr std::int64_t kProbed_us = 500'000;
 constexpr std::int64_t kMostProbedPackets = 5000;
-/// How many addresses are told apart; one that sends least makes room for a new one.
+/// Most addresses that are distinguished; the one that sends least makes room for a new one.
 constexpr std::size_t kMostSenders = 16;
-/// Of an address and what came from it.
+/// Memory of an address and its packets.
 constexpr auto packets_of = [](const auto& sender) { return sender.second.packets; };
 /// A sender that gave no metadata is not asked again so soon.
 constexpr std::int64_t kAskAgain_ns = 5'000'000'000;

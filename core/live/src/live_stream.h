@@ -12,27 +12,27 @@
 
 namespace hqslam::live {
 
-/// Which of those that send to a port is the sensor that the user named, and what its packets are.
-/// Anybody may send anything: each sender is judged by its own packets alone.
+/// Recognizes the sensor that the user named among the senders to a port, and its packets. Any
+/// sender may send anything, so each is judged by its own packets alone.
 class LiveStream {
  public:
   /// Throws Error if the sensor is unknown.
   explicit LiveStream(const LiveOptions& options);
 
-  /// The port to which such a sensor sends, unless it is told otherwise.
+  /// The port to which such a sensor sends by default.
   std::uint16_t usual_port() const;
-  /// Where inertial data come, once the sensor is recognised; 0: nowhere.
+  /// The port of inertial data, once the sensor is recognised; 0: none.
   std::uint16_t imu_port() const;
   /// Whether the packet is one of the sensor's inertial data.
   bool is_imu(const recordings::Packet& packet) const;
   NamedSensor named() const { return {named_, !is_ouster_ || metadata_, metadata_.has_value()}; }
-  /// Takes the next packet in; whether its sender is known now to be the sensor. May ask the sender
-  /// for an Ouster's metadata.
+  /// Takes the next packet; returns whether its sender is now recognised as the sensor. May request
+  /// an Ouster's metadata from the sender.
   bool recognise(const recordings::Packet& packet);
   /// As LiveSensor::complaint().
   std::string complaint() const;
 
-  /// Once one is recognised: who it is, as whose packets come.
+  /// The sensor's present address, once it is recognised.
   const recordings::Endpoint& sender() const { return *sender_; }
   /// Whether the packet is the sensor's. Where the sensor is silent it may send on from another
   /// address: then sender() changes.
@@ -42,16 +42,16 @@ class LiveStream {
   const std::string& format() const { return format_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
   const std::string& metadata_text() const { return metadata_text_; }
-  /// What makes scans of its packets. `columns`: of the images, 0: as sensor() has. Throws Error.
+  /// Makes scans of its packets. `columns`: of the images, 0: those of sensor(). Throws Error.
   std::unique_ptr<recordings::ScanAssembler> assembler(int columns);
 
  private:
-  /// What came from one address.
+  /// The packets from one address.
   struct Sender {
     std::int64_t packets = 0;
     std::size_t last_bytes = 0;  ///< of its last packet
     std::string complaint;       ///< why it is not the sensor
-    std::int64_t asked_ns = 0;   ///< when it was asked for metadata last
+    std::int64_t asked_ns = 0;   ///< time of the last request for metadata
     recordings::VelodyneProbe probe;
     std::optional<std::int64_t> first_us;  ///< by the sensor's clock
     std::int64_t understood = 0;

@@ -10,8 +10,8 @@
 
 namespace hqslam::live {
 
-/// Records what the sensor sends, as soon as it is known who it is. A full disk ends the recording,
-/// not the drive.
+/// Records the sensor's packets from its recognition on, with those kept before. A full disk ends
+/// the recording, not the drive.
 class PacketRecorder {
  public:
   /// As LiveOptions::record. Throws Error as PcapWriter does.
@@ -19,11 +19,11 @@ class PacketRecorder {
 
   /// Keeps a packet until it is known whether its sender is the sensor; the oldest make room.
   void keep(const recordings::Packet& packet);
-  /// The sensor is recognised: records what it has sent up to now, its metadata first, without
-  /// which the packets say nothing.
+  /// The sensor is recognised: records its packets so far, after its metadata, without which they
+  /// cannot be read.
   void begin(const LiveStream& stream);
   void add(const recordings::Packet& packet);
-  /// Why no more packets are recorded; "": they are.
+  /// Why recording has ended; "": it has not.
   const std::string& failure() const { return failure_; }
 
  private:

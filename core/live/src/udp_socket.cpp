@@ -79,7 +79,7 @@ std::array<std::uint8_t, 16> address_of(const sockaddr_storage& sender) {
   return address;
 }
 
-/// When the system received the datagram; now, if it does not say.
+/// Time at which the system received the datagram; the present time where it gives none.
 std::int64_t arrival_ns(msghdr& message) {
   timespec time{};
   for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr;

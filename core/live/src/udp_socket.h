@@ -9,14 +9,14 @@
 
 namespace hqslam::live {
 
-/// Receives UDP datagrams, by IPv4 and IPv6, from whoever sends them to a port.
+/// Receives the UDP datagrams of all senders to a port, by IPv4 and IPv6.
 class UdpSocket {
  public:
   /// port 0: any free one. Throws Error if the port cannot be opened.
   explicit UdpSocket(std::uint16_t port);
 
   std::uint16_t port() const { return port_; }
-  /// The next datagram, or nothing within that time; it is timed when it reaches the system, and
+  /// The next datagram, or nothing within that time. Its time is that of its arrival at the system;
   /// its payload lives until the next call. Throws Error if the socket fails.
   std::optional<recordings::Packet> receive(int timeout_ms);
 

@@ -11,10 +11,10 @@
 
 namespace hqslam::recordings {
 
-/// Of a Hesai XT16 or XT32: 8 blocks of an azimuth and a measurement per laser.
+/// Blocks in a packet of a Hesai XT16 or XT32, each of an azimuth and a measurement per laser.
 inline constexpr int kHesaiBlocks = 8;
 
-/// What a packet says of its sensor.
+/// The header of a packet.
 struct HesaiPacket {
   int lasers = 0;
   bool dual_return = false;  ///< two blocks a firing
@@ -28,7 +28,7 @@ std::optional<HesaiPacket> hesai_packet(Bytes payload);
 /// The sensor as its angle file gives it: lines of channel, elevation, azimuth (degrees, clockwise)
 /// after a line of names, 16 or 32 of them. Throws Error.
 SensorModel read_hesai_angles(const std::string& path);
-/// As the manual has it, beams 2 degrees (16) or 1 degree (32) apart.
+/// The sensor of the manual, beams 2 degrees (16) or 1 degree (32) apart.
 SensorModel nominal_hesai(int lasers);
 
 /// Packets of a Hesai XT16 or XT32 -> scans, in the frame of the maker's own drivers: x at the

@@ -10,22 +10,22 @@
 
 namespace hqslam::recordings {
 
-/// Takes IP packets and gives their UDP datagrams back, without a time, fragments of IPv4 put
-/// together. Memory is bounded: of unfinished datagrams only the latest kMaxUnfinished are kept,
-/// each of at most 64 kB. The number by which fragments find each other has 16 bits: a datagram to
-/// which nothing came for kMostPacketsBetween is given up before a later one has the same. Source:
+/// IP packets -> UDP datagrams, without a time; fragments of IPv4 are put together. Memory is
+/// bounded: of unfinished datagrams only the latest kMaxUnfinished are kept, each of at most 64 kB.
+/// Fragments are matched by a number of 16 bits: a datagram that received none for
+/// kMostPacketsBetween packets is given up before a later one has the same number. Source:
 /// RFC 791, RFC 768, RFC 8200 (extension headers of IPv6 are not followed).
 class IpDatagrams {
  public:
   static constexpr std::size_t kMaxUnfinished = 64;
   static constexpr std::int64_t kMostPacketsBetween = 4096;
 
-  /// Nothing for what is no UDP, is damaged, or is a fragment whose datagram is not complete. The
-  /// payload lives until the next call.
+  /// Nothing for other packets than UDP, damaged ones, and fragments whose datagram is not
+  /// complete. The payload lives until the next call.
   std::optional<Packet> add(Bytes ip_packet);
 
   std::int64_t damaged() const { return damaged_; }
-  /// Datagrams of which a fragment never came.
+  /// Number of datagrams with a missing fragment.
   std::int64_t incomplete() const {
     return given_up_ + static_cast<std::int64_t>(unfinished_.size());
   }

@@ -11,7 +11,7 @@
 
 namespace hqslam::recordings {
 
-/// What a stamped message begins with.
+/// The beginning of a stamped message.
 struct MessageHeader {
   std::int64_t time_ns = 0;  ///< since 1970
   std::string frame;         ///< its name, without the slash that ROS 1 may put before it
@@ -30,10 +30,10 @@ class MessageReader {
   std::int32_t i32() { return static_cast<std::int32_t>(number(4)); }
   double f64() { return std::bit_cast<double>(number(8)); }
   std::string words();
-  /// Bytes of a list whose length stands before them.
+  /// The bytes of a list that begins with its length.
   Bytes byte_list();
   Bytes bytes(std::size_t count);
-  /// Seconds and nanoseconds as they stand, ns since 1970.
+  /// A time of seconds and nanoseconds, ns since 1970.
   std::int64_t time_ns();
   MessageHeader header();
   bool ros1() const { return ros1_; }

@@ -12,11 +12,11 @@
 
 namespace hqslam::recordings {
 
-/// Of a packet of inertial data in the profile LEGACY. No lidar packet is as small.
+/// Size of a packet of inertial data in the profile LEGACY. Every lidar packet is larger.
 inline constexpr std::size_t kOusterImuBytes = 48;
 
-/// What such a packet says, turned into the frame of the scans; its stamp is by the clock of the
-/// columns. The sensor's place, three centimetres from where the beams begin, is left out.
+/// The sample of such a packet in the frame of the scans; its stamp is by the clock of the columns.
+/// The lever arm of three centimetres to the origin of the beams is neglected.
 /// Source: Ouster sensor documentation, "IMU data format": times of the system, of reading the
 /// accelerometer and of reading the gyroscope, ns; acceleration x y z, g; angular velocity x y z,
 /// degrees a second.
@@ -44,11 +44,11 @@ class OusterDecoder {
 
   /// Takes the next packet in and appends the frame that it completes.
   void add(const Packet& packet, std::vector<OusterFrame>& completed);
-  /// The recording has ended: appends what is left.
+  /// At the end of the recording: appends the last frame.
   void finish(std::vector<OusterFrame>& completed) { complete(completed, true); }
 
   const PacketCounts& counts() const { return counts_; }
-  /// Whole turns of which no packet came.
+  /// Number of turns without any packet.
   std::int64_t lost_scans() const { return lost_scans_; }
   /// Turns that were cut short by the beginning or the end of the recording.
   std::int64_t partial_scans() const { return partial_scans_; }
@@ -64,7 +64,7 @@ class OusterDecoder {
     std::size_t id = 0;
     std::uint32_t status = 0;
   };
-  /// Nothing if the sensor says that the column is not valid.
+  /// Nothing if the sensor marked the column as not valid.
   std::optional<Column> column(Bytes packet, int place) const;
   std::optional<Column> first_column(Bytes packet) const;
   /// Whether the first valid column of the packet has come already.
@@ -84,7 +84,7 @@ class OusterDecoder {
   std::optional<std::uint32_t> last_id_;  ///< of the frame that is read or was read last
   bool first_frame_ = true;
   std::int64_t packets_in_frame_ = 0;
-  /// What the sensor sends of a turn.
+  /// The columns and packets of a turn that the sensor sends.
   int first_sent_ = 0;
   int last_sent_ = 0;
   std::int64_t packets_sent_ = 0;
@@ -97,7 +97,7 @@ class OusterDecoder {
 /// A frame with the time of its points.
 struct OusterScan {
   double stamp_s = 0.0;         ///< the middle between its first and its last column
-  double sensor_stamp_s = 0.0;  ///< the same by the sensor's clock
+  double sensor_stamp_s = 0.0;  ///< that middle by the sensor's clock
   OrganizedCloud cloud;
 };
 

@@ -13,9 +13,9 @@ namespace hqslam::recordings {
 /// inertial data have kOusterImuBytes, a Velodyne's of positions 512.
 inline constexpr std::size_t kSmallestLidarPacket = 600;
 
-/// Where a profile has what a range image needs. A packet is a header, columns_per_packet columns
-/// and a footer; a column is a header, a pixel per beam and a footer. Bytes are counted from the
-/// beginning of each.
+/// The places of ranges and reflectivities in a profile. A packet is a header, columns_per_packet
+/// columns and a footer; a column is a header, a pixel per beam and a footer. Bytes are counted
+/// from the beginning of each.
 struct OusterLayout {
   std::size_t packet_header = 32;
   std::size_t packet_footer = 32;
@@ -32,7 +32,7 @@ struct OusterLayout {
 
 const OusterLayout& layout(OusterProfile profile);
 
-/// The range that stands here, mm.
+/// The range at this place, mm.
 inline std::uint32_t range_mm(const std::uint8_t* bytes, const OusterLayout& of) {
   const std::uint32_t word = of.range_bytes == 2
                                  ? std::uint32_t{little_endian<std::uint16_t>(bytes)}
@@ -40,22 +40,22 @@ inline std::uint32_t range_mm(const std::uint8_t* bytes, const OusterLayout& of)
   return (word & of.range_mask) << of.range_shift;
 }
 
-/// Of the return whose range stands here.
+/// The reflectivity of the return whose range is at this place.
 inline std::uint16_t reflectivity(const std::uint8_t* bytes, const OusterLayout& of) {
   const std::uint8_t* const at = bytes + of.reflectivity_at;
   return of.reflectivity_bytes == 2 ? little_endian<std::uint16_t>(at) : *at;
 }
 
-/// The turn that a packet is of; the packet has the size of its profile.
+/// The turn to which a packet belongs; the packet has the size of its profile.
 std::uint32_t frame_id(Bytes packet, OusterProfile profile);
 
-/// Of the sensor, 0 where the profile does not say.
+/// The sensor's serial number, 0 where the profile has none.
 std::uint64_t serial_number(Bytes packet, OusterProfile profile);
 
-/// What a file of metadata holds. Throws Error if it is no file or above 16 MiB.
+/// The text of a file of metadata. Throws Error if there is no file or it is above 16 MiB.
 std::string ouster_metadata_text(const std::string& path);
 
-/// Whether a text that load_sensor understands is an Ouster's metadata.
+/// Whether a text that load_sensor can read is an Ouster's metadata.
 bool is_ouster_metadata(const std::string& text);
 
 }  // namespace hqslam::recordings

@@ -9,7 +9,7 @@
 
 namespace hqslam::recordings {
 
-/// What a packet of measurements says of its sensor.
+/// The header of a packet of measurements.
 struct RobosensePacket {
   bool helios = false;       ///< else an RS-16
   std::int64_t time_ns = 0;  ///< of its first firing, by the sensor's clock
@@ -17,12 +17,12 @@ struct RobosensePacket {
 /// Nothing if these are not the bytes of a packet of an RS-16 or a Helios.
 std::optional<RobosensePacket> robosense_packet(Bytes payload);
 
-/// What the settings say of a unit.
+/// A unit, from its settings.
 struct RobosenseUnit : BlockUnit {
   bool helios = false;
 };
-/// helios: as the packets of measurements say. path: stands for the recording in messages. Throws
-/// Error for what are no 16 or 32 beams.
+/// helios: as in the packets of measurements. path: stands for the recording in messages. Throws
+/// Error unless there are 16 or 32 beams.
 RobosenseUnit robosense_unit(Bytes settings, bool helios, const std::string& path);
 
 /// Packets of a RoboSense RS-16, Helios-16P or Helios with 32 beams -> scans; see BlockDecoder.

@@ -9,14 +9,14 @@
 
 namespace hqslam::recordings {
 
-/// How the frames of a bag are turned, by its topic /tf_static. Those of Ouster's drivers are known
-/// without: os_lidar (once os1_lidar) looks backwards, os_imu forwards.
+/// Rotations between the frames of a bag, from its topic /tf_static. The frames of Ouster's drivers
+/// need none: os_lidar (formerly os1_lidar) faces backwards, os_imu forwards.
 class StaticTransforms {
  public:
   StaticTransforms();
-  /// Takes in a tf2_msgs/TFMessage; what is damaged or no rotation is passed over.
+  /// Adds a tf2_msgs/TFMessage; damaged transforms are skipped.
   void add(const Message& message);
-  /// Turns vectors of one frame into another; nothing if no chain of transforms joins them.
+  /// Rotation of vectors from one frame into another; nothing if no transforms join the frames.
   std::optional<Eigen::Matrix3d> R(const std::string& to, const std::string& from) const;
 
  private:
