@@ -7,7 +7,6 @@
 #include "hqslam/core/projection.h"
 #include "hqslam/recordings/recording.h"
 #include "input_file.h"
-#include "lslidar_decoder.h"
 #include "ouster_decoder.h"
 #include "readers.h"
 #include "robosense_decoder.h"
