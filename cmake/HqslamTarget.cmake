@@ -49,6 +49,13 @@ function(hqslam_library component)
   target_include_directories(
     ${target} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>
                      $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  if(CMAKE_OBJCOPY AND CMAKE_NM AND NOT APPLE)
+    add_custom_command(
+      TARGET ${target} POST_BUILD
+      COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DOBJCOPY=${CMAKE_OBJCOPY}
+              -DARCHIVE=$<TARGET_FILE:${target}> -P ${PROJECT_SOURCE_DIR}/cmake/OwnEigen.cmake
+      VERBATIM)
+  endif()
   install(TARGETS ${target} EXPORT hqslam-${component}-targets COMPONENT ${component})
   install(EXPORT hqslam-${component}-targets NAMESPACE hqslam:: COMPONENT ${component}
           DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/hqslam)

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "hqslam/core/ranks.h"
+#include "hqslam/nn/training/ranks.h"
 
 namespace hqslam::test {
 

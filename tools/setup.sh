@@ -2,6 +2,7 @@
 # Installs what hqslam needs to be built on Debian 12; does nothing where all is there. On other
 # systems with apt it tries the same packages.
 #   tools/setup.sh          to build and run
+#   tools/setup.sh light    for the preset light: without PCL and Embree
 #   tools/setup.sh checks   also what tools/test.sh checks the sources with
 #   tools/setup.sh fuzz     also what tools/fuzz.sh and the thread sanitizer need
 #   tools/setup.sh arm64    also what tools/test_arm64.sh needs
@@ -13,11 +14,13 @@ packages=(
   libeigen3-dev libfmt-dev nlohmann-json3-dev libzip-dev            # core
   libpng-dev                                                        # evaluation
   libpcap-dev libsqlite3-dev liblz4-dev libzstd-dev libbz2-dev      # recordings, live
-  libembree-dev                                                     # the simulated city
   libceres-dev                                                      # slam
-  libcli11-dev                                                      # the command line
+  libcli11-dev libcpp-httplib-dev                                   # the programs
   doctest-dev                                                       # the tests
 )
+if [[ "${1:-}" != light ]]; then
+  packages+=(libpcl-dev libembree-dev) # LeGO-LOAM; the simulated city
+fi
 if [[ "${1:-}" == checks ]]; then
   packages+=(clang-format clang-tidy)
 elif [[ "${1:-}" == fuzz ]]; then

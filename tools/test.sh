@@ -58,7 +58,7 @@ if command -v clang-tidy >/dev/null; then
   # so it reads the sources as without OpenMP: a field that only num_threads() uses looks unused.
   # Read are the sources that the last three days changed: they were read when they came. With --tidy
   # all, the simulator and the command line too: ten minutes of two cores.
-  tidied='(core|nn|slam|core/(evaluation|recordings|live)|nn/(compare|reference))/src/'
+  tidied='(core|nn|slam|core/(evaluation|recordings|live)|nn/(compare|reference|training))/src/|nn/(graph|hqs|kernels)/'
   since=$(git rev-list -1 --before='3 days ago' HEAD 2>/dev/null || true)
   if [[ "${1:-}" == --tidy ]]; then tidied='(core|nn|slam|tools)/(.*/)?src/' since=; fi
   cmake --preset release -B build/tidy -Wno-dev -DHQSLAM_PRECOMPILED_HEADERS=OFF \

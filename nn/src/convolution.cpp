@@ -1,9 +1,11 @@
 #include "convolution.h"
 
+#include <utility>
+
 #include "hqslam/core/error.h"
 
-// The definition is what the fast kernels are tested against. It counts its own way, on purpose.
-// Either way the narrow side has one pixel per stride of the wide side, and the weights are narrow
+// The definition that the fast kernels are tested against, with index arithmetic of its own. The
+// narrow side has one pixel per stride of the wide side, and the weights are narrow
 // channels x wide channels x kernel rows x kernel columns.
 namespace hqslam::nn {
 namespace {
@@ -26,7 +28,7 @@ void for_each_value(const Tensor& tensor, const Visit& visit) {
 
 /// Calls visit(weight, channel, row, column) for every value of `wide` that the pixel (y, x) of a
 /// narrow channel is connected to, and the index of the weight between them. Rows beyond the edge
-/// are left out, columns too or go round.
+/// are left out, and so are columns, unless they continue at the other end.
 template <typename Visit>
 void for_each_tap(const ConvolutionShape& shape, const Tensor& wide, int narrow_channel, int y,
                   int x, const Visit& visit) {
@@ -83,6 +85,11 @@ void validate(const ConvolutionShape& shape) {
   check("stride_columns", shape.column_stride(), 1, kMostStride);
   check("padding_rows", shape.padding_rows, 0, kMostKernel);
   check("padding_columns", shape.padding_columns, 0, kMostKernel);
+}
+
+ConvolutionShape adjoint_of(ConvolutionShape shape) {
+  std::swap(shape.input_channels, shape.output_channels);
+  return shape;
 }
 
 int convolved_size(int size, int kernel, int stride, int padding) {

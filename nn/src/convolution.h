@@ -6,17 +6,17 @@
 
 #include "tensor.h"
 
-// What a convolution is: its sizes, and its definition.
+// A convolution: its sizes and its definition.
 namespace hqslam::nn {
 
-/// Channels, kernel, stride and padding of conv2d or conv_transpose2d. How columns are padded is
-/// the tensor's affair (ColumnPadding).
+/// Channels, kernel, stride and padding of conv2d or conv_transpose2d. The tensors' ColumnPadding
+/// decides how columns are padded.
 struct ConvolutionShape {
   int input_channels = 1;
   int output_channels = 1;
   int kernel_rows = 3;
   int kernel_columns = 3;
-  int stride = 1;  ///< of rows, and of columns unless stride_columns says otherwise
+  int stride = 1;  ///< of rows, and of columns without stride_columns
   int padding_rows = 1;
   int padding_columns = 1;
   std::optional<int> stride_columns = std::nullopt;
@@ -33,13 +33,17 @@ struct ConvolutionShape {
 /// 8, padding 0 to 15.
 void validate(const ConvolutionShape& shape);
 
+/// Input and output channels change places.
+ConvolutionShape adjoint_of(ConvolutionShape shape);
+
 /// (size + 2 padding - kernel) / stride + 1
 int convolved_size(int size, int kernel, int stride, int padding);
 
 /// What a layer does with the sums it has computed: result = a(sum + skip), a(v) = max(v, slope v).
 ///
-/// With `activated`, what an activation max(v, negative_slope v) gave, the sums are gradients of it
-/// and a is multiplied by its derivative there: the result is the gradient of what went into it.
+/// With `activated`, the result of an activation max(v, negative_slope v), the sums are gradients
+/// of it and are multiplied by its derivative there: the result is the gradient of what went into
+/// it.
 struct LayerEnd {
   float negative_slope = 1.0F;   ///< 1 linear, 0 ReLU
   const Tensor* skip = nullptr;  ///< of the result's shape; may be the result
@@ -50,10 +54,11 @@ struct LayerEnd {
 /// definition:
 ///   output[o][y][x] = bias[o] + sum_{i, r, c} weight[o][i][r][c]
 ///                                input[i][y stride + r - padding][x stride + c - padding]
-/// or, where the shape says `transposed`, its adjoint ("deconvolution"):
+/// or, for a `transposed` shape, its adjoint ("deconvolution"):
 ///   output[o][y stride + r - padding][x stride + c - padding] += weight[i][o][r][c] input[i][y][x]
-/// plus bias[o]. Rows beyond the edge are zero or dropped, columns continue as the input's
-/// ColumnPadding says. The output's shape decides between those that one input shape could have.
+/// plus bias[o]. Rows beyond the edge are zero or dropped, columns continue
+/// according to the input's ColumnPadding. The output's shape decides between those that one input
+/// shape could have.
 /// weight: output x input x kernel rows x kernel columns, transposed: input x output x ...; bias:
 /// output channels, or empty for none.
 void conv2d_reference(const ConvolutionShape& shape, std::span<const float> weight,

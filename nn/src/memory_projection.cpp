@@ -12,7 +12,7 @@ namespace {
 
 constexpr float kFallOff = 4.0F;  ///< w = exp(-kFallOff (u^2 + v^2))
 constexpr int kWorthParts = 512;
-/// By how much a beam sees farther than what it passes.
+/// How much longer the range of a beam is than that of a point that it passes.
 constexpr float kFarther_m = 0.5F;
 constexpr float kFartherShare = 0.05F;
 
@@ -55,8 +55,10 @@ MemoryProjection::MemoryProjection(const SensorModel& sensor)
   validate(sensor);
   cubic_through_columns_ = cubic_through(sensor.columns);
   if (!sensor.measured_rows) {
-    throw Error("scan memory: sensor '{}' does not say which of its {} rows are measured",
-                sensor.name, sensor.rows());
+    throw Error(
+        "scan memory: sensor '{}' has {} rows without measured_rows, expected those that are "
+        "measured",
+        sensor.name, sensor.rows());
   }
   measured_rows_ = *sensor.measured_rows;
   if (sensor.rows() < 2) {
@@ -128,7 +130,7 @@ bool MemoryProjection::find_hit(float range_m, float sine, float turn, Hit& hit)
   return true;
 }
 
-/// By a measured beam, or between two of them by both and by those beside them.
+/// Whether a measured beam passes the point, or between two of them both and those beside them.
 bool MemoryProjection::is_passed(const Hit& hit, const RangeImage& measured) const {
   const float passed_m = hit.range_m * (1.0F + kFartherShare) + kFarther_m;
   const int above = measured_above_[hit.row];
@@ -146,7 +148,7 @@ bool MemoryProjection::is_passed(const Hit& hit, const RangeImage& measured) con
   return true;
 }
 
-/// Hits of one scan's points; those that have moved on are forgotten.
+/// Finds the hits of one scan's points; points that have moved are forgotten.
 void MemoryProjection::project_scan(KeptScan& scan, const RangeImage& measured,
                                     const HeadMotion& motion, Bands& bands,
                                     std::vector<float>& nearest) const {
@@ -175,7 +177,7 @@ void MemoryProjection::project_scan(KeptScan& scan, const RangeImage& measured,
   }
 }
 
-/// What a cubic leaves out of an even turn is of the fourth order in its angle: by 200 degrees a
+/// The error of a cubic for an even turn is of the fourth order in its angle: at 200 degrees a
 /// second some 1e-5 of the range.
 HeadMotion MemoryProjection::motion_through(const std::vector<Pose>& T_world_sensor,
                                             const Eigen::Vector3d& origin_m) const {

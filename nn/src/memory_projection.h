@@ -22,7 +22,7 @@ struct KeptScan {
   std::vector<float> x_m;  ///< world frame, relative to the origin; NaN: forgotten, or padding
   std::vector<float> y_m;
   std::vector<float> z_m;
-  std::vector<float> head_offset;  ///< of the row that saw or recalled it last
+  std::vector<float> head_offset;  ///< of the row that last measured or recalled it
 };
 
 /// Where a point falls.
@@ -43,17 +43,17 @@ struct HeadMotion {
   float first_column = 0.0F;
 };
 
-/// Into which pixels of a scan the points of earlier ones fall; hqslam/nn/scan_memory.h says how.
+/// Finds the pixels of a scan into which the points of earlier ones fall (hqslam/nn/scan_memory.h).
 class MemoryProjection {
  public:
-  /// Rows of an image are worked on in so many bands side by side.
+  /// Bands of rows of an image that are worked on side by side.
   static constexpr int kBands = 8;
 
-  /// sensor: all rows, and which of them are measured. Throws Error where it does not say.
+  /// sensor: all rows, and which of them are measured. Throws Error without measured rows.
   explicit MemoryProjection(const SensorModel& sensor);
 
-  /// How far behind the head the pixels of a row are, in columns: the head stands at column
-  /// head_offset - turn when the row sees what lies at an azimuth of `turn` columns.
+  /// How far behind the head the pixels of a row are, in columns: the head is at column
+  /// head_offset - turn when the row measures at an azimuth of `turn` columns.
   float head_offset(int row) const { return head_offset_[row]; }
 
   /// poses: one for each column of the image, or one for all; origin_m: of the kept points. Points
@@ -61,11 +61,11 @@ class MemoryProjection {
   void project(std::deque<KeptScan>& kept, const RangeImage& measured,
                const std::vector<Pose>& T_world_sensor, const Eigen::Vector3d& origin_m,
                std::optional<double> itself_s);
-  /// Of a band of rows, one list for each kept scan.
+  /// The hits in a band of rows of the points of a kept scan.
   const std::vector<Hit>& hits(std::size_t scan, int band) const { return hits_[scan][band]; }
   std::size_t scans() const { return hits_.size(); }
   int first_row(int band) const { return sensor_.rows() * band / kBands; }
-  /// Of the hits of each pixel; HUGE_VALF where there is none.
+  /// The range of the nearest hit of each pixel; HUGE_VALF where there is none.
   const std::vector<float>& nearest_m() const { return nearest_m_; }
   std::size_t pixel_of(const Hit& hit) const {
     return static_cast<std::size_t>(hit.row) * sensor_.columns + hit.column;
@@ -89,7 +89,7 @@ class MemoryProjection {
   float most_m_;
   std::vector<float> sine_;            ///< of each row's elevation, falling
   std::vector<float> edge_;            ///< of each row, the turn at the left edge of column 0
-  std::vector<float> head_offset_;     ///< the same with the row's column shift
+  std::vector<float> head_offset_;     ///< edge_ with the row's column shift
   std::vector<float> per_sine_above_;  ///< rows a unit of sine, towards the row above
   std::vector<float> per_sine_below_;
   std::vector<float> lower_edge_;          ///< the sine between each row and the next

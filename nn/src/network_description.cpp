@@ -46,8 +46,7 @@ void validate(const NetworkDescription& d) {
   const Architecture& architecture = architecture_of(d);
   check_that(d.range_scale_m > 0.0F && std::isfinite(d.range_scale_m), "network", "range_scale_m",
              d.range_scale_m, "above 0");
-  check_that(d.least_confidence >= 0.0F && d.least_confidence <= 1.0F, "network",
-             "least_confidence", d.least_confidence, "0 to 1");
+  check_least_confidence(d);
   check_that(d.confidence_exponent > 0.0F && d.confidence_exponent <= 10.0F, "network",
              "confidence_exponent", d.confidence_exponent, "above 0, at most 10");
   validate(d.sensor);
@@ -55,6 +54,11 @@ void validate(const NetworkDescription& d) {
   if (const auto filter = architecture.last_filter()) validate(*filter);
   architecture.validate(d);
   check_columns(d, d.sensor.columns);
+}
+
+void check_least_confidence(const NetworkDescription& d) {
+  check_that(d.least_confidence >= 0.0F && d.least_confidence <= 1.0F, "network",
+             "least_confidence", d.least_confidence, "0 to 1");
 }
 
 void check_memory(std::int64_t values, const NetworkDescription& d) {
@@ -68,7 +72,7 @@ void check_memory(std::int64_t values, const NetworkDescription& d) {
 }
 
 void check_columns(const NetworkDescription& d, int columns) {
-  const int multiple = d.architecture->column_multiple();
+  const int multiple = architecture_of(d).column_multiple();
   if (columns < 1 || columns > d.sensor.columns || columns % multiple != 0) {
     throw Error("network: images of {} columns, expected 1 to {} and a multiple of {}", columns,
                 d.sensor.columns, multiple);

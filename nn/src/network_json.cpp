@@ -15,10 +15,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::shared_ptr<const Architecture> read_architecture(JsonFields& fields) {
+std::shared_ptr<const Architecture> read_architecture(JsonFields& fields,
+                                                      const Architectures& architectures) {
   std::vector<std::string> names;
-  for (const NamedArchitecture& named : architectures()) names.emplace_back(named.name);
-  return architectures()[fields.choice("kind", names)].read(fields);
+  for (const NamedArchitecture& named : architectures) names.emplace_back(named.name);
+  return architectures[fields.choice("kind", names)].read(fields);
 }
 
 SensorModel read_sensor(JsonFields& fields, const std::string& source) {
@@ -28,8 +29,8 @@ SensorModel read_sensor(JsonFields& fields, const std::string& source) {
     const std::vector<std::string> presets = sensor_preset_names();
     if (std::ranges::find(presets, sensor) == presets.end()) {
       throw Error(
-          "{}: sensor '{}' is none of {}; name one of them, or put what a sensor file says in its "
-          "place",
+          "{}: sensor '{}' is none of {}; name one of them, or put the content of a sensor file in "
+          "its place",
           source, sensor, fmt::join(presets, ", "));
     }
     return sensor_preset(sensor);
@@ -56,11 +57,12 @@ RowSelection read_rows(JsonFields& fields, int sensor_rows) {
 
 }  // namespace
 
-NetworkDescription network_from_json(const std::string& text, const std::string& source) {
+NetworkDescription network_from_json(const std::string& text, const std::string& source,
+                                     const Architectures& architectures) {
   JsonFields fields(text, source);
   NetworkDescription d;
   try {
-    d.architecture = read_architecture(fields);
+    d.architecture = read_architecture(fields, architectures);
     d.sensor = read_sensor(fields, source);
     d.measured_rows = read_rows(fields, d.sensor.rows());
     fields.optional("range_scale_m", d.range_scale_m);
@@ -71,7 +73,7 @@ NetworkDescription network_from_json(const std::string& text, const std::string&
     fields.finish();
     validate(d);
   } catch (const Error& error) {
-    // A field of another type is complained about with the source, a senseless size without.
+    // Errors about a field's type have the source, those about its value do not.
     const std::string message = error.what();
     throw Error(message.starts_with(source) ? message : source + ": " + message);
   }

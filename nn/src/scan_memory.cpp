@@ -12,16 +12,16 @@ namespace hqslam::nn {
 namespace {
 
 constexpr float kWorthOfCentre = 4.0F;  ///< W^2 of one point through a pixel's centre
-constexpr float kRidge = 0.04F;         ///< against slopes that few points tell
-/// Points of one surface, behind the nearest one: so much, and what a wall that leans by 70 degrees
-/// or the level ground spans in a pixel.
+constexpr float kRidge = 0.04F;         ///< against slopes that few points determine
+/// How far behind the nearest point of a pixel its surface may be: this far, and what a wall at an
+/// angle of 70 degrees or the level ground spans in a pixel.
 constexpr float kSurface_m = 0.15F;
 constexpr float kLeaningWall = 2.75F;  ///< tan 70 degrees
 constexpr float kLargestGroundShare = 0.15F;
-/// World coordinates are kept relative to an origin at most so far away: floats tell 0.1 mm there.
+/// World coordinates are relative to an origin at most this far away: floats resolve 0.1 mm there.
 constexpr double kFarFromOrigin_m = 1000.0;
 
-/// Of the points of a pixel: weighted sums of 1, u, v, their squares and products, and with q.
+/// Sums over the points of a pixel, weighted: 1, u, v, their squares and products, and with q.
 struct PixelSums {
   float w = 0.0F, u = 0.0F, v = 0.0F, q = 0.0F;
   float uu = 0.0F, uv = 0.0F, vv = 0.0F, uq = 0.0F, vq = 0.0F;
@@ -61,7 +61,7 @@ void append(KeptScan& scan, const Eigen::Vector3f& point_m, float head_offset) {
   scan.head_offset.push_back(head_offset);
 }
 
-/// Of the range, what one surface spans in each row.
+/// The share of the range that one surface spans in each row.
 std::vector<float> surface_shares(const SensorModel& sensor) {
   const auto sine = [&](int row) {
     return static_cast<float>(std::sin(sensor.beam_elevation_rad[row]));
@@ -198,7 +198,7 @@ void ScanMemory::insert(const OrganizedCloud& measured, const ColumnPoses& T_wor
     const KeptScan& last = self.kept.back();
     self.path_m += (middle.translation() - last.T_world_sensor.translation()).norm();
     scan.path_m = self.path_m;
-    // Not since the last scan, which may have replaced others: whoever creeps moves on too.
+    // Not since the last scan, which may have replaced others: a slow sensor moves on too.
     const Pose step = self.T_world_step.inverse() * middle;
     stands = step.translation().norm() < self.options.step_m &&
              rotation_angle_rad(step) < self.options.step_rad;

@@ -2,10 +2,12 @@
 
 #include <omp.h>
 
+#include "architecture.h"
 #include "hqslam/core/error.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
 #include "hqslam/nn/interpolation.h"
 #include "hqslam/nn/network.h"
+#include "hqslam/nn/trace.h"
 #include "parameters.h"
 
 namespace hqslam::nn {
@@ -14,7 +16,7 @@ namespace {
 NetworkDescription with_options(NetworkDescription description,
                                 const SuperResolverOptions& options) {
   if (options.least_confidence) description.least_confidence = *options.least_confidence;
-  validate(description);
+  check_least_confidence(description);
   return description;
 }
 
@@ -46,10 +48,11 @@ struct SuperResolver::Implementation {
         filter(options.filter_result ? filter_of(description) : std::nullopt),
         rejected(static_cast<std::size_t>(description.sensor.rows()) * description.sensor.columns),
         parameters(static_cast<std::int64_t>(weights.parameters.size())) {
-    network->set_parameters(weights.parameters);  // checks how many there are
+    network->set_parameters(weights.parameters);
   }
 
   RangeImage measured_rows(const RangeImage& image) const;
+  void check(const RecalledImage& recalled) const;
   void empty_doubtful(UpsampledImage& upsampled) const;
   void empty_rejected(UpsampledImage& upsampled);
   void trace(const Observation& seen, const std::vector<float>& confidence,
@@ -83,6 +86,20 @@ RangeImage SuperResolver::Implementation::measured_rows(const RangeImage& image)
   return result;
 }
 
+void SuperResolver::Implementation::check(const RecalledImage& recalled) const {
+  const RangeImage& image = recalled.image;
+  if (recalled.is_empty() ||
+      (image.rows == description.sensor.rows() && image.columns == description.sensor.columns &&
+       image.range_m.size() == rejected.size() && recalled.weight.size() == rejected.size())) {
+    return;
+  }
+  throw Error(
+      "upsampling: recalled ranges of {} x {} with {} weights, expected {} x {} with a weight for "
+      "each pixel; recall them for {}",
+      image.rows, image.columns, recalled.weight.size(), description.sensor.rows(),
+      description.sensor.columns, description.sensor.name);
+}
+
 void SuperResolver::Implementation::empty_doubtful(UpsampledImage& upsampled) const {
   for (std::size_t i = 0; i < upsampled.confidence.size(); ++i) {
     if (upsampled.confidence[i] < description.least_confidence) {
@@ -101,7 +118,7 @@ void SuperResolver::Implementation::empty_rejected(UpsampledImage& upsampled) {
   }
 }
 
-/// `confidence` as the network says it: that of pixels that are emptied afterwards too.
+/// confidence: of the network, also in pixels that are emptied afterwards.
 void SuperResolver::Implementation::trace(const Observation& seen,
                                           const std::vector<float>& confidence,
                                           const UpsampledImage& upsampled, Trace& trace) {
@@ -119,9 +136,14 @@ void SuperResolver::Implementation::trace(const Observation& seen,
 }
 
 SuperResolver SuperResolver::load(const std::string& path, const SuperResolverOptions& options) {
-  const Weights weights = read_weights(path);
-  check_self_test(weights, path);
-  return {weights, options};
+  return checked(read_weights(path, options.architectures), path, options);
+}
+
+SuperResolver SuperResolver::checked(const Weights& weights, const std::string& path,
+                                     const SuperResolverOptions& options) {
+  SuperResolver resolver(weights, options);
+  check_self_test(*resolver.implementation_->network, weights.description, weights.self_test, path);
+  return resolver;
 }
 
 SuperResolver::SuperResolver(const Weights& weights, const SuperResolverOptions& options)
@@ -142,6 +164,7 @@ UpsampledImage SuperResolver::run(const RangeImage& image, const RecalledImage& 
                                   Trace* trace) {
   Implementation& self = *implementation_;
   const RangeImage measured = self.measured_rows(image);
+  self.check(recalled);
   UpsampledImage upsampled = self.network->upsample({measured, recalled}, self.tolerance_m);
   std::vector<float> confidence;
   if (trace != nullptr) confidence = upsampled.confidence;

@@ -4,22 +4,22 @@
 #include <cstdint>
 #include <cstring>
 #include <new>
-#include <vector>
+#include <unsupported/Eigen/CXX11/Tensor>
 
 namespace hqslam::nn {
 
-/// How a tensor continues beyond its first and last column. Beyond its first and last row it is
+/// The values of a tensor beyond its first and last column. Beyond its first and last row they are
 /// always zero.
 enum class ColumnPadding {
   kCircular,  ///< a whole scan: the last column is a neighbour of the first
   kZero,
 };
 
-/// Memory that begins with a cache line: the widest vectors of a row then never lie on two.
+/// Memory that begins with a cache line: the widest vectors of a row then never span two.
 template <typename T>
 struct CacheLineAllocator {
   using value_type = T;
-  static constexpr std::align_val_t kAlignment{64};
+  static constexpr std::size_t kAlignment = 64;
 
   CacheLineAllocator() = default;
   template <typename U>
@@ -27,32 +27,40 @@ struct CacheLineAllocator {
 
   T* allocate(std::size_t count) {
     if (count > static_cast<std::size_t>(-1) / sizeof(T)) throw std::bad_array_new_length();
-    return static_cast<T*>(::operator new(count * sizeof(T), kAlignment));
+    return static_cast<T*>(::operator new (count * sizeof(T), std::align_val_t{kAlignment}));
   }
-  void deallocate(T* memory, std::size_t) { ::operator delete(memory, kAlignment); }
+  void deallocate(T* memory, std::size_t) {
+    ::operator delete (memory, std::align_val_t{kAlignment});
+  }
   friend bool operator==(CacheLineAllocator, CacheLineAllocator) { return true; }
 };
 
 /// Values of shape channels x rows x columns, float32, each channel with a border around it, so
-/// that a convolution reads beyond the edges without asking where it is.
+/// that a convolution reads beyond the edges without a test for them.
 ///
-/// Memory: row y of channel c begins at row(c, y); row(c, -border_rows()) to
-/// row(c, rows() + border_rows() - 1) and in each of them columns -kBorderColumns to
-/// padded_columns() + kBorderColumns - 1 may be read. Columns from columns() to padded_columns()
-/// hold whatever a vector kernel left there; they are part of the border.
+/// Memory: an Eigen tensor of rows with their borders x channels x columns with their borders. Row
+/// y of channel c begins at row(c, y); row(c, -border_rows()) to row(c, rows() + border_rows() - 1)
+/// and in each of them columns -kBorderColumns to padded_columns() + kBorderColumns - 1 may be
+/// read. Columns from columns() to padded_columns() hold whatever a vector kernel left there; they
+/// are part of the border. Every row begins with a cache line, because the widest vectors are as
+/// long. Eigen aligns to 16 bytes, so the tensor has one row of channels more than are used, and
+/// the first line begins up to 15 values behind its start.
 class Tensor {
  public:
+  using Values = Eigen::Tensor<float, 3, Eigen::RowMajor>;
   /// Columns to the left and right of each row. Also the number of floats that the widest vector
   /// holds, so that a row can always be processed in whole vectors.
   static constexpr int kBorderColumns = 16;
 
   Tensor() = default;
   /// All zero. Throws Error unless channels, rows, columns >= 1 and 0 <= border_rows <= 16.
-  Tensor(int channels, int rows, int columns, ColumnPadding padding, int border_rows = 1)
-      : Tensor(shape_alone(channels, rows, columns, padding, border_rows)) {
-    values_.assign(static_cast<std::size_t>(rows + 2 * border_rows) * row_stride(), 0.0F);
-  }
-  /// Of the same shape but without values, to plan with.
+  Tensor(int channels, int rows, int columns, ColumnPadding padding, int border_rows = 1);
+  Tensor(const Tensor& other) { *this = other; }
+  Tensor& operator=(const Tensor& other);
+  Tensor(Tensor&&) noexcept = default;
+  Tensor& operator=(Tensor&&) noexcept = default;
+  ~Tensor() = default;
+  /// A tensor with a shape but without values, for planning.
   static Tensor shape_alone(int channels, int rows, int columns, ColumnPadding padding,
                             int border_rows = 1);
 
@@ -67,10 +75,14 @@ class Tensor {
 
   float* row(int channel, int row) { return values_.data() + offset(channel, row); }
   const float* row(int channel, int row) const { return values_.data() + offset(channel, row); }
+  /// All of it: rows with their borders x channels x columns with their borders.
+  Eigen::TensorMap<const Values> with_borders() const {
+    return {values_.data() + first_, rows_ + 2 * border_rows_, channels_, channel_stride()};
+  }
   float& at(int channel, int row_, int column) { return row(channel, row_)[column]; }
   float at(int channel, int row_, int column) const { return row(channel, row_)[column]; }
 
-  /// Makes the border columns of one row continue the row as padding() says.
+  /// Makes the border columns of one row continue the row according to padding().
   void fill_border(int channel, int row) {
     if (padding_ == ColumnPadding::kCircular && columns_ == padded_columns_) {
       // At least as wide as the border, and what is called for every row of every layer.
@@ -82,15 +94,17 @@ class Tensor {
       fill_other_border(channel, row);
     }
   }
-  /// The same for every row of every channel.
+  /// Fills the border columns of every row of every channel.
   void fill_borders();
   void set_zero();
 
  private:
   void fill_other_border(int channel, int row);
   std::int64_t offset(int channel, int row) const {
-    return channel * channel_stride() + (row + border_rows_) * row_stride() + kBorderColumns;
+    return first_ + channel * channel_stride() + (row + border_rows_) * row_stride() +
+           kBorderColumns;
   }
+  void allocate();
 
   int channels_ = 0;
   int rows_ = 0;
@@ -98,7 +112,8 @@ class Tensor {
   int padded_columns_ = 0;
   int border_rows_ = 0;
   ColumnPadding padding_ = ColumnPadding::kCircular;
-  std::vector<float, CacheLineAllocator<float>> values_;
+  Values values_;
+  std::int64_t first_ = 0;  ///< where in values_ the first cache line begins
 };
 
 // Groups of channels of tensors, such as tiles and memory side by side. copy and clear: called by

@@ -10,7 +10,7 @@
 namespace hqslam::nn {
 namespace {
 
-double squared_gap(const std::vector<float>& a, const std::vector<float>& b) {
+double squared_gap(std::span<const float> a, std::span<const float> b) {
   double sum = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     const double gap = a[i] - b[i];
@@ -35,30 +35,31 @@ const TracedTensor& Trace::tensor(std::string_view name) const {
 
 RangeImage Trace::image(std::string_view name) const {
   const TracedTensor& from = tensor(name);
-  if (from.channels != 1) {
-    throw Error("trace: '{}' has {} channels, expected 1 of an image", name, from.channels);
+  if (from.channels() != 1) {
+    throw Error("trace: '{}' has {} channels, expected 1 of an image", name, from.channels());
   }
-  RangeImage image(from.rows, from.columns);
-  image.range_m = from.values;
+  RangeImage image(from.rows(), from.columns());
+  std::ranges::copy(from.all(), image.range_m.begin());
   return image;
 }
 
-TracedTensor traced_image(std::string name, RangeImage image, std::string unit) {
-  return {std::move(name), std::move(unit), 1, image.rows, image.columns, std::move(image.range_m)};
+TracedTensor traced_image(std::string name, const RangeImage& image, std::string unit) {
+  TracedTensor::Values values(1, image.rows, image.columns);
+  std::ranges::copy(image.range_m, values.data());
+  return {std::move(name), std::move(unit), std::move(values)};
 }
 
 ObjectiveTerms objective_terms(const Trace& trace, int k, RowSelection measured_rows) {
   const auto of_layer = [&](const char* what) { return fmt::format("layers.{}.{}", k, what); };
   const TracedTensor& h = trace.tensor(of_layer("h"));
-  const double penalty = trace.tensor(of_layer("penalty")).values.front();
+  const double penalty = trace.tensor(of_layer("penalty")).values(0, 0, 0);
   const RangeImage kept = select_rows(trace.image(h.name), measured_rows);
   ObjectiveTerms terms;
-  terms.data_m2 = 0.5 * squared_gap(trace.tensor("measured").values, kept.range_m);
-  terms.denoiser_gap_m2 = 0.5 * penalty * squared_gap(trace.tensor(of_layer("z")).values, h.values);
+  terms.data_m2 = 0.5 * squared_gap(trace.tensor("measured").all(), kept.range_m);
+  terms.denoiser_gap_m2 = 0.5 * penalty * squared_gap(trace.tensor(of_layer("z")).all(), h.all());
   if (!trace.has(of_layer("y"))) return terms;
-  terms.filter_gap_m2 = 0.5 * penalty * squared_gap(trace.tensor(of_layer("y")).values, h.values);
-  const std::vector<float>& rejected = trace.tensor(of_layer("rejected")).values;
-  terms.rejected = std::ranges::count(rejected, 1.0F);
+  terms.filter_gap_m2 = 0.5 * penalty * squared_gap(trace.tensor(of_layer("y")).all(), h.all());
+  terms.rejected = std::ranges::count(trace.tensor(of_layer("rejected")).all(), 1.0F);
   return terms;
 }
 

@@ -6,7 +6,6 @@
 #include <optional>
 #include <vector>
 
-#include "hqslam/core/error.h"
 #include "hqslam/core/projection.h"
 
 namespace hqslam::nn {
@@ -15,26 +14,12 @@ namespace {
 /// Deviations below this are rounding of the points' coordinates.
 constexpr float kRounding_rad = 1e-6F;
 
-/// How a measured point differs from what the sensor model says of its pixel.
+/// The difference between a measured point and the sensor model of its pixel.
 struct Deviation {
   bool has_return = false;
   float elevation_rad = 0.0F;
   float time_s = 0.0F;
 };
-
-void check_shapes(const RangeImage& image, const OrganizedCloud& measured,
-                  RowSelection measured_rows, const SensorModel& sensor) {
-  const auto expected_rows = std::ssize(selected_rows(sensor.rows(), measured_rows));
-  if (measured.rows == expected_rows && measured.columns == sensor.columns &&
-      image.rows == sensor.rows() && image.columns == sensor.columns) {
-    return;
-  }
-  throw Error(
-      "upsampled cloud: expected {} measured and {} upsampled rows of {} columns, found {} x {} "
-      "and {} x {}",
-      expected_rows, sensor.rows(), sensor.columns, measured.rows, measured.columns, image.rows,
-      image.columns);
-}
 
 /// beam: (cos, sin) of the elevation of the model's beam.
 float elevation_deviation_rad(const Eigen::Vector3f& point_m, double beam_rad,
@@ -48,7 +33,7 @@ float elevation_deviation_rad(const Eigen::Vector3f& point_m, double beam_rad,
   return std::abs(off_rad) < kRounding_rad ? 0.0F : off_rad;
 }
 
-/// Of every pixel of the measured rows. model: as the sensor model has all rows.
+/// The deviations of all pixels of the measured rows. model: all rows by the sensor model.
 std::vector<Deviation> deviations_of(const OrganizedCloud& measured, RowSelection measured_rows,
                                      const SensorModel& sensor, const OrganizedCloud& model) {
   std::vector<Deviation> deviations(measured.range_m.size());
@@ -81,8 +66,8 @@ Deviation between(const Deviation& above, const Deviation& below, float t) {
           t < 0.5F ? above.time_s : below.time_s};
 }
 
-/// Of a point of range_m, a fraction t down from pixel `above` to pixel `below` of what was
-/// measured; nothing: there is none, or it has no return.
+/// The intensity of a point of range_m, a fraction t down from measured pixel `above` to `below`;
+/// nothing: there is no such pixel.
 float intensity_between(const OrganizedCloud& measured, std::optional<std::size_t> above,
                         std::optional<std::size_t> below, float t, float range_m) {
   constexpr float kNear = 0.2F;
@@ -162,7 +147,6 @@ void copy_row(const OrganizedCloud& measured, int from, OrganizedCloud& cloud, i
 
 OrganizedCloud upsampled_cloud(const UpsampledImage& upsampled, const OrganizedCloud& measured,
                                RowSelection measured_rows, const SensorModel& sensor) {
-  check_shapes(upsampled.image, measured, measured_rows, sensor);
   OrganizedCloud cloud = unproject(
       upsampled.image, sensor,
       measured.time_offset_s.empty() ? CaptureTime::kMotionCorrected : CaptureTime::kRolling,

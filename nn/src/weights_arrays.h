@@ -1,25 +1,18 @@
 #pragma once
 
 #include <cmath>
-#include <cstddef>
 #include <string>
 #include <vector>
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/npz.h"
-#include "hqslam/nn/training/checkpoint.h"
 #include "hqslam/nn/weights_file.h"
 
 namespace hqslam::nn {
 
 /// What read_weights makes of the arrays of the file at `path`. Throws Error.
-Weights weights_of(NpzArrays arrays, const std::string& path);
-
-/// What read_checkpoint makes of the arrays of the file at `path`, for a network with so many
-/// parameters. Throws Error.
-Checkpoint checkpoint_of(const NpzArrays& arrays, const std::string& path,
-                         const std::string& configuration, std::size_t parameters,
-                         const AdamWOptions& adamw);
+Weights weights_of(NpzArrays arrays, const std::string& path,
+                   const Architectures& architectures = hqs_architectures());
 
 /// The values of the array `name` of the file at `path`. Throws Error unless all are finite.
 template <typename Value>

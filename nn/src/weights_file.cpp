@@ -79,14 +79,6 @@ void check_nothing_left(const std::string& path, const NetworkDescription& descr
               excerpt(arrays.begin()->first), name(description));
 }
 
-RangeImage estimate(const NetworkDescription& description, const std::vector<float>& parameters,
-                    const RangeImage& measured) {
-  const auto network =
-      make_network(description, description.sensor.columns, chosen_instruction_set(), 1);
-  network->set_parameters(parameters);
-  return network->estimate(measured);
-}
-
 /// Throws Error unless there are as many parameters as the network has.
 void check_parameter_count(const std::string& path, const Weights& weights) {
   const std::int64_t expected = elements(parameter_shapes(weights.description));
@@ -98,66 +90,23 @@ void check_parameter_count(const std::string& path, const Weights& weights) {
   }
 }
 
-/// An array with more outputs or inputs than it had, which begin with zeros. Nothing if it does not
-/// hold what there was.
-std::optional<std::vector<float>> widened(const ParameterShape& from, const float* values,
-                                          const ParameterShape& to) {
-  const std::size_t rank = from.shape.size();
-  if (from.name != to.name || rank != to.shape.size() || from.shape[0] > to.shape[0]) {
-    return std::nullopt;
-  }
-  for (std::size_t i = 1; i < rank; ++i) {
-    if (from.shape[i] != to.shape[i] && (i > 1 || from.shape[i] > to.shape[i])) return std::nullopt;
-  }
-  const std::int64_t of_output = from.elements() / from.shape[0];
-  std::vector<float> result;
-  for (std::int64_t output = 0; output < from.shape[0]; ++output, values += of_output) {
-    result.insert(result.end(), values, values + of_output);
-    result.resize((output + 1) * (to.elements() / to.shape[0]));
-  }
-  result.resize(to.elements());
-  return result;
-}
-
 }  // namespace
 
-SelfTest make_self_test(const NetworkDescription& description, const std::vector<float>& parameters,
-                        const RangeImage& measured) {
-  return {measured, estimate(description, parameters, measured)};
+SelfTest make_self_test(Network& network, const RangeImage& measured) {
+  return {measured, network.estimate(measured)};
 }
 
-Weights read_weights(const std::string& path) {
-  return weights_of(read_npz(path, kLargestBytes), path);
+Weights read_weights(const std::string& path, const Architectures& architectures) {
+  return weights_of(read_npz(path, kLargestBytes), path, architectures);
 }
 
-std::vector<float> parameters_to_start_from(const Weights& weights,
-                                            const NetworkDescription& network,
-                                            const std::string& path) {
-  const std::vector<ParameterShape> from = parameter_shapes(weights.description);
-  const std::vector<ParameterShape> to = parameter_shapes(network);
-  const bool learns_to_recall = has_scan_memory(network) && !has_scan_memory(weights.description);
-  std::vector<float> parameters;
-  const float* values = weights.parameters.data();
-  bool fits = from.size() == to.size();
-  for (std::size_t i = 0; fits && i < to.size(); values += from[i++].elements()) {
-    const auto array = widened(from[i], values, to[i]);
-    fits = array && (learns_to_recall || from[i].shape == to[i].shape);
-    if (fits) parameters.insert(parameters.end(), array->begin(), array->end());
-  }
-  if (!fits) {
-    throw Error(
-        "{}: a network of kind {} with {} parameters, expected the one of the configuration, of {}",
-        path, name(weights.description), weights.parameters.size(), elements(to));
-  }
-  return parameters;
-}
-
-Weights weights_of(NpzArrays arrays, const std::string& path) {
+Weights weights_of(NpzArrays arrays, const std::string& path, const Architectures& architectures) {
   const auto description = arrays.find(kDescription);
   if (description == arrays.end()) {
     throw Error(
-        "{}: expected weights with a member 'description', found none; weights are made by hqslam "
-        "train, or of other programs' arrays by hqslam weights pack",
+        "{}: expected weights with a member 'description', found none; make weights with "
+        "hqslam-lab "
+        "train, or from another program's arrays with hqslam weights pack",
         path);
   }
   JsonFields fields(text_value(description->second, fmt::format("{}: description", path)),
@@ -165,7 +114,8 @@ Weights weights_of(NpzArrays arrays, const std::string& path) {
   arrays.erase(description);
   fields.choice("format", {kFormat});
   Weights weights;
-  weights.description = network_from_json(fields.dumped("network"), path + ": network");
+  weights.description =
+      network_from_json(fields.dumped("network"), path + ": network", architectures);
   weights.training = fields.dumped("training");
   fields.finish();
   weights.parameters = take_parameters(path, weights.description, arrays);
@@ -205,19 +155,19 @@ void write_weights(const std::string& path, const Weights& weights) {
   write_npz(path, arrays);
 }
 
-void check_self_test(const Weights& weights, const std::string& path) {
-  const NetworkDescription& d = weights.description;
-  const RangeImage z = estimate(d, weights.parameters, weights.self_test.measured);
-  const RangeImage& expected = weights.self_test.expected;
+void check_self_test(Network& network, const NetworkDescription& d, const SelfTest& self_test,
+                     const std::string& path, float tolerance) {
+  const RangeImage z = network.estimate(self_test.measured);
+  const RangeImage& expected = self_test.expected;
   if (expected.range_m.size() != z.range_m.size()) {
     throw Error(
         "{}: self-test: expected ranges of {} pixels, found {}; make it with make_self_test of the "
-        "same description",
+        "same network",
         path, z.range_m.size(), expected.range_m.size());
   }
   // The filter inside decides at thresholds: a rounding error may tip a single component, so a few
   // pixels may differ; the rest must agree.
-  const float tolerance_m = 1e-3F * d.range_scale_m;
+  const float tolerance_m = tolerance * d.range_scale_m;
   constexpr double kLargestShare = 0.001;
   std::int64_t differing = 0;
   for (std::size_t i = 0; i < z.range_m.size(); ++i) {

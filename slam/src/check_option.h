@@ -4,7 +4,7 @@
 
 namespace hqslam::slam {
 
-/// Throws Error unless low <= value <= high; `map` is the kind of map whose option it is.
+/// Throws Error unless low <= value <= high. map: the kind of map of the option.
 inline void check_option(const char* map, const char* field, double value, double low,
                          double high) {
   if (value >= low && value <= high) return;

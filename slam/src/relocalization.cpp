@@ -1,4 +1,4 @@
-// Searching: the place of a sensor in a given map.
+// The state Searching: relocalization in a given map.
 
 #include <limits>
 #include <optional>
@@ -11,11 +11,11 @@ namespace hqslam::slam {
 
 namespace {
 
-/// In a given map a scan of which less stands where the map has something stands elsewhere: 0.15
-/// and more at the edge of the map, 0.06 at a wrong place, measured. The ground fits everywhere.
+/// Smallest overlap of a scan with a given map; measured: 0.15 and more at the edge of the map,
+/// 0.06 at a wrong place.
 constexpr double kMinOverlapInGivenMap = 0.1;
 
-/// A state whose place was recognized: what was not measured yet is how well it is known.
+/// A state at a recognized place, with the covariance of the recognition.
 MotionState found_about(MotionState state) {
   constexpr double kAbout_m = 1.0;
   constexpr double kAbout_rad = 0.1;
@@ -26,8 +26,8 @@ MotionState found_about(MotionState state) {
 
 }  // namespace
 
-/// Until the place is found the last known pose stands, and the odometry goes on, so that scans can
-/// be corrected for motion and moved together.
+/// Until the place is found the last known pose is reported, and the odometry goes on, so that
+/// scans can be corrected for motion and moved together.
 State Slam::Implementation::next(Searching now, const Scan& scan, Notes& notes) {
   ScanReport& report = notes.report;
   report.T_odom_sensor = now.T_odom_last;

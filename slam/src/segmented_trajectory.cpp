@@ -11,14 +11,13 @@ void SegmentedTrajectory::add(const StampedPose& pose, std::uint32_t keyframes,
                               const Matrix6& own_covariance) {
   if (last_segment_ > 0) covariances_.push_back({trajectory_.size(), own_covariance, {}});
   trajectory_.push_back(pose);
-  keyframe_of_scan_.push_back(std::max(keyframes, first_keyframe_ + 1) - 1);
+  keyframe_of_scan_.push_back(std::max(keyframes, 1U) - 1);
   segment_of_scan_.push_back(last_segment_);
 }
 
 void SegmentedTrajectory::begin_segment(std::size_t missed_scans, std::uint32_t next_keyframe,
                                         bool is_carried) {
   ++last_segment_;
-  first_keyframe_ = next_keyframe;
   const std::size_t first = trajectory_.size() - std::min(missed_scans, trajectory_.size());
   const auto from_first = [&](auto& of_scan) {
     return of_scan.begin() + static_cast<std::ptrdiff_t>(first);
@@ -42,8 +41,8 @@ void SegmentedTrajectory::improve(std::size_t segment, const Pose& T_map_near,
   }
 }
 
-std::vector<std::pair<std::size_t, Matrix6>> SegmentedTrajectory::corrected_covariances() const {
-  std::vector<std::pair<std::size_t, Matrix6>> result;
+std::vector<std::pair<std::size_t, Covariance>> SegmentedTrajectory::corrected_covariances() const {
+  std::vector<std::pair<std::size_t, Covariance>> result;
   for (const OwnCovariance& of : covariances_) {
     if (of.corrected) result.emplace_back(of.scan, *of.corrected);
   }

@@ -7,36 +7,33 @@
 #include <vector>
 
 #include "alignment/motion_state.h"
-#include "hqslam/core/trajectory.h"
+#include "hqslam/slam/slam.h"
 
 namespace hqslam::slam {
 
-/// The trajectory so far: where each scan was, which keyframe it moves with, and which segment it
-/// is on. A segment begins where nothing measured the way; those that loop closing joined are in
-/// one submap.
+/// The trajectory so far: the pose of each scan, the keyframe with which it moves, and its segment.
+/// A segment begins where the motion is unknown; those that loop closing joined are in one submap.
 class SegmentedTrajectory {
  public:
-  /// A scan, when the map had so many keyframes. own_covariance: of the pose, without what was not
-  /// measured before its segment.
+  /// keyframes: number of keyframes after this scan. own_covariance: Drift::own_covariance.
   void add(const StampedPose& pose, std::uint32_t keyframes, const Matrix6& own_covariance);
 
-  /// From here on, and for the scans before that were not registered, the path has nothing to do
-  /// with what was before: they move with the keyframe that comes next.
-  /// is_carried: nothing at all is known of those scans.
+  /// Begins a segment with the last missed_scans, which move with the next keyframe. is_carried:
+  /// their poses are unknown.
   void begin_segment(std::size_t missed_scans, std::uint32_t next_keyframe, bool is_carried);
 
-  /// What loop closing knows about the segments: the submap that each is in.
+  /// In: the submap of each segment, by loop closing.
   void join(const std::vector<std::size_t>& submap_of_segment) {
     submap_of_segment_ = submap_of_segment;
   }
 
-  /// Loop closing found out how a segment lies: in, at a pose T_map_near in its frame, the
-  /// covariance of what was not measured before it. Before correct().
+  /// Loop closing measured the pose of a segment. In: DriftState::unmeasured at a pose T_map_near
+  /// in its frame. To be called before correct().
   void improve(std::size_t segment, const Pose& T_map_near, const Matrix6& unmeasured);
-  /// Of scans for which another covariance holds than was reported.
-  std::vector<std::pair<std::size_t, Matrix6>> corrected_covariances() const;
+  /// The covariances that differ from the reported ones, by scan.
+  std::vector<std::pair<std::size_t, Covariance>> corrected_covariances() const;
 
-  /// Moves every scan with its keyframe: in, per keyframe, T_corrected_map.
+  /// Moves every scan with its keyframe; in: T_corrected_map of each keyframe.
   void correct(const std::vector<Pose>& corrections);
 
   std::size_t last_segment() const { return last_segment_; }
@@ -46,11 +43,10 @@ class SegmentedTrajectory {
 
  private:
   Trajectory trajectory_;
-  std::vector<std::uint32_t> keyframe_of_scan_;  ///< the last up to each
+  std::vector<std::uint32_t> keyframe_of_scan_;  ///< the last one up to the scan
   std::vector<std::size_t> segment_of_scan_;
   std::size_t last_segment_ = 0;
-  std::uint32_t first_keyframe_ = 0;  ///< of the last segment
-  /// Of scans on all segments but the first.
+  /// Of a scan on another segment than the first.
   struct OwnCovariance {
     std::size_t scan = 0;
     Matrix6 own;

@@ -15,11 +15,11 @@ namespace hqslam::slam {
 
 namespace {
 
-/// Across longer gaps nothing is integrated.
+/// Inertial data are kept this long, and not integrated across longer gaps.
 constexpr double kImuMemory_s = 5.0;
 
-/// Whether an inertial state can begin with this mean force over a scan: one that is nowhere near
-/// gravity is of another unit, or of a sensor that measures none.
+/// Whether an inertial state can begin with this mean force over a scan: one far from gravity has
+/// another unit, or is of a sensor that does not measure it.
 bool is_about_gravity(const Eigen::Vector3d& specific_force_mps2) {
   return std::abs(specific_force_mps2.norm() - kGravity_mps2) < 0.5 * kGravity_mps2;
 }
@@ -37,7 +37,7 @@ SlamOptions validated(const SlamOptions& options) {
 FeatureMaps map_of(const SlamOptions& options, const SavedMap* given_map) {
   if (given_map == nullptr) return FeatureMaps(options.mapping);
   if (given_map->places.empty()) {
-    throw Error("the map has no place to be recognized; save it after a drive");
+    throw Error("expected a map with places, found none; save the map after a drive");
   }
   return {options.mapping, *given_map};
 }
@@ -62,15 +62,7 @@ Slam::Implementation::Implementation(const SensorModel& sensor_, const SlamOptio
   }
 }
 
-void Slam::Implementation::extend(const SavedMap& given) {
-  const auto first_keyframe = static_cast<std::uint32_t>(given.places.size());
-  mapping = Mapping(options.mapping, first_keyframe);
-  loop_closing.emplace(options.mapping, given);
-  path.begin_segment(0, first_keyframe, true);
-  drift.lose(Matrix6::Zero(), true);
-}
-
-/// The way of a scan, in the frame of the sensor turned level.
+/// Processes a scan in the level frame.
 ScanReport Slam::Implementation::process_level(const OrganizedCloud& cloud, double stamp_s,
                                                ScanTrace* trace) {
   Notes notes;
@@ -98,11 +90,11 @@ ScanReport Slam::Implementation::process_level(const OrganizedCloud& cloud, doub
   return notes.report;
 }
 
-/// All that process_level() knows of is the sensor turned level.
+/// Converts between the frame of the sensor and the level frame of process_level().
 ScanReport Slam::Implementation::process(const OrganizedCloud& cloud, double stamp_s,
                                          ScanTrace* trace) {
   if (!path.trajectory().empty() && stamp_s < path.trajectory().back().stamp_s) {
-    imu = {};  // the clock was set back: its samples are of other times than their stamps say now
+    imu = {};  // the clock was set back: stamps before are of another clock
     gravity_window.interrupt();
   }
   if (options.mounting.estimated && !mounting.mounted().estimated &&
@@ -153,7 +145,7 @@ Scan Slam::Implementation::front_end(const OrganizedCloud& cloud, double stamp_s
   return scan;
 }
 
-/// As far as an inertial sensor saw how the sensor turned during the scan.
+/// Applies EvenTurning to a scan that inertial data cover.
 void Slam::Implementation::make_turning_even(Scan& scan) {
   const double half_s = 0.5 * sensor.scan_period_s;
   const std::vector<ImuStep> steps =
@@ -170,7 +162,7 @@ void Slam::Implementation::make_turning_even(Scan& scan) {
   scan.specific_force_mps2 = force_mps2;
 }
 
-/// What loop closing found out since, if this is the scan that it was waited for.
+/// Applies the result of loop closing that is due with this scan.
 void Slam::Implementation::collect_loops(Notes& notes) {
   if (!loop_closing) return;
   if (const std::optional<LoopResult> found = loop_closing->collect()) {
@@ -180,8 +172,8 @@ void Slam::Implementation::collect_loops(Notes& notes) {
   notes.report.times.loop_closing_s = notes.stopwatch.lap_s();
 }
 
-/// Moves map and path with their keyframes. The odometry's frame and the last motion stay as they
-/// are, so the next scan is followed as if nothing had happened, in the corrected map.
+/// Moves map and path with their keyframes. The odometry's frame and the velocity do not change, so
+/// tracking continues in the corrected map.
 void Slam::Implementation::apply(const LoopResult& found) {
   path.join(found.submap_of_segment);
   Reference* reference = reference_of(state);
@@ -194,15 +186,15 @@ void Slam::Implementation::apply(const LoopResult& found) {
     gravity_window.correct(found.corrections.back());
     if (reference->inertial) turn(*reference->inertial, found.corrections.back().linear());
   }
-  mapping.restore_to_window(found.recalled);
+  mapping.restore_to_window(found.restored);
 }
 
-/// Takes away what is not unknown any more, of the pose now and of those on segments that were
-/// joined. Before anything is corrected.
+/// Reduces the drift of the present pose and of those on segments that were joined. To be called
+/// before poses are corrected.
 void Slam::Implementation::apply(const LoopedDrift& found, const Pose& T_map_reference) {
   const Pose motion = found.T_map_last.inverse() * T_map_reference;
-  const bool is_way_known = found.last_segment == path.last_segment();
-  drift.set(improved(drift.state(), found.last, motion, is_way_known));
+  const bool is_path_known = found.last_segment == path.last_segment();
+  drift.set(improved(drift.state(), found.last, motion, is_path_known));
   for (const LoopedDrift::OfSegment& of : found.segments) {
     path.improve(of.segment, mounting.of_sensor(of.T_map_node), mounting.of_sensor(of.unmeasured));
   }
@@ -214,17 +206,6 @@ Slam::Slam(const SensorModel& sensor, const SlamOptions& options)
 Slam::Slam(const SensorModel& sensor, const SlamOptions& options, const SavedMap& map,
            const std::optional<Pose>& T_map_level_start)
     : implementation_(std::make_unique<Implementation>(sensor, options, &map, T_map_level_start)) {}
-Slam Slam::extending(const SensorModel& sensor, const SlamOptions& options, const SavedMap& map) {
-  if (map.places.empty() || !options.loop_closing.enabled) {
-    throw Error(
-        "expected a map with places, and loop closing, which recognizes them, found {} places and "
-        "loop closing switched {}",
-        map.places.size(), options.loop_closing.enabled ? "on" : "off");
-  }
-  Slam slam(sensor, options);
-  slam.implementation_->extend(map);
-  return slam;
-}
 Slam::~Slam() = default;
 Slam::Slam(Slam&&) noexcept = default;
 Slam& Slam::operator=(Slam&&) noexcept = default;

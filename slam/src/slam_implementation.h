@@ -19,11 +19,11 @@
 
 namespace hqslam::slam {
 
-/// What is written down about the scan at hand.
+/// What is recorded about the present scan.
 struct Notes {
   ScanReport report;
   Stopwatch stopwatch;
-  ScanTrace* trace = nullptr;                ///< nullptr: not asked for
+  ScanTrace* trace = nullptr;                ///< nullptr: none
   Matrix6 own_covariance = Matrix6::Zero();  ///< Drift::own_covariance
 };
 
@@ -41,14 +41,12 @@ struct Slam::Implementation {
   AccelerationNoise accelerations;
   Drift drift;
   Matrix6 own_covariance = Matrix6::Zero();  ///< Drift::own_covariance() of the last scan
-  // One of the two:
-  std::optional<BackgroundLoopClosing> loop_closing;  ///< of a map of its own
+  // Exactly one of the two:
+  std::optional<BackgroundLoopClosing> loop_closing;  ///< without a given map
   std::optional<PlaceRecognition> place_recognition;  ///< in a given map
 
   Implementation(const SensorModel& sensor, const SlamOptions& options, const SavedMap* given_map,
                  const std::optional<Pose>& T_map_level_start);
-  /// Makes a map of its own that goes on from a given one.
-  void extend(const SavedMap& given);
 
   // slam.cpp
   ScanReport process(const OrganizedCloud& cloud, double stamp_s, ScanTrace* trace);
@@ -59,20 +57,20 @@ struct Slam::Implementation {
   void make_turning_even(Scan& scan);
   Scan front_end(const OrganizedCloud& cloud, double stamp_s, Notes& notes);
 
-  // One scan on, from each state: tracking.cpp, and Searching in relocalization.cpp.
+  // The next state after a scan: tracking.cpp; for Searching relocalization.cpp.
   State next(Starting now, const Scan& scan, Notes& notes);
   State next(Tracking now, const Scan& scan, Notes& notes);
   State next(Lost now, const Scan& scan, Notes& notes);
   State next(Searching now, const Scan& scan, Notes& notes);
 
-  /// A scan after it was looked for in the map.
+  /// The result of a registration in the map.
   struct Registered {
-    MotionState state;  ///< by the map, else by the odometry, else as it was expected
+    MotionState state;  ///< by the map, else by the odometry, else the expected one
     Matrix6 against_map = Matrix6::Zero();
     bool is_registered = false;        ///< in the map
-    bool by_odometry = false;          ///< its motion since the reference is known
-    bool is_motion_plausible = false;  ///< and is one that a sensor can make that is not carried
-    bool is_contradiction = false;     ///< of what was well known before the scan
+    bool by_odometry = false;          ///< the motion since the reference is known
+    bool is_motion_plausible = false;  ///< known, and possible unless the sensor is carried
+    bool is_contradiction = false;     ///< of a state that was well known before the scan
     double inlier_ratio = 0.0;
     double close_ratio = 0.0;
     std::optional<InertialState> inertial;
@@ -90,8 +88,7 @@ struct Slam::Implementation {
   bool is_in_given_map(const MapFeatures& features, const MotionState& found) const;
 };
 
-/// The scan as the one that the next are matched with. inertial: nothing where it begins with this
-/// scan, or nothing covers it.
+/// A reference made of a scan. inertial: nothing if it begins with this scan or no data cover it.
 Reference reference_of(const Scan& scan, const MotionState& state, const Matrix6& against_map,
                        const ScanReport& report, std::optional<InertialState> inertial = {});
 

@@ -1,4 +1,4 @@
-// What SLAM knows of the scans so far.
+// The results of SLAM for the scans so far.
 
 #include <limits>
 #include <utility>
@@ -12,8 +12,7 @@ namespace hqslam::slam {
 
 namespace {
 
-/// Where some points have intensities and others none: those of `points` so far that had none are
-/// not a number.
+/// Appends intensities to those of `points` points so far, which are NaN where they had none.
 void append_known(std::vector<float>& intensity, const std::vector<float>& added,
                   std::size_t points) {
   if (intensity.empty() && added.empty()) return;
@@ -35,7 +34,7 @@ std::vector<std::size_t> Slam::submap_of_scan() const {
   return implementation_->path.submap_of_scan();
 }
 
-std::vector<std::pair<std::size_t, Matrix6>> Slam::corrected_covariances() const {
+std::vector<std::pair<std::size_t, Covariance>> Slam::corrected_covariances() const {
   return implementation_->path.corrected_covariances();
 }
 
@@ -65,16 +64,15 @@ SavedMap Slam::saved_map() const {
   const auto& loop_closing = implementation_->loop_closing;
   if (!loop_closing) {
     throw Error(
-        "expected a drive that makes a map of its own, found one located in a given map, which "
-        "stays as it is; save the map of a drive without one");
+        "expected a drive that makes a map, found one located in a given map; save the map of a "
+        "drive without one");
   }
   if (!implementation_->options.loop_closing.enabled) {
     throw Error(
-        "expected loop closing, which knows the places of a map, found it switched off; switch it "
-        "on");
+        "expected loop closing, which collects the places of a map, found it switched off; switch "
+        "it on");
   }
   const std::vector<FeatureMaps> submaps = loop_closing->whole_map(implementation_->mapping.map());
-  const std::size_t given_places = loop_closing->finished().poses().held;
   SavedMap result;
   for (std::size_t submap = 0; submap < submaps.size(); ++submap) {
     std::vector<SavedPlace> places = loop_closing->finished().places(submap);
@@ -83,12 +81,6 @@ SavedMap Slam::saved_map() const {
     result = {map.edges.points_m(),  map.posts.points_m(),  map.planes.points_m(),
               std::move(places),     map.edges.intensity(), map.posts.intensity(),
               map.planes.intensity()};
-    if (given_places > 0) break;  // the first is the map that is extended
-  }
-  if (given_places > 0 && result.places.size() <= given_places) {
-    throw Error(
-        "expected a drive that comes by a place of the map that it extends, found that none was "
-        "recognized; nothing can be added");
   }
   return result;
 }

@@ -4,7 +4,7 @@
 
 namespace hqslam::slam {
 
-/// Seconds since construction or since the last call of lap().
+/// Measures the seconds since construction or since the last call of lap_s().
 class Stopwatch {
  public:
   double lap_s() {

@@ -4,11 +4,11 @@
 
 namespace hqslam::slam {
 
-/// As long as it lives, the parallel regions that the calling thread begins have so many threads;
-/// those of other threads are not touched.
+/// Sets the number of threads of the parallel regions that the calling thread begins during the
+/// lifetime of the object; other threads are not affected.
 class ThreadLimit {
  public:
-  /// 0: as many as without it.
+  /// 0: unchanged.
   explicit ThreadLimit(int threads) : before_(omp_get_max_threads()) {
     if (threads > 0) omp_set_num_threads(threads);
   }

@@ -1,4 +1,4 @@
-// The states of a sensor that is followed, and one that SLAM has not begun with yet.
+// The states Starting, Tracking and Lost.
 
 #include <algorithm>
 #include <array>
@@ -13,15 +13,15 @@ namespace hqslam::slam {
 
 namespace {
 
-/// A sensor that is followed no longer is believed to keep its velocity for so long.
+/// Without measurements a velocity is assumed constant for this time.
 constexpr double kSteady_periods = 10.0;
-/// Scans in a row that may miss the map before the way counts as lost.
+/// Consecutive scans that may miss the map.
 constexpr std::size_t kMaxMissedScans = 5;
-/// Of the last registered scan's ratios. The inlier ratio falls to 0.83 at the most from scan to
-/// scan on simulated drives of all kinds, and to 0.44 in another street.
+/// Smallest share of the last registered scan's ratios. From scan to scan the inlier ratio falls to
+/// 0.83 at the lowest on simulated drives of all kinds, and to 0.44 in another street.
 constexpr double kLeastShareOfInlierRatio = 0.6;
 
-/// Whether a sensor that is not carried can have moved so much otherwise than it was expected to.
+/// Whether a sensor that is not carried can deviate this much from its expected motion.
 bool is_plausible(const Twist& innovation, double duration_s) {
   constexpr double kAccelerated_m_s2 = 10.0;
   constexpr double kTurned_rad_s2 = 5.0;
@@ -30,7 +30,7 @@ bool is_plausible(const Twist& innovation, double duration_s) {
          innovation.angular.norm() <= 0.2 + kTurned_rad_s2 * half_square_s2;
 }
 
-/// By how much less is known of an expected pose than of the one before.
+/// The growth of the pose's covariance from a state to the expected one.
 Matrix6 growth(const MotionState& before, const MotionState& expected, const Pose& motion) {
   return expected.covariance.topLeftCorner<6, 6>() -
          carried(before.covariance.topLeftCorner<6, 6>(), motion);
@@ -109,7 +109,7 @@ State Slam::Implementation::next(Lost now, const Scan& scan, Notes& notes) {
   return now;
 }
 
-/// From Tracking or Lost: the scan was registered.
+/// After Tracking or Lost: the scan was registered.
 State Slam::Implementation::tracked(Tracking last, const Registered& found, const Scan& scan,
                                     Notes& notes) {
   const MotionState& before = last.reference.state;
@@ -137,13 +137,13 @@ State Slam::Implementation::tracked(Tracking last, const Registered& found, cons
   return last;
 }
 
-/// From Lost: nothing measured the way here. The sensor goes on as if it stood where it is believed
-/// to be, in a submap of its own.
+/// After Lost: the motion is unknown. Tracking continues from the estimated pose in a submap of its
+/// own.
 State Slam::Implementation::new_segment(const Lost& lost, Registered found, const Scan& scan,
                                         Notes& notes) {
   drift.move(lost.last.reference.state.T_map_sensor.inverse() * found.state.T_map_sensor);
   drift.lose(found.against_map, lost.is_carried);
-  // A velocity that nothing measured would be predicted again, and kept for good.
+  // An unmeasured velocity would be predicted again and never corrected.
   if (!found.by_odometry) {
     found.state = unknown_motion(found.state.T_map_sensor);
     if (found.inertial) found.inertial = kept(*found.inertial, found.state);
@@ -157,7 +157,7 @@ State Slam::Implementation::new_segment(const Lost& lost, Registered found, cons
                   0.0, 0.0, std::nullopt};
 }
 
-/// Nothing where no inertial sensor measured all of the way.
+/// The prediction by inertial data; nothing unless they cover the time since the reference.
 std::optional<InertialPrediction> Slam::Implementation::predicted_by_imu(const Reference& reference,
                                                                          const Scan& scan) const {
   const bool is_clock_steady =
@@ -170,7 +170,7 @@ std::optional<InertialPrediction> Slam::Implementation::predicted_by_imu(const R
                    scan.turning->mean_rate_rad_per_s());
 }
 
-/// Whether the odometry and the map are to be believed, and where the scan is then.
+/// Whether the results of odometry and mapping are accepted, and the state by them.
 Slam::Implementation::Registered Slam::Implementation::judged(const Tracking& last,
                                                               const Scan& scan,
                                                               const MotionState& expected,
@@ -179,7 +179,7 @@ Slam::Implementation::Registered Slam::Implementation::judged(const Tracking& la
   const double duration_s = scan.time_s - last.reference.time_s;
   const Pose T_map_moved =
       orthonormalized(last.reference.state.T_map_sensor * moved.T_reference_sensor);
-  // Of a scan that was found far from where it was looked for first, inlier_ratio is of the way.
+  // inlier_ratio alone is that of a wide search, which may have begun far from the result.
   const bool is_elsewhere = matched.inlier_ratio < kLeastShareOfInlierRatio * last.inlier_ratio &&
                             matched.close_ratio < kLeastShareOfInlierRatio * last.close_ratio;
   Registered found;
@@ -201,7 +201,7 @@ Slam::Implementation::Registered Slam::Implementation::judged(const Tracking& la
   return found;
 }
 
-/// Where the scan is: predicted, moved by the odometry, registered in the map.
+/// Registers a scan: prediction, odometry, mapping.
 Slam::Implementation::Registered Slam::Implementation::registered(const Tracking& last,
                                                                   const Scan& scan,
                                                                   Notes& notes) const {
@@ -234,7 +234,7 @@ Slam::Implementation::Registered Slam::Implementation::registered(const Tracking
   } else if (reference.inertial) {
     found.inertial = kept(*reference.inertial, found.state);
   }
-  // Of a very long gap the clock (ScanClock) makes one period.
+  // ScanClock replaces a very long gap by one period.
   const bool is_after_gap = std::max(duration_s, scan.stamp_s - reference.stamp_s) > steady_s;
   report.mapping_status = !found.is_registered ? Status::kTooFewFeatures
                           : is_after_gap       ? Status::kAfterGap
@@ -261,8 +261,8 @@ Slam::Implementation::Registered Slam::Implementation::registered(const Tracking
   return found;
 }
 
-/// The same; the first keyframe was taken as if the sensor stood, and now that its velocity is
-/// known the map begins anew with it and the scan is registered again.
+/// registered(), and again after the map has begun anew with the first keyframe, which was inserted
+/// as if the sensor stood, corrected for the velocity that is known now.
 Slam::Implementation::Registered Slam::Implementation::first_registered(Tracking& last,
                                                                         const Scan& scan,
                                                                         Notes& notes) {
@@ -281,8 +281,8 @@ void Slam::Implementation::correct_first_keyframe(Tracking& last, Twist velocity
   last.first_keyframe.reset();
 }
 
-/// Puts the scan, whose pose is in the report, into the map, or into a submap of its own if nothing
-/// measured the way here.
+/// Inserts the scan at the pose of the report into the map, or into a submap of its own if it
+/// begins a segment.
 void Slam::Implementation::add_keyframe(const Scan& scan, const Twist& velocity,
                                         bool begins_segment, Notes& notes) {
   ScanReport& report = notes.report;

@@ -26,24 +26,34 @@ only tools/lab/simulator hqslam/ core sim
 only core/recordings hqslam/ core recordings
 only core/live hqslam/ core recordings live
 only nn hqslam/ core nn
-only slam hqslam/ core slam
-only tools/python hqslam/ core evaluation nn recordings sim slam
+only slam/src hqslam/ core slam
+only slam/include hqslam/ core slam
+only slam/lego_loam hqslam/ core slam lego_loam
+only tools/pipeline hqslam/ core recordings nn slam lego_loam pipeline
+only tools/python hqslam/ core evaluation nn recordings slam pipeline
 
-# Within nn: kernels know neither graphs nor networks, graphs no networks, and nobody the compared ones.
-for pair in kernels:'graph|hqs|training' graph:'hqs|training' hqs:training training:hqs; do
-  found=$(grep -rnE "^#include \"(\.\./(${pair#*:})/|hqslam/nn/(${pair#*:})/)" "nn/src/${pair%%:*}" || true)
+# Within nn: kernels include neither graphs nor networks, graphs no networks, and what upsamples
+# nothing that trains.
+training='[a-z_]*backward|hqslam/nn/training|trainable'
+for pair in kernels:"graph/|hqs/|$training" graph:"hqs/|$training" hqs:"$training" src:"$training" include:"$training"; do
+  found=$(grep -rnE "^#include \"([a-z]*/)?(${pair#*:})" "nn/${pair%%:*}" || true)
   if [[ -n "$found" ]]; then
-    printf 'nn/src/%s may not include %s:\n%s\n' "${pair%%:*}" "${pair#*:}" "$found"
+    printf 'nn/%s may not include %s:\n%s\n' "${pair%%:*}" "${pair#*:}" "$found"
     wrong=1
   fi
 done
 
 # Heavy parents stay with those who need them, and out of every installed header.
-for header in ceres; do
-  users=$(grep -rlE "#include <$header/" --include='*.h' --include='*.cpp' core nn slam tools | grep -v '^slam/src/' || true)
+#   stays_in HEADER PATTERN: files of the sources that include <HEADER/ must match.
+stays_in() {
+  local users
+  users=$(grep -rlE "#include [<\"]$1/" --include='*.h' --include='*.cpp' core nn slam tools |
+    grep -vE "^($2)" || true)
   if [[ -n "$users" ]]; then
-    printf 'only slam/src may include %s:\n%s\n' "$header" "$users"
+    printf 'only %s may include %s:\n%s\n' "$2" "$1" "$users"
     wrong=1
   fi
-done
+}
+stays_in ceres 'slam/(lego_loam/)?src/.*\.cpp$'
+stays_in pcl 'slam/lego_loam/src/|slam/lego_loam/include/hqslam/pcl\.h$'
 exit $wrong

@@ -1,8 +1,10 @@
 #include <string>
 #include <vector>
 
+#include "checkpoint_arrays.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/npz.h"
+#include "hqslam/nn/network.h"
 #include "hqslam/nn/network_json.h"
 #include "hqslam/nn/training/checkpoint.h"
 #include "hqslam/nn/training/training_configuration.h"
@@ -35,7 +37,9 @@ NpzArrays good_weights() {
   good.description = small_network();
   good.parameters = nn::initial_parameters(good.description, 1);
   good.training = "{}";
-  good.self_test = nn::make_self_test(good.description, good.parameters, RangeImage(4, 32));
+  const auto network = nn::make_network(good.description, 32, nn::InstructionSet::kPortable, 1);
+  network->set_parameters(good.parameters);
+  good.self_test = nn::make_self_test(*network, RangeImage(4, 32));
   const std::string path = as_file({}, ".npz");
   nn::write_weights(path, good);
   return read_npz(path);

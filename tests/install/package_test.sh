@@ -13,7 +13,7 @@ fi
 cpack --config "$build_folder/CPackConfig.cmake" -B "$folder" >"$folder/log" 2>&1 ||
   { cat "$folder/log"; exit 1; }
 dpkg-deb -x "$folder"/hqslam_*.deb "$folder/root"
-for file in bin/hqslam share/man/man1/hqslam.1 share/hqslam/weights/du-mix_os1_16to64.npz \
+for file in bin/hqslam bin/hqslam-lab share/man/man1/hqslam.1 share/hqslam/weights/du-mix_os1_16to64.npz \
   share/doc/hqslam/LICENSE include/hqslam/slam/slam.h; do
   [[ -f "$folder/root/usr/$file" ]] || { echo "usr/$file is not in the package"; exit 1; }
 done
@@ -22,6 +22,6 @@ for library in libc6 libembree libgoogle-glog libzip libpcap; do
   [[ "$depends" == *"$library"* ]] || { echo "Depends lacks $library: $depends"; exit 1; }
 done
 program=$folder/root/usr/bin/hqslam
-"$program" simulate --drive block --sensor os1-16 --scans 5 --out "$folder/drive" >/dev/null 2>&1
+"$program-lab" simulate --drive block --sensor os1-16 --scans 5 --out "$folder/drive" >/dev/null 2>&1
 "$program" run "$folder/drive" --out "$folder/results" >/dev/null 2>&1
 [[ $(wc -l <"$folder/results/trajectory.tum") == 5 ]]

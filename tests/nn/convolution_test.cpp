@@ -1,7 +1,7 @@
 #include <vector>
 
 #include "golden.h"
-#include "graph/convolution_layer.h"
+#include "graph/layer_backward.h"
 #include "hqslam/core/error.h"
 #include "random_values.h"
 
@@ -27,7 +27,7 @@ std::vector<Case> cases() {
       all.push_back({{2, 3, 3, 5, 1, 1, 2}, 3, columns, padding});
       all.push_back({{3, 9, 3, 3, 2, 1, 1, 1}, 6, columns, padding});  // strides 2 x 1
     }
-    all.push_back({{17, 18, 3, 3, 1, 1, 1}, 5, 48, padding});  // Winograd's way
+    all.push_back({{17, 18, 3, 3, 1, 1, 1}, 5, 48, padding});  // computed by WinogradConvolution
     all.push_back({{1, 2, 5, 3, 3, 2, 0}, 9, 12, padding});
     all.push_back({{1, 9, 1, 8, 1, 0, 2, 4}, 3, 64, padding});  // strides 1 x 4
     all.push_back({{2, 3, 3, 4, 1, 1, 2}, 3, 20, padding});     // zero: one column more than before
@@ -110,17 +110,20 @@ ConvolutionProblem problem(const Case& c, bool transposed) {
   return p;
 }
 
-void run(ConvolutionLayer& layer, const ConvolutionProblem& p, Outcome& outcome, int threads = 1) {
+void run(ConvolutionLayer& layer, const ConvolutionProblem& p, Outcome& outcome, int threads = 1,
+         InstructionSet instruction_set = chosen_instruction_set()) {
 #pragma omp parallel num_threads(threads)
   layer.forward({.input = &p.input, .output = &outcome.output});
   const BackwardPass back{.input = &p.input, .d_output = &p.d_output, .d_input = &outcome.d_input};
-  layer.backward({&back, 1}, outcome.d_parameters);
+  ConvolutionBackward backward(layer, {instruction_set, threads});
+  backward.set_parameters(p.parameters);
+  backward.backward({&back, 1}, outcome.d_parameters);
 }
 
 Outcome with_layer(const ConvolutionProblem& p, InstructionSet instruction_set, int threads) {
   Outcome outcome = p.empty_outcome();
   ConvolutionLayer layer = p.layer(instruction_set, threads);
-  run(layer, p, outcome, threads);
+  run(layer, p, outcome, threads, instruction_set);
   return outcome;
 }
 
@@ -156,7 +159,7 @@ void check_against_reference(bool transposed) {
   }
 }
 
-/// Of a layer of the golden file.
+/// The problem of a layer of the golden file.
 ConvolutionProblem problem(const Golden& golden, const std::string& name, bool transposed) {
   const std::vector<std::int64_t> stored = int64_values(golden.array(name + ".shape"), name);
   std::vector<int> s(stored.begin(), stored.end());
@@ -186,7 +189,7 @@ void check_against_pytorch(const std::string& kind, bool transposed, int cases) 
       CAPTURE(nn::name(instruction_set));
       Outcome actual{p.output, p.input, std::vector<float>(p.parameters.size())};
       ConvolutionLayer layer = p.layer(instruction_set);
-      run(layer, p, actual);
+      run(layer, p, actual, 1, instruction_set);
       const std::span<const float> gradient = actual.d_parameters;
       const auto weights = static_cast<std::size_t>(p.shape.weights());
       CHECK(relative_error(actual.output, golden.values(name + ".output")) < kTolerance);
@@ -230,7 +233,7 @@ TEST_CASE("conv2d of a 1-2-3 row with kernel 1 10 100 is what a hand computes, g
   CHECK(output.at(0, 0, 2) == 1000 + 2 * 1 + 3 * 10 + 1 * 100);
 }
 
-TEST_CASE("new parameters count forward and backward, whichever way the convolution goes") {
+TEST_CASE("new parameters count forward and backward, whichever kernel computes the convolution") {
   for (const int channels : {5, 16}) {
     ConvolutionProblem p =
         problem({{channels, channels, 3, 3, 1, 1, 1}, 4, 32, ColumnPadding::kZero}, false);

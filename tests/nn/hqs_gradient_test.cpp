@@ -56,7 +56,7 @@ EngineResult engine(const GradientProblem& p, InstructionSet instruction_set) {
   return result;
 }
 
-/// Of each layer, in units of range_scale_m.
+/// Z of each layer, in units of range_scale_m.
 std::vector<std::vector<double>> reference_z(const GradientProblem& p,
                                              const std::vector<double>& parameters,
                                              const Masks& rejected) {
@@ -64,7 +64,8 @@ std::vector<std::vector<double>> reference_z(const GradientProblem& p,
       reference_trace(p.plan, parameters, p.measured, {.rejected = rejected});
   std::vector<std::vector<double>> z;
   for (int k = 0; k < p.plan.layers; ++k) {
-    z.push_back(trace.tensor("layers." + std::to_string(k) + ".z").values);
+    const auto z_of_layer = trace.tensor("layers." + std::to_string(k) + ".z").all();
+    z.emplace_back(z_of_layer.begin(), z_of_layer.end());
     for (double& range : z.back()) range /= static_cast<double>(p.plan.range_scale_m);
   }
   return z;

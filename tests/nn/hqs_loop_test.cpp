@@ -14,7 +14,7 @@ HqsPlan filtered(HqsPlan plan) {
   return plan;
 }
 
-/// A scan and the way back, with Z for d loss / d Z.
+/// The gradient after a scan, with Z for d loss / d Z.
 std::vector<float> gradient_after(const RangeImage& scan, HqsRun& run, std::size_t parameters) {
   send(scan, 1, run);
   std::vector<float> gradient(parameters);
@@ -73,7 +73,7 @@ void check_against_pytorch(const HqsPlan& plan, const std::string& file, bool re
       CHECK(run.layer(layer).rejected == mask);
     }
     Tensor truth = run.hqs.z0;
-    run.hqs.measurement.put_truth(small_scene(), truth);
+    HqsGradient(run.hqs).backward(0).put_truth(small_scene(), plan.range_scale_m, truth);
     Tensor d_z = run.hqs.z0;
     const double loss = l1_loss(run.z(2), truth, plan.tile(), plan.measured_rows, 1.0F, d_z);
     CHECK(loss == doctest::Approx(golden.value("loss")).epsilon(kLoopTolerance));
@@ -247,7 +247,7 @@ TEST_CASE("Y is H, and Z where the filter rejects H") {
     const std::vector<float> h = image_of(d, layer.prior.h());
     const std::vector<float> z = image_of(d, layer.prior.z);
     const std::vector<float> y = image_of(d, layer.y);
-    std::vector<float> seen = h;  // nearer than 0.5 m the sensor sees nothing
+    std::vector<float> seen = h;  // nearer than 0.5 m the sensor has no return
     for (float& range : seen) range = range >= 0.5F / 80.0F ? range : 0.0F;
     std::vector<std::uint8_t> expected_mask(y.size());
     OutlierRemoval(d.sensor, d.measured_rows, d.filter, 64).find(seen.data(), expected_mask.data());

@@ -1,6 +1,6 @@
 
 #include "golden.h"
-#include "hqs/hqs_loop.h"
+#include "hqs/hqs_backward.h"
 #include "hqs/hqs_network.h"
 #include "small_network.h"
 
@@ -8,7 +8,7 @@
 namespace hqslam::nn {
 namespace {
 
-/// Of tiles of 4 x 4 pixels whose last row is measured.
+/// For tiles of 4 x 4 pixels whose last row is measured.
 bool is_measured_channel(int channel) { return channel / 4 == 3; }
 
 Tensor of(const Golden& golden, const std::string& name) {

@@ -19,7 +19,7 @@ RangeImage column(const std::vector<float>& ranges_m) {
 
 using Ranges = std::vector<float>;
 
-/// So many beams, half a degree apart.
+/// `rows` beams, half a degree apart.
 std::vector<double> even_beams(int rows) {
   std::vector<double> elevation_rad;
   for (int row = 0; row < rows; ++row) elevation_rad.push_back(0.1 - 0.5 * row / 57.3);
@@ -97,7 +97,7 @@ TEST_CASE("inverse interpolation is exact where 1 / range is linear over the row
 }
 
 TEST_CASE("inverse interpolation follows the elevations of the beams, the others count rows") {
-  // A wall 10 m away, seen by beams whose steps grow from a fifth of a degree to two degrees.
+  // A wall 10 m away, and beams whose steps grow from a fifth of a degree to two degrees.
   const std::vector<double> elevation_rad = {0.050, 0.0465, 0.040, 0.028, 0.0};
   Ranges measured;
   for (const int row : {0, 4}) {
@@ -117,7 +117,7 @@ TEST_CASE("inverse interpolation follows the elevations of the beams, the others
   CHECK(rows_between(4, {0, 4}, elevation_rad).above == 1);
 }
 
-TEST_CASE("a row lies between the nearest measured rows above and below, or is one itself") {
+TEST_CASE("a row is between the nearest measured rows above and below, or is one itself") {
   std::vector<int> above;
   std::vector<int> below;
   for (int row = 0; row < 9; ++row) {  // measured: rows 1, 4, 7

@@ -1,11 +1,10 @@
-#include "graph/layer_graph.h"
-
 #include <doctest/doctest.h>
 
 #include <algorithm>
 
 #include "error_message.h"
 #include "golden.h"
+#include "graph/graph_backward.h"
 #include "random_values.h"
 
 namespace hqslam::nn {
@@ -55,6 +54,7 @@ TEST_CASE("a graph's gradients are what small changes of input and parameters do
   constexpr float kStep = 1.0F / 16384.0F;  // few ReLUs turn within it
   constexpr std::uint64_t kSeed = 5;
   LayerGraph graph = small_graph();
+  GraphBackward backward(graph);
   std::vector<float> parameters = graph.initial_parameters(3);
   for (float& parameter : parameters) parameter *= 2.0F;
   std::vector<LayerGraph::Values> values{graph.make_values()};
@@ -65,7 +65,8 @@ TEST_CASE("a graph's gradients are what small changes of input and parameters do
   const auto loss = [&] {
     values[0].front().fill_borders();
     graph.set_parameters(parameters);
-    graph.forward_batch(values, std::vector<std::uint64_t>{kSeed});
+    backward.set_parameters(parameters);
+    backward.forward_batch(values, std::vector<std::uint64_t>{kSeed});
     double sum = 0.0;
     const std::vector<float> factors = values_of(d_output);
     const std::vector<float> results = values_of(values[0].back());
@@ -77,7 +78,7 @@ TEST_CASE("a graph's gradients are what small changes of input and parameters do
   loss();
   std::vector<float> d_parameters(parameters.size());
   gradients[0].back() = d_output;
-  graph.backward(values, gradients, d_parameters, {.dropped = true});
+  backward.backward(values, gradients, d_parameters, {.dropped = true});
   const auto slope_at = [&](float& value) { return slope_of(loss, kStep, value); };
   for (std::size_t i = 0; i < parameters.size(); i += 37) {
     CAPTURE(i);
@@ -91,8 +92,10 @@ TEST_CASE("a graph's gradients are what small changes of input and parameters do
 
 TEST_CASE("a graph's last layer by rows is what it is as a whole, forward and backward") {
   LayerGraph graph = small_graph();
+  GraphBackward backward(graph);
   const std::vector<float> parameters = graph.initial_parameters(3);
   graph.set_parameters(parameters);
+  backward.set_parameters(parameters);
   LayerGraph::Values values = graph.make_values();
   fill_random(1, values.front());
   graph.forward(values);
@@ -101,7 +104,7 @@ TEST_CASE("a graph's last layer by rows is what it is as a whole, forward and ba
   LayerGraph::Values by_rows = whole;
   std::vector<float> d_whole(parameters.size());
   std::vector<float> d_by_rows(parameters.size());
-  graph.backward({&values, 1}, {&whole, 1}, d_whole);
+  backward.backward({&values, 1}, {&whole, 1}, d_whole);
   Tensor d_row(2, 1, 32, ColumnPadding::kCircular, 0);
   std::vector<float> row(2 * 32);
   for (int y = 0; y < 4; ++y) {
@@ -110,9 +113,9 @@ TEST_CASE("a graph's last layer by rows is what it is as a whole, forward and ba
       CHECK(std::equal(&row[channel * 32], &row[channel * 32] + 32, values.back().row(channel, y)));
       std::copy_n(by_rows.back().row(channel, y), 32, d_row.row(channel, 0));
     }
-    graph.last_backward_rows(values, y, d_row, by_rows, d_by_rows);
+    backward.last_backward_rows(values, y, d_row, by_rows, d_by_rows);
   }
-  graph.backward({&values, 1}, {&by_rows, 1}, d_by_rows, {.left_out = 1});
+  backward.backward({&values, 1}, {&by_rows, 1}, d_by_rows, {.left_out = 1});
   CHECK(same_bits(whole.front(), by_rows.front()));
   for (std::size_t i = 0; i < d_whole.size(); ++i) {
     REQUIRE(d_by_rows[i] == doctest::Approx(d_whole[i]).epsilon(1e-5).scale(1));
@@ -128,7 +131,7 @@ TEST_CASE("no mask of a dropout comes again in a graph whose seed is 10 more") {
   for (LayerGraph::Values& of_seed : values) {
     for (int y = 0; y < 4; ++y) std::fill_n(of_seed[0].row(0, y), 32, 1.0F);
   }
-  graph.forward_batch(values, std::vector<std::uint64_t>{1000, 1010});
+  GraphBackward(graph).forward_batch(values, std::vector<std::uint64_t>{1000, 1010});
   for (int a = 1; a <= kDropouts; ++a) {
     for (int b = 1; b <= kDropouts; ++b) CHECK_FALSE(same_bits(values[0][a], values[1][b]));
   }
@@ -140,13 +143,15 @@ TEST_CASE("a tensor that two layers use gets the sum of both gradients") {
   const int once = graph.add("once", linear, {0});
   graph.add("sum", linear, {once, 0});
   graph.set_parameters(std::vector<float>{3.0F, 5.0F});
+  GraphBackward backward(graph);
+  backward.set_parameters(std::vector<float>{3.0F, 5.0F});
   LayerGraph::Values values = graph.make_values();
   LayerGraph::Values gradients = graph.make_values();
   fill_random(1, values.front());
   for (int x = 0; x < 16; ++x) gradients.back().at(0, 1, x) = 1.0F;
   std::vector<float> d_parameters(2);
   graph.forward(values);
-  graph.backward({&values, 1}, {&gradients, 1}, d_parameters);
+  backward.backward({&values, 1}, {&gradients, 1}, d_parameters);
   CHECK(values.back().at(0, 1, 4) == doctest::Approx(16.0F * values.front().at(0, 1, 4)));
   CHECK(gradients.front().at(0, 1, 4) == 16.0F);  // 5 * 3 + 1
   CHECK(gradients.front().at(0, 0, 4) == 0.0F);

@@ -15,7 +15,7 @@ std::string message(const HqsPlan& description) {
   return test::error_message([&] { validate(description); });
 }
 
-/// What makes a plan one that describes no network, and what is said of it.
+/// A change that makes a plan invalid, and a part of the error.
 struct Spoilt {
   HqsPlan plan;
   void (*spoil)(HqsPlan&);
@@ -115,7 +115,7 @@ TEST_CASE("filters that cannot be are refused with the description, not when wei
                             "support_share is 1"));
 }
 
-TEST_CASE("what once could be otherwise is read as files say it, and refused otherwise") {
+TEST_CASE("fields with one possible value are read, and refused with any other value") {
   const auto read = [](const std::string& kind, const std::string& fields) {
     return test::error_message([&] {
       network_from_json(

@@ -5,6 +5,7 @@
 #include "error_message.h"
 #include "hqslam/nn/network_json.h"
 #include "hqslam/nn/super_resolver.h"
+#include "hqslam/nn/training/starting_parameters.h"
 #include "reference_differences.h"
 #include "small_network.h"
 
@@ -46,10 +47,10 @@ TEST_CASE("every inner tensor of a network with a memory is that of the referenc
   const std::vector<float> parameters = large_parameters(description, 9);
   const RangeImage measured = measured_scene(description);
   const RecalledImage recalled = recalled_scene();
-  for (const bool remembers : {true, false}) {
+  for (const bool with_memory : {true, false}) {
     const Trace trace =
-        made(description, parameters)->trace({measured, remembers ? recalled : RecalledImage()});
-    CHECK(trace.has("recalled") == remembers);
+        made(description, parameters)->trace({measured, with_memory ? recalled : RecalledImage()});
+    CHECK(trace.has("recalled") == with_memory);
     CHECK(compared_with_reference(description, parameters, trace).size() > 10);
   }
 }
@@ -94,16 +95,16 @@ TEST_CASE("the loss of a network with a memory falls along its gradient") {
   const RangeImage truth = small_scene();
   const TrainingSample sample{select_rows(truth, description.measured_rows), truth,
                               recalled_scene()};
-  const auto network = made(description, parameters);
+  const auto network = trainable(description, parameters);
   std::vector<float> gradient(parameters.size());
-  const double before = add_gradient(*network, sample, {}, gradient);
+  const double before = add_gradient(*network, sample, gradient);
   double squares = 0.0;
   for (const float g : gradient) squares += static_cast<double>(g) * g;
   constexpr float kStep = 1e-3F;
   for (std::size_t i = 0; i < parameters.size(); ++i) parameters[i] -= kStep * gradient[i];
   network->set_parameters(parameters);
   std::vector<float> ignored(parameters.size());
-  const double after = add_gradient(*network, sample, {}, ignored);
+  const double after = add_gradient(*network, sample, ignored);
   CHECK((before - after) / kStep == doctest::Approx(squares).epsilon(0.05));
   // The weights of what is recalled, the last inputs of the first convolution, learn too.
   const std::int64_t inputs = parameter_shapes(description).front().shape[1];
@@ -112,7 +113,7 @@ TEST_CASE("the loss of a network with a memory falls along its gradient") {
                     [](float g) { return g != 0.0F; }));
 }
 
-TEST_CASE("a recipe and a weights file say whether a network has a memory") {
+TEST_CASE("the field scan_memory of a recipe and a weights file gives a network a memory") {
   const NetworkDescription description = small_du_mix_with_memory();
   CHECK(has_scan_memory(description));
   CHECK(has_scan_memory(network_from_json(network_json(description), "file")));

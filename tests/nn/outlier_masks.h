@@ -42,7 +42,7 @@ inline bool is_measured(int row, RowSelection rows) {
   return row >= rows.offset && (row - rows.offset) % rows.stride == 0;
 }
 
-/// From the breadth-first search of core, which knows whole scans only.
+/// From the breadth-first search of core, which takes whole scans only.
 inline Mask from_component_labeler(const RangeImage& image, const SensorModel& sensor,
                                    RowSelection rows, const OutlierRemovalOptions& options) {
   ComponentLabeler labeler(sensor, {.min_angle_rad = options.min_angle_rad});

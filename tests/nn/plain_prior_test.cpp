@@ -5,6 +5,7 @@
 
 #include "error_message.h"
 #include "golden.h"
+#include "hqs/prior_backward.h"
 #include "random_values.h"
 
 namespace hqslam::nn {
@@ -12,14 +13,23 @@ namespace {
 
 struct Run {
   std::unique_ptr<Prior> prior;
+  std::vector<float> parameters;
   PriorState state;
   Candidates candidates;
 };
 
+std::unique_ptr<Prior> made_prior(const PlainPriorShape& shape, int rows, int columns,
+                                  int threads = 1) {
+  const PriorDescription prior = plain_prior(shape);
+  const Engine engine{chosen_instruction_set(), threads};
+  return prior.make(prior.graph(rows, columns, engine), {}, columns, engine);
+}
+
 Run run(const PlainPriorShape& shape, std::optional<std::uint64_t> dropout_seed, int threads = 1) {
   Run r;
-  r.prior = make_prior(plain_prior(shape), {}, 8, 40, {chosen_instruction_set(), threads});
-  r.prior->set_parameters(r.prior->initial_parameters(7));
+  r.prior = made_prior(shape, 8, 40, threads);
+  r.parameters = r.prior->graph().initial_parameters(7);
+  r.prior->set_parameters(r.parameters);
   r.state = r.prior->make_state();
   fill_random(1, r.state.input());
 #pragma omp parallel num_threads(threads)
@@ -43,14 +53,13 @@ double sum_of(const Tensor& z) {
 }  // namespace
 
 TEST_CASE("Simple DU's denoiser has the 111,744 weights of the authors' code and no bias") {
-  const auto prior = make_prior(plain_prior({}), {}, 1, 1, {InstructionSet::kPortable, 1});
+  const auto prior = made_prior({}, 1, 1);
   std::int64_t sum = 0;
   for (const ParameterShape& shape : prior->parameter_shapes()) {
     CHECK(shape.name.ends_with(".weight"));
     sum += shape.elements();
   }
   CHECK(sum == 111744);
-  CHECK(prior->initial_parameters(3).size() == 111744);
   CHECK(prior->multiply_adds() == 111744);
 }
 
@@ -76,11 +85,13 @@ TEST_CASE("the same dropout seed gives the same bits on one and two threads, ano
 TEST_CASE("with dropout the gradient is that of the activations that were left") {
   // Z is linear in each weight as long as no ReLU changes sides: compare with differences.
   Run r = run(kDropout, 5);
-  std::vector<float> parameters = r.prior->initial_parameters(7);
+  const std::vector<float>& parameters = r.parameters;
   PriorState gradient = r.prior->make_state();
   for (int y = 0; y < 8; ++y) std::fill_n(gradient.z.row(0, y), 40, 1.0F);
   std::vector<float> d_parameters(parameters.size());
-  r.prior->backward(r.candidates, r.state, gradient, d_parameters);
+  const auto backward = backward_of(*r.prior);
+  backward->take_parameters(parameters);
+  backward->backward(r.candidates, r.state, gradient, d_parameters);
   const double before = sum_of(r.state.z);
   const auto change = [&](std::size_t i, float by) {
     std::vector<float> changed = parameters;
@@ -103,9 +114,7 @@ TEST_CASE("with dropout the gradient is that of the activations that were left")
 
 TEST_CASE("plain denoisers of senseless shapes are refused") {
   const auto message = [](const PlainPriorShape& shape) {
-    return test::error_message([&] {
-      make_prior(plain_prior(shape), {}, 4, 16, {InstructionSet::kPortable, 1});
-    });
+    return test::error_message([&] { plain_prior(shape); });
   };
   CHECK(message({.features = 0}) != "no Error");
   CHECK(message({.features = 4, .convolutions = 1}) != "no Error");

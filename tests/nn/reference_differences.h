@@ -23,7 +23,7 @@ inline std::set<std::string> compared_with_reference(const NetworkDescription& d
     CAPTURE(difference.largest);
     const TracedTensor& tensor = trace.tensor(difference.name);
     float scale = 1.0F;
-    for (const float value : tensor.values) scale = std::max(scale, std::fabs(value));
+    for (const float value : tensor.all()) scale = std::max(scale, std::fabs(value));
     CHECK(difference.largest < 1e-4 * scale);
     CHECK(difference.root_mean_square <= difference.largest);
     CHECK(difference.unit == tensor.unit);

@@ -45,8 +45,7 @@ TEST_CASE("the reference's breadth-first search rejects what the fast filter rej
   const Trace trace = made(plan, large_parameters(plan, 9), 2)->trace(measured_scene(plan));
   const ReferenceTrace reference = reference_of(plan);  // with a search of its own
   for (const char* name : {"layers.0.rejected", "layers.1.rejected", "layers.2.rejected"}) {
-    const std::vector<float>& mask = trace.tensor(name).values;
-    CHECK(reference.tensor(name).values == std::vector<double>(mask.begin(), mask.end()));
+    CHECK(std::ranges::equal(reference.tensor(name).all(), trace.tensor(name).all()));
   }
 }
 
@@ -55,7 +54,7 @@ TEST_CASE("DU-Mix's confidence is the reference's") {
   const auto network = made(description, large_parameters(description, 9));
   const UpsampledImage& upsampled = network->upsample(measured_scene(description), 0.5F);
   const ReferenceTrace reference = reference_of(description);
-  const std::vector<double>& expected = reference.tensor("confidence").values;
+  const std::span<const double> expected = reference.tensor("confidence").all();
   for (std::size_t i = 0; i < expected.size(); ++i) {
     REQUIRE(upsampled.confidence[i] == doctest::Approx(expected[i]).epsilon(1e-3));
   }
@@ -64,9 +63,9 @@ TEST_CASE("DU-Mix's confidence is the reference's") {
 TEST_CASE("a rejected pixel that is 0, as in the paper, halves its range in the next layer") {
   const HqsPlan plan = supported_du_or();
   const ReferenceTrace literal = reference_of(plan, {.rejected_zero = true});
-  const std::vector<double>& rejected = literal.tensor("layers.0.rejected").values;
-  const std::vector<double>& z = literal.tensor("layers.0.z").values;
-  const std::vector<double>& h = literal.tensor("layers.1.h").values;
+  const std::span<const double> rejected = literal.tensor("layers.0.rejected").all();
+  const std::span<const double> z = literal.tensor("layers.0.z").all();
+  const std::span<const double> h = literal.tensor("layers.1.h").all();
   int ghosts = 0;
   for (std::size_t i = 0; i < rejected.size(); ++i) {
     if (rejected[i] == 0.0) continue;
@@ -76,13 +75,13 @@ TEST_CASE("a rejected pixel that is 0, as in the paper, halves its range in the 
   CHECK(ghosts > 10);
   const ReferenceTrace ours = reference_of(plan);
   for (std::size_t i = 0; i < rejected.size(); ++i) {
-    if (rejected[i] != 0.0) CHECK(ours.tensor("layers.1.h").values[i] == doctest::Approx(z[i]));
+    if (rejected[i] != 0.0) CHECK(ours.tensor("layers.1.h").all()[i] == doctest::Approx(z[i]));
   }
 }
 
 TEST_CASE("with Q of Z and Y := Z in rejected pixels Y is Z everywhere") {
   const ReferenceTrace trace = reference_of(supported_du_or(), {.filters_z = true});
-  CHECK(trace.tensor("layers.1.y").values == trace.tensor("layers.1.z").values);
+  CHECK(std::ranges::equal(trace.tensor("layers.1.y").all(), trace.tensor("layers.1.z").all()));
 }
 
 TEST_CASE("the reference refuses what does not fit in one line") {

@@ -44,8 +44,8 @@ float range_to_hall_m(const Eigen::Vector3d& from_m, const Eigen::Vector3d& alon
   return static_cast<float>(nearest_m);
 }
 
-/// Where the sensor is at each column: on its way by a metre and a tenth of a turn a scan, which
-/// begins at a column.
+/// The sensor's pose at each column of a scan, which begins at a column: it moves by a metre and turns
+/// by a tenth of a radian a scan.
 ColumnPoses poses_at(double scan, const SensorModel& sensor, const Eigen::Vector3d& offset_m,
                      int first_column = 0) {
   ColumnPoses poses;
@@ -58,7 +58,7 @@ ColumnPoses poses_at(double scan, const SensorModel& sensor, const Eigen::Vector
   return poses;
 }
 
-/// What all beams see, column after column.
+/// The ranges of all beams, column after column.
 RangeImage seen_from(const ColumnPoses& poses, const SensorModel& sensor,
                      const Eigen::Vector3d& offset_m, bool pillar = true) {
   RangeImage image(sensor.rows(), sensor.columns);
@@ -80,7 +80,7 @@ struct Recalled {
   RecalledImage recalled;
 };
 
-/// After ten scans through the hall, which lies at offset_m in the world; each scan begins at
+/// After ten scans through the hall, which is at offset_m in the world; each scan begins at
 /// another column, `shift` farther on.
 Recalled after_ten_scans(const Eigen::Vector3d& offset_m, bool pillar_stays = true, int shift = 0) {
   const SensorModel sensor = sensor_with_memory();
@@ -98,7 +98,7 @@ Recalled after_ten_scans(const Eigen::Vector3d& offset_m, bool pillar_stays = tr
   return result;
 }
 
-/// Of the pixels that are recalled.
+/// Among the pixels that are recalled.
 double share_within_m(const Recalled& r, float limit_m) {
   int recalled = 0;
   int near = 0;
@@ -149,7 +149,7 @@ TEST_CASE("the same bytes are recalled whatever the number of threads") {
   CHECK(one.recalled.weight == three.recalled.weight);
 }
 
-TEST_CASE("what the measured beams see through has moved on and is forgotten") {
+TEST_CASE("a point that a measured beam passes has moved and is forgotten") {
   const auto ghosts = [](const Recalled& r) {  // pixels of the pillar before what is behind it
     int count = 0;
     for (std::size_t i = 0; i < r.truth.range_m.size(); ++i) {
@@ -244,7 +244,7 @@ TEST_CASE("scans are forgotten by number, path and time; a sensor that stands ke
   CHECK(nearest_m(standing) == doctest::Approx(26.0).epsilon(1e-3));
 }
 
-TEST_CASE("where later scans are remembered too a scan recalls them, but not itself") {
+TEST_CASE("a scan recalls later scans that are kept too, but not itself") {
   const SensorModel sensor = sensor_with_memory();
   ScanMemory memory(sensor, kLookAheadMemory);
   for (int scan = 0; scan < 3; ++scan) {  // a metre nearer each, to what is at 20, 18 and 22 m
@@ -260,7 +260,7 @@ TEST_CASE("where later scans are remembered too a scan recalls them, but not its
   CHECK(nearest_m(1, std::nullopt) == doctest::Approx(17.0).epsilon(1e-3));
 }
 
-TEST_CASE("a sensor that creeps moves on: its scans are kept step by step") {
+TEST_CASE("the scans of a slow sensor are kept step by step") {
   const SensorModel sensor = sensor_with_memory();
   ScanMemory memory(sensor);
   for (int scan = 0; scan < 40; ++scan) {  // 0.04 m a scan; a step are 0.05 m
@@ -284,7 +284,7 @@ TEST_CASE("what does not fit a memory is refused in one line") {
   refuses([&] { ScanMemory(sensor, {.scans = 0}); }, "scans");
   refuses([&] { ScanMemory(sensor, {.time_s = -1.0}); }, "time_s");
   sensor.measured_rows.reset();
-  refuses([&] { ScanMemory{sensor}; }, "which of its 64 rows");
+  refuses([&] { ScanMemory{sensor}; }, "64 rows without measured_rows");
 }
 
 }  // namespace hqslam::nn

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "golden.h"
+#include "hqs/prior_backward.h"
 #include "hqs/u_shaped_prior.h"
 #include "random_values.h"
 

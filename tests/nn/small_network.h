@@ -7,12 +7,14 @@
 #include <utility>
 #include <vector>
 
+#include "hqs/hqs_backward.h"
 #include "hqs/hqs_loop.h"
 #include "hqs/plain_prior.h"
 #include "hqs/two_modes_prior.h"
 #include "hqs/u_shaped_prior.h"
 #include "hqslam/core/range_image.h"
 #include "hqslam/nn/network.h"
+#include "hqslam/nn/training/trainable_network.h"
 #include "hqslam/nn/weights_file.h"
 #include "random_values.h"
 #include "tiles.h"
@@ -125,6 +127,7 @@ inline std::vector<float> image_of(const HqsPlan& plan, const Tensor& tiles) {
 struct HqsRun {
   Hqs hqs;
   HqsState state;
+  std::vector<float> parameters = {};
 
   const HqsLayer& layer(int k) const { return state.layer(k); }
   const Tensor& z(int k) const { return state.layer(k).prior.z; }
@@ -139,7 +142,7 @@ inline void send(const RangeImage& measured, int threads, HqsRun& run) {
 inline HqsRun run_of(const NetworkDescription& description, const std::vector<float>& parameters,
                      const RangeImage& measured,
                      InstructionSet instruction_set = chosen_instruction_set(), int threads = 1) {
-  HqsRun run{Hqs(description, measured.columns, {instruction_set, threads}), {}};
+  HqsRun run{Hqs(description, measured.columns, {instruction_set, threads}), {}, parameters};
   run.hqs.set_parameters(parameters);
   run.state = run.hqs.make_state(true);
   run.state.last_y = true;
@@ -147,10 +150,11 @@ inline HqsRun run_of(const NetworkDescription& description, const std::vector<fl
   return run;
 }
 
-/// Backward with the same d loss / d Z of the last d_z.size() layers; the loss does not look at the
+/// Backward with the given d loss / d Z of the last d_z.size() layers; the loss does not depend on the
 /// others.
 inline void add_gradient(HqsRun& run, std::span<const Tensor> d_z, std::span<float> d_parameters) {
   HqsGradient gradient(run.hqs);
+  gradient.take_parameters(run.parameters);
   const LayerLoss loss = [&](int k, const PriorState&, PriorState& of_layer) {
     const int i = k - (run.hqs.layers - static_cast<int>(d_z.size()));
     if (i >= 0) {
@@ -163,11 +167,10 @@ inline void add_gradient(HqsRun& run, std::span<const Tensor> d_z, std::span<flo
   hqs_backward(run.hqs, run.state, loss, gradient, d_parameters);
 }
 
-/// Network::add_gradients of one scan.
-inline double add_gradient(Network& network, const TrainingSample& sample,
-                           const LossOptions& options, std::span<float> d_parameters,
-                           std::uint64_t seed = 0) {
-  return network.add_gradients({&sample, 1}, options, {&seed, 1}, d_parameters);
+/// TrainableNetwork::add_gradients of one scan.
+inline double add_gradient(TrainableNetwork& network, const TrainingSample& sample,
+                           std::span<float> d_parameters, std::uint64_t seed = 0) {
+  return network.add_gradients({&sample, 1}, {}, {&seed, 1}, d_parameters);
 }
 
 /// The measured rows of the scene.
@@ -197,11 +200,32 @@ inline std::unique_ptr<Network> made(const NetworkDescription& description,
   return network;
 }
 
+/// One that is trained.
+inline std::unique_ptr<TrainableNetwork> trainable(
+    const NetworkDescription& description, const std::vector<float>& parameters,
+    InstructionSet instruction_set = chosen_instruction_set(), int columns = 64) {
+  auto network = make_trainable(description, columns, instruction_set);
+  network->set_parameters(parameters);
+  return network;
+}
+
 /// A whole weights file.
+inline Weights weights_with(const NetworkDescription& description,
+                            const std::vector<float>& parameters) {
+  return {description, parameters, "{}",
+          make_self_test(*made(description, parameters), measured_scene(description))};
+}
 inline Weights small_weights(const NetworkDescription& description, std::uint64_t seed = 3) {
-  const std::vector<float> parameters = initial_parameters(description, seed);
-  return {description, parameters, R"({"seed": )" + std::to_string(seed) + "}",
-          make_self_test(description, parameters, measured_scene(description))};
+  Weights weights = weights_with(description, initial_parameters(description, seed));
+  weights.training = R"({"seed": )" + std::to_string(seed) + "}";
+  return weights;
+}
+
+/// check_self_test of a network with the weights.
+inline void check_self_test(const Weights& weights, const std::string& path) {
+  check_self_test(*made(weights.description, weights.parameters, 1, chosen_instruction_set(),
+                        weights.description.sensor.columns),
+                  weights.description, weights.self_test, path);
 }
 
 }  // namespace hqslam::nn

@@ -41,7 +41,7 @@ inline std::unique_ptr<const TrainingScans> in_memory(std::vector<TrainingScan> 
   return std::make_unique<ScansInMemory>(std::move(scans));
 }
 
-/// Of who trains by himself.
+/// The ranks of a training in one process.
 inline Ranks& alone() {
   static Ranks ranks;
   return ranks;
@@ -91,7 +91,7 @@ inline TrainingState trained(const NetworkDescription& description, int steps, i
   return trainer.state();
 }
 
-/// What two processes say that begin to share a training.
+/// The error of two processes that begin to share a training.
 inline std::string message_of_two_ranks(const NetworkDescription& description, int batch) {
   TrainingPlan plan = small_plan();
   plan.augmentation.crop_columns = 0;

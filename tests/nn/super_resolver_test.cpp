@@ -87,7 +87,7 @@ TEST_CASE("inside a parallel region of the caller's each object works as it does
       CHECK(upsampled[i].confidence == expected.confidence);
       REQUIRE(traces[i].tensors().size() == expected_trace.tensors().size());
       for (std::size_t n = 0; n < expected_trace.tensors().size(); ++n) {
-        CHECK(traces[i].tensors()[n].values == expected_trace.tensors()[n].values);
+        CHECK(std::ranges::equal(traces[i].tensors()[n].all(), expected_trace.tensors()[n].all()));
       }
     }
   }
@@ -120,7 +120,7 @@ TEST_CASE("the filter at the end can be left out") {
   const RangeImage without = filtered.run(scene, &trace).image;
   for (std::size_t i = 0; i < image.range_m.size(); ++i) {
     CHECK(without.range_m[i] ==
-          (trace.tensor("rejected").values[i] != 0.0F ? 0.0F : image.range_m[i]));
+          (trace.tensor("rejected").all()[i] != 0.0F ? 0.0F : image.range_m[i]));
   }
   const RangeImage empty = strict.run(scene).image;
   for (int column = 0; column < 64; ++column) CHECK_FALSE(empty.has_return(0, column));

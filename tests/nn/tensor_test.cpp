@@ -86,7 +86,7 @@ TEST_CASE("a tensor without channels, rows or columns, or with a wrong border is
   CHECK(test::one_line_with(message(1, 2, 3, -1), "-1 border rows"));
 }
 
-TEST_CASE("tiles are PyTorch's pixel_unshuffle, and from_tiles is the way back") {
+TEST_CASE("tiles are PyTorch's pixel_unshuffle, and from_tiles is its inverse") {
   const Golden golden("layers");
   const std::vector<float> image = golden.values("tiles.image");
   for (const TileSize tile : {TileSize{4, 4}, TileSize{2, 2}}) {
@@ -114,7 +114,7 @@ TEST_CASE("tiles need not be square, and channels beyond the tile's pixels are l
   CHECK(tiles.at(6, 1, 3) == 9.0F);
 }
 
-TEST_CASE("measured says of every pixel what its image row says") {
+TEST_CASE("measured is true for the pixels of measured image rows") {
   for (const RowSelection rows : {RowSelection{3, 4}, RowSelection{0, 1}, RowSelection{5, 3}}) {
     for (const TileSize tile : {TileSize{}, TileSize{2, 4}}) {
       for (int y = 0; y < 12; ++y) {

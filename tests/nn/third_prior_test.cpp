@@ -4,14 +4,14 @@
 
 #include "error_message.h"
 #include "hqs/hqs_architecture.h"
+#include "hqs/prior_backward.h"
 #include "hqslam/nn/network_json.h"
 #include "hqslam/nn/training/trainer.h"
 #include "hqslam/nn/weights_file.h"
 #include "small_training.h"
 #include "temporary_directory.h"
 
-// A prior that the library does not know: all there is of it stands here, but for the line that
-// names it (architectures.cpp has those of the library).
+// A prior outside the library: all of it is here, with the table that names it.
 namespace hqslam::nn {
 namespace {
 
@@ -22,9 +22,10 @@ LayerGraph one_convolution_graph(int kernel, int rows, int columns, const Engine
   return graph;
 }
 
-class OneConvolution final : public Prior {
+class OneConvolution final : public Prior, public PriorBackward {
  public:
-  explicit OneConvolution(LayerGraph graph) : Prior(std::move(graph), {1, 1}) {}
+  explicit OneConvolution(LayerGraph graph)
+      : Prior(std::move(graph), {1, 1}), PriorBackward(static_cast<Prior&>(*this)) {}
 
   void forward(const Candidates&, PriorState& state, const PriorPass&) override {
     graph_.forward(state.values);
@@ -35,7 +36,7 @@ class OneConvolution final : public Prior {
                 std::span<float> d_parameters) override {
     gradient.output() = gradient.z;
     gradient.output().fill_borders();
-    graph_.backward({&state.values, 1}, {&gradient.values, 1}, d_parameters);
+    graph_backward_.backward({&state.values, 1}, {&gradient.values, 1}, d_parameters);
   }
 };
 
@@ -43,23 +44,25 @@ PriorDescription read_prior(JsonFields& sizes) {
   int kernel = 1;
   sizes.optional("kernel", kernel);
   return {.sizes = {{"kernel", kernel}},
-          .multiple = {1, 1},
-          .make = [kernel](const NetworkDescription&, int rows, int columns, const Engine& engine) {
-            return std::make_unique<OneConvolution>(
-                one_convolution_graph(kernel, rows, columns, engine));
-          }};
+          .graph =
+              [kernel](int rows, int columns, const Engine& engine) {
+                return one_convolution_graph(kernel, rows, columns, engine);
+              },
+          .make = [](LayerGraph graph, const NetworkDescription&, int,
+                     const Engine&) { return std::make_unique<OneConvolution>(std::move(graph)); }};
 }
 
 std::shared_ptr<const Architecture> read(JsonFields& network) {
   return read_hqs({.kind = "one-convolution", .read_prior = read_prior}, network);
 }
 
+const Architectures kWithAThird{{"one-convolution", read}};
+
 NetworkDescription network_with(const std::string& denoiser) {
-  add_architecture({"one-convolution", read});
   return network_from_json(
       R"({"kind": "one-convolution", "layers": 2, "measured_rows": 4, "denoiser": )" + denoiser +
           R"(, "sensor": )" + sensor_json(small_sensor()) + "}",
-      "test");
+      "test", kWithAThird);
 }
 
 TrainingState trained_for(const NetworkDescription& description, int steps) {
@@ -85,16 +88,14 @@ TEST_CASE("a third prior is one file and one line: described, trained, written a
   REQUIRE(shapes.size() == 2 * 2 + 1);
   CHECK(shapes[2].name == "layers.1.convolution.weight");
   CHECK(shapes[2].shape == std::vector<std::int64_t>{1, 1, 3, 3});
-  CHECK(network_json(network_from_json(network_json(description), "again")) ==
+  CHECK(network_json(network_from_json(network_json(description), "again", kWithAThird)) ==
         network_json(description));
 
-  Weights weights = small_weights(description);
-  weights.parameters = trained_for(description, 40).parameters;
-  weights.self_test = make_self_test(description, weights.parameters, measured_scene(description));
+  const Weights weights = weights_with(description, trained_for(description, 40).parameters);
   const test::TemporaryDirectory directory;
   const std::string path = directory.file("weights.npz");
   write_weights(path, weights);
-  const Weights read = read_weights(path);
+  const Weights read = read_weights(path, kWithAThird);
   CHECK(read.parameters == weights.parameters);
   CHECK_NOTHROW(check_self_test(read, path));
 }

@@ -34,7 +34,6 @@ std::vector<std::string> names_of(const Trace& trace) {
   std::vector<std::string> names;
   for (const TracedTensor& tensor : trace.tensors()) {
     names.push_back(tensor.name);
-    CHECK(std::ssize(tensor.values) == tensor.channels * tensor.rows * tensor.columns);
   }
   return names;
 }
@@ -54,15 +53,15 @@ TEST_CASE("DU-OR's trace has every inner tensor by name, in its order") {
   expected.insert(expected.end(), {"rejected", "result"});  // of the filter at the end
   CHECK(names_of(traced.trace) == expected);
   const TracedTensor& lower = traced.trace.tensor("layers.1.encoder.1");
-  CHECK(lower.channels == 8);
-  CHECK(lower.rows == 2);
-  CHECK(lower.columns == 8);
+  CHECK(lower.channels() == 8);
+  CHECK(lower.rows() == 2);
+  CHECK(lower.columns() == 8);
   CHECK(lower.unit.empty());
   CHECK(traced.trace.tensor("layers.1.h").unit == "m");
   CHECK(traced.trace.image("result").range_m == traced.upsampled.image.range_m);
   // The weights of a choice are a softmax, and Z is what they choose.
   const auto value = [&](const char* name, std::size_t i) {
-    return traced.trace.tensor(name).values[i];
+    return traced.trace.tensor(name).all()[i];
   };
   for (std::size_t i = 0; i < 16 * 64; ++i) {
     REQUIRE(value("layers.1.choice.above", i) + value("layers.1.choice.below", i) +
@@ -110,7 +109,7 @@ TEST_CASE("the terms of the objective are those of the images that the trace sho
     const RangeImage scene = small_scene();
     for (int k = 0; k < plan.layers; ++k) {
       const std::string prefix = "layers." + std::to_string(k) + ".";
-      const double penalty = trace.tensor(prefix + "penalty").values.front();
+      const double penalty = trace.tensor(prefix + "penalty").values(0, 0, 0);
       CHECK(penalty == doctest::Approx(plan.simple() ? 0.5 / 10.99 : 0.1));
       const RangeImage h = trace.image(prefix + "h");
       const RangeImage z = trace.image(prefix + "z");

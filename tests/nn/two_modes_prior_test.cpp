@@ -41,7 +41,8 @@ void check_against_pytorch(NetworkDescription description, const std::string& fi
     const std::vector<float> expected = golden.values("d_parameters");
     std::vector<float> d_parameters(expected.size());
     const double loss =
-        add_gradient(*network, {measured, small_scene(), recalled}, {}, d_parameters);
+        add_gradient(*trainable(description, golden.fractions("parameters"), instruction_set),
+                     {measured, small_scene(), recalled}, d_parameters);
     CHECK(loss == doctest::Approx(golden.value("loss")).epsilon(kPriorTolerance));
     check_arrays(d_parameters, expected, parameter_shapes(description), 2e-4);
   }
@@ -57,7 +58,7 @@ TEST_CASE("DU-Mix equals PyTorch, with a memory too: ranges, confidence, loss an
 }
 
 TEST_CASE("the loss is the mean over the columns, where they are no whole vectors too") {
-  // Outputs of 0 say: a return with probability 1/2, two modes at the interpolated range, whose
+  // Outputs of 0 are: a return with probability 1/2, two modes at the interpolated range, whose
   // scale is e^-3.5.
   const NetworkDescription description = small_du_mix();
   const std::vector<float> nothing(
@@ -67,10 +68,10 @@ TEST_CASE("the loss is the mean over the columns, where they are no whole vector
   const RangeImage measured = select_rows(walls, description.measured_rows);
   for (const InstructionSet instruction_set : available_instruction_sets()) {
     CAPTURE(name(instruction_set));
-    const auto network = made(description, nothing, 1, instruction_set, 40);
+    const auto network = trainable(description, nothing, instruction_set, 40);
     std::vector<float> d_parameters(nothing.size());
     const auto loss = [&](const RangeImage& truth) {
-      return add_gradient(*network, {measured, truth}, {}, d_parameters);
+      return add_gradient(*network, {measured, truth}, d_parameters);
     };
     CHECK(loss(RangeImage(16, 40)) == doctest::Approx(std::log(2.0)).epsilon(1e-5));
     CHECK(loss(walls) == doctest::Approx(std::log(2.0) - 0.3 * 3.5).epsilon(1e-5));
@@ -161,14 +162,14 @@ TEST_CASE("a DU-Mix that cannot be is refused with the field") {
   CHECK(test::one_line_with(message(small_du_mix(), 36), "36 columns", "multiple of 8"));
   TwoModesShape bad = small_two_modes();
   bad.tile.rows = 2;
-  CHECK(test::one_line_with(message(small_du_mix(bad), 64), "tiles of 2 rows", "one measured row"));
+  CHECK(test::refused_with([&] { validate(small_du_mix(bad)); }, "tiles of 2 rows",
+                           "one measured row"));
   TwoModesShape senseless = small_two_modes();
   senseless.channels = 0;
   CHECK(test::refused_with([&] { small_du_mix(senseless); }, "channels is 0"));
   const auto network = make_network(small_du_mix(), 64, InstructionSet::kPortable, 1);
   CHECK(
       test::refused_with([&] { network->set_parameters(std::vector<float>(7)); }, "7 parameters"));
-  CHECK(test::refused_with([&] { network->upsample(RangeImage(4, 32), 0.5F); }, "4 x 32"));
 }
 
 }  // namespace hqslam::nn

@@ -4,6 +4,7 @@
 
 #include "error_message.h"
 #include "random_values.h"
+#include "small_network.h"
 
 namespace hqslam::nn {
 namespace {
@@ -12,13 +13,24 @@ const UShapedPriorShape kSmall{
     .tile = {2, 4}, .channels = {5, 7, 6}, .memory = 3, .negative_slope = 0.1F};
 
 std::unique_ptr<Prior> small_prior(InstructionSet instruction_set = InstructionSet::kPortable) {
-  return make_prior(u_shaped_prior(kSmall), {}, 8, 32, {instruction_set, 1});
+  const PriorDescription prior = u_shaped_prior(kSmall);
+  const Engine engine{instruction_set, 1};
+  return prior.make(prior.graph(8, 32, engine), {}, 32, engine);
+}
+
+std::vector<float> initial_parameters(std::uint64_t seed) {
+  NetworkDescription description = small_du_or();
+  HqsSizes sizes;
+  sizes.layers = 1;
+  description.architecture =
+      std::make_shared<HqsArchitecture>(kDuOr, sizes, u_shaped_prior(kSmall));
+  std::vector<float> parameters = nn::initial_parameters(description, seed);
+  parameters.pop_back();  // the penalty
+  return parameters;
 }
 
 std::string message(const UShapedPriorShape& shape, int rows, int columns) {
-  return test::error_message([&] {
-    make_prior(u_shaped_prior(shape), {}, rows, columns, {InstructionSet::kPortable, 1});
-  });
+  return test::error_message([&] { check_image(u_shaped_prior(shape), rows, columns); });
 }
 
 }  // namespace
@@ -39,9 +51,9 @@ TEST_CASE("the U-shaped denoiser's arrays have the names and shapes of its descr
     CHECK(shapes[i].name == expected[i].first);
     CHECK(shapes[i].shape == expected[i].second);
   }
-  CHECK(std::ssize(prior->initial_parameters(1)) == elements(shapes));
-  CHECK(prior->initial_parameters(1) == prior->initial_parameters(1));
-  CHECK(prior->initial_parameters(1) != prior->initial_parameters(2));
+  CHECK(std::ssize(initial_parameters(1)) == elements(shapes));
+  CHECK(initial_parameters(1) == initial_parameters(1));
+  CHECK(initial_parameters(1) != initial_parameters(2));
 }
 
 TEST_CASE("multiply_adds counts what a hand counts") {
@@ -54,7 +66,7 @@ TEST_CASE("multiply_adds counts what a hand counts") {
 TEST_CASE("with a head of zeros Z is the mean of the candidates and nothing") {
   for (const InstructionSet any : available_instruction_sets()) {
     const auto prior = small_prior(any);
-    std::vector<float> parameters = prior->initial_parameters(1);
+    std::vector<float> parameters = initial_parameters(1);
     std::fill(parameters.end() - 43 * 6, parameters.end(), 0.0F);
     prior->set_parameters(parameters);
     PriorState state = prior->make_state();
@@ -74,7 +86,7 @@ TEST_CASE("with a head of zeros Z is the mean of the candidates and nothing") {
 
 TEST_CASE("Z turns with the scan: columns are a circle without a seam") {
   const auto prior = small_prior(chosen_instruction_set());
-  prior->set_parameters(prior->initial_parameters(4));
+  prior->set_parameters(initial_parameters(4));
   PriorState state = prior->make_state();
   PriorState turned = prior->make_state();
   Candidates candidates{state.z, state.z};
@@ -122,7 +134,7 @@ TEST_CASE("images that cannot be halved often enough and senseless shapes are re
 
 TEST_CASE("the U-shaped denoiser refuses another number of parameters") {
   const auto prior = small_prior();
-  std::vector<float> parameters = prior->initial_parameters(1);
+  std::vector<float> parameters = initial_parameters(1);
   parameters.pop_back();
   CHECK_THROWS_AS(prior->set_parameters(parameters), Error);
 }

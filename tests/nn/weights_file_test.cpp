@@ -91,9 +91,6 @@ TEST_CASE("a self-test of another shape is refused") {
   weights.self_test.expected = RangeImage(15, 64);
   CHECK(refused_with([&] { check_self_test(weights, "a.npz"); }, "a.npz", "1024 pixels",
                      "found 960"));
-  weights = small_weights(small_du_or(), 7);
-  weights.self_test.measured = RangeImage(3, 64);
-  CHECK(refused_with([&] { check_self_test(weights, "a.npz"); }, "3 x 64"));
 }
 
 TEST_CASE("missing, unknown, misshapen and non-finite arrays are refused by name") {
@@ -170,7 +167,7 @@ TEST_CASE("arrays that PyTorch exported give the ranges that PyTorch gave, withi
     const ForeignArrays foreign = read_foreign_arrays(golden_file("exported_" + name), description);
     REQUIRE(foreign.self_test.has_value());
     const SelfTest ours =
-        make_self_test(description, foreign.parameters, foreign.self_test->measured);
+        make_self_test(*made(description, foreign.parameters), foreign.self_test->measured);
     REQUIRE(ours.expected.range_m.size() == foreign.self_test->expected.range_m.size());
     float largest_gap_m = 0.0F;
     for (std::size_t i = 0; i < ours.expected.range_m.size(); ++i) {

@@ -10,20 +10,46 @@ import threading
 import time
 import unittest
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 import hqslam
 
+class SimulatedScan(NamedTuple):
+    range_m: np.ndarray
+    stamp_s: float
+    T_map_sensor: np.ndarray
+    T_map_sensor_at_column: np.ndarray
+
+
+def simulated(name, *options):
+    """A drive of hqslam-lab, the first argument of this program, and its scans with the truth."""
+    folder = Path(FOLDER.name) / name
+    command = [LABORATORY, "simulate", "--drive", "block", *options, "--out", folder]
+    subprocess.run(command, check=True, capture_output=True)
+    truth = hqslam.read_trajectory(folder / "truth.tum")
+    columns = np.load(folder / "truth_columns.npy").reshape(len(truth), -1, 3, 4)
+    at_column = np.zeros((*columns.shape[:2], 4, 4))
+    at_column[..., :3, :] = columns
+    at_column[..., 3, 3] = 1.0
+    ranges = np.load(folder / "scans.npy")
+    return folder, [
+        SimulatedScan(*scan) for scan in zip(ranges, truth.stamp_s, truth.T_map_sensor, at_column)
+    ]
+
+
+LABORATORY = sys.argv.pop(1)
+FOLDER = tempfile.TemporaryDirectory()
 SENSOR = hqslam.load_sensor("os1-16")
-DRIVE = list(hqslam.DriveSimulator("block", SENSOR, scans=12))
+RECORDING, DRIVE = simulated("drive", "--sensor", "os1-16", "--scans", "12")
 WEIGHTS = hqslam.weights("du-mix_os1_16to64")
 
 
 def run_slam(trace=None, **options):
-    slam = hqslam.Slam(SENSOR, **options)
+    slam = hqslam.Pipeline(SENSOR, **options)
     reports = [
-        slam.process(hqslam.unproject(scan.range_m, SENSOR), scan.stamp_s, trace=trace)
+        slam.process(hqslam.unproject(scan.range_m, SENSOR), scan.stamp_s, trace=trace).report
         for scan in DRIVE
     ]
     slam.finish()
@@ -96,13 +122,10 @@ class Sensors(unittest.TestCase):
 
 class Recordings(unittest.TestCase):
     def test_give_what_the_sensor_measured(self):
-        with tempfile.TemporaryDirectory() as folder:
-            command = [hqslam.program, "simulate", "--drive", "block", "--sensor", "os1-16"]
-            command += ["--scans", "2", "--imu", "--out", "drive"]
-            subprocess.run(command, cwd=folder, check=True, capture_output=True)
-            recording = hqslam.open_recording(Path(folder) / "drive")
-            self.assertEqual(recording.size, 2)
-            scans = list(recording)
+        folder, _ = simulated("imu", "--sensor", "os1-16", "--scans", "2", "--imu")
+        recording = hqslam.open_recording(folder)
+        self.assertEqual(recording.size, 2)
+        scans = list(recording)
         self.assertEqual(len(scans), 2)
         np.testing.assert_array_equal(scans[1].cloud.range_m, DRIVE[1].range_m)
         intensity = scans[1].cloud.intensity
@@ -113,7 +136,7 @@ class Recordings(unittest.TestCase):
         self.assertGreater(len(samples), 15)  # a hundred a second
         upsampled = hqslam.Upsampler(WEIGHTS).upsampled_cloud(scans[1].cloud)
         self.assertEqual(upsampled.intensity.shape, (64, 1024))
-        slam = hqslam.Slam(SENSOR)
+        slam = hqslam.Pipeline(SENSOR)
         slam.process(scans[1].cloud, 0.0)
         map_intensity = slam.map_intensity()
         self.assertEqual(len(map_intensity), len(slam.map_points_m()))
@@ -127,8 +150,9 @@ class Errors(unittest.TestCase):
             lambda: hqslam.weights("du-nothing"),
             lambda: hqslam.open_recording("/nowhere.pcap"),
             lambda: hqslam.Upsampler(WEIGHTS).run(np.zeros((5, 7), np.float32)),
-            lambda: hqslam.Slam(SENSOR, {"mapping.no_such": 1.0}),
-            lambda: hqslam.Slam(SENSOR, T_map_level_start=np.eye(4)),
+            lambda: hqslam.Pipeline(SENSOR, options={"mapping.no_such": 1.0}),
+            lambda: hqslam.Pipeline(SENSOR, T_map_level_start=np.eye(4)),
+            lambda: hqslam.Pipeline(SENSOR, slam="other"),
             lambda: hqslam.Trajectory(np.zeros(2), np.zeros((2, 4, 4))),
             lambda: hqslam.Trajectory(np.array([0.0, 2.0, 1.0]), np.stack(3 * [np.eye(4)])),
             lambda: hqslam.Trajectory(np.array([0.0, np.nan]), np.stack(2 * [np.eye(4)])),
@@ -143,7 +167,7 @@ class Errors(unittest.TestCase):
         with self.assertRaises(hqslam.ScanError):
             cloud = hqslam.unproject(DRIVE[0].range_m, SENSOR)
             cloud.time_offset_s[:] = 1e9
-            hqslam.Slam(SENSOR).process(cloud, 0.0)
+            hqslam.Pipeline(SENSOR).process(cloud, 0.0)
 
 
 class Slam(unittest.TestCase):
@@ -152,10 +176,8 @@ class Slam(unittest.TestCase):
         self.assertEqual(reports[-1].mapping_status, "ok")
         self.assertEqual(reports[-1].covariance.shape, (6, 6))
         with tempfile.TemporaryDirectory() as folder:
-            command = [hqslam.program, "simulate", "--drive", "block", "--sensor", "os1-16"]
             run = {"cwd": folder, "check": True, "capture_output": True}
-            subprocess.run([*command, "--scans", "12", "--out", "drive"], **run)
-            subprocess.run([hqslam.program, "run", "drive", "--out", "results"], **run)
+            subprocess.run([hqslam.program, "run", RECORDING, "--out", "results"], **run)
             slam.trajectory().write_tum(Path(folder) / "own.tum")
             self.assertEqual(
                 (Path(folder) / "own.tum").read_text(),
@@ -196,11 +218,22 @@ class Slam(unittest.TestCase):
             slam.saved_map().write(Path(folder) / "map.npz")
             saved = hqslam.read_saved_map(Path(folder) / "map.npz")
         self.assertEqual(saved.planes_m.shape[1], 3)
-        later = hqslam.Slam(SENSOR, map=saved, T_map_level_start=reports[0].T_map_sensor)
+        later = hqslam.Pipeline(SENSOR, map=saved, T_map_level_start=reports[0].T_map_sensor)
         cloud = hqslam.unproject(DRIVE[3].range_m, SENSOR)
-        found = later.process(cloud, DRIVE[3].stamp_s)
+        found = later.process(cloud, DRIVE[3].stamp_s).report
         gap_m = np.linalg.norm(found.T_map_sensor[:3, 3] - reports[3].T_map_sensor[:3, 3])
         self.assertLess(gap_m, 0.1)
+
+
+class Pipeline(unittest.TestCase):
+    def test_upsamples_a_recordings_scans_and_locates_them(self):
+        recording = hqslam.open_recording(RECORDING)
+        pipeline = hqslam.Pipeline(recording.sensor, "du-mix-memory")
+        located = [pipeline.process(scan) for scan in recording]
+        self.assertEqual(located[-1].cloud.range_m.shape, (64, 1024))
+        self.assertEqual(pipeline.sensor.rows, 64)
+        self.assertEqual(located[-1].report.mapping_status, "ok")
+        self.assertGreater(located[-1].upsampling_s, 0.0)
 
 
 class Upsampling(unittest.TestCase):
@@ -224,7 +257,7 @@ class Upsampling(unittest.TestCase):
         upsampler = hqslam.Upsampler(hqslam.weights("du-mix-memory_os1_16to64"))
         memory = hqslam.ScanMemory(upsampler.sensor, look_ahead=True)
         rows = upsampler.sensor.measured_rows
-        scans = list(hqslam.DriveSimulator("block", hqslam.load_sensor("os1-64"), scans=2))
+        _, scans = simulated("look_ahead", "--sensor", "os1-64", "--scans", "2")
         for scan in scans:
             cloud = hqslam.unproject(scan.range_m[rows], upsampler.measured_sensor)
             memory.insert(cloud, scan.T_map_sensor_at_column, scan.stamp_s)
@@ -238,7 +271,8 @@ class Upsampling(unittest.TestCase):
     def test_recalls_what_earlier_scans_measured(self):
         upsampler = hqslam.Upsampler(hqslam.weights("du-mix-memory_os1_16to64"))
         memory = hqslam.ScanMemory(upsampler.sensor)
-        for scan in hqslam.DriveSimulator("block", hqslam.load_sensor("os1-64"), scans=8):
+        _, scans = simulated("recall", "--sensor", "os1-64", "--scans", "8")
+        for scan in scans:
             measured_m = scan.range_m[upsampler.sensor.measured_rows]
             recalled = memory.recall(measured_m, scan.T_map_sensor_at_column)
             cloud = hqslam.unproject(measured_m, upsampler.measured_sensor)
@@ -281,12 +315,13 @@ class Threads(unittest.TestCase):
             np.testing.assert_array_equal(result, expected)
 
     def test_ctrl_c_ends_a_drive(self):
-        code = """
+        code = f"""
 import hqslam
-slam = hqslam.Slam(hqslam.load_sensor("os1-16"))
-for scan in hqslam.DriveSimulator("town", hqslam.load_sensor("os1-16")):
-    slam.process(hqslam.unproject(scan.range_m, hqslam.load_sensor("os1-16")), scan.stamp_s)
-    print(".", flush=True)
+pipeline = hqslam.Pipeline(hqslam.load_sensor("os1-16"))
+while True:
+    for scan in hqslam.open_recording("{RECORDING}"):
+        pipeline.process(scan)
+        print(".", flush=True)
 """
         drive = subprocess.Popen(
             [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
@@ -302,7 +337,7 @@ class Speed(unittest.TestCase):
     def test_is_that_of_the_library(self):
         """What a call adds, against what it does: SLAM's own time of a scan, and a network's call
         against one that does next to nothing."""
-        slam = hqslam.Slam(SENSOR)
+        slam = hqslam.Pipeline(SENSOR)
         network = hqslam.Upsampler(WEIGHTS)
         nearest = hqslam.Upsampler("nearest", network.sensor, measured_rows=16)
         taken_s = {"slam": [], "slam inside": [], "network": [], "nearest": []}
@@ -315,7 +350,7 @@ class Speed(unittest.TestCase):
 
         for scan in DRIVE:
             cloud = hqslam.unproject(scan.range_m, SENSOR)
-            report = timed("slam", lambda: slam.process(cloud, scan.stamp_s))
+            report = timed("slam", lambda: slam.process(cloud, scan.stamp_s)).report
             taken_s["slam inside"].append(report.time_s)
             timed("network", lambda: network.run(scan.range_m))
             timed("nearest", lambda: nearest.run(scan.range_m))

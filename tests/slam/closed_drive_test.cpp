@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kPeriod_s = 0.1;
 
-/// A scan of a sensor whose calibration is off so that straight walls look bent: every metre driven
-/// then turns the estimate a little.
+/// A scan of a wrongly calibrated sensor that bends straight walls, so that every metre of path
+/// turns the estimate a little.
 OrganizedCloud bent(OrganizedCloud cloud) {
   constexpr float kBend_per_m = 0.0002F;
   for (std::size_t i = 0; i < cloud.range_m.size(); ++i) {
@@ -80,7 +80,7 @@ TEST_CASE("a drive that drifts by metres is closed, smoothly, the same whatever 
   };
   CHECK(variance_m2(at) < 0.5 * variance_m2(at - 1));
 
-  // The next scan is followed as if nothing had happened, and the odometry knows nothing of it.
+  // Tracking continues smoothly, and the odometry is not affected.
   const auto step_m = [&](Pose slam::ScanReport::*T_sensor, std::size_t i) {
     return ((reports[i - 1].*T_sensor).inverse() * (reports[i].*T_sensor)).translation().norm();
   };

@@ -91,11 +91,11 @@ TEST_CASE("so is one whose scans come every half second") {
   CHECK(with_m < 0.2 * without_m);
 }
 
-TEST_CASE("an inertial sensor that hangs upside down with the LiDAR tells the same") {
+TEST_CASE("an inertial sensor upside down with the LiDAR gives the same path") {
   CHECK(worst_inertial_error_m(0.1, 30, Imu::kAll, {M_PI, 0.1, false}) < 0.05);
 }
 
-TEST_CASE("what the inertial sensor misses for a while is followed without it") {
+TEST_CASE("a gap of the inertial data is bridged without them") {
   CHECK(worst_inertial_error_m(0.1, 40, Imu::kWithGap, {}) < 0.05);
 }
 

@@ -33,10 +33,10 @@ struct MountedDrive {
   Twist last_velocity = {};
 };
 
-MountedDrive driven(const slam::MountingOptions& leans, const slam::MountingOptions& believed) {
+MountedDrive driven(const slam::MountingOptions& leans, const slam::MountingOptions& given) {
   const SensorModel sensor = test::small_sensor(16, 512);
   slam::SlamOptions options;
-  options.mounting = believed;
+  options.mounting = given;
   MountedDrive drive{slam::Slam(sensor, options)};
   for (int i = 0; i < kMountedScans; ++i) {
     const slam::ScanReport report =
@@ -48,7 +48,7 @@ MountedDrive driven(const slam::MountingOptions& leans, const slam::MountingOpti
   return drive;
 }
 
-/// Of what SLAM says of the motion to the last scan, in the sensor's frame, a second.
+/// The error of the velocity at the last scan, in the sensor's frame, per second.
 double velocity_error(const Twist& found, const Pose& T_level_sensor) {
   const auto truth = [&](int scan) {
     return Pose(test::drive_pose(scan * test::kDrivePeriod_s) * T_level_sensor);
@@ -58,7 +58,8 @@ double velocity_error(const Twist& found, const Pose& T_level_sensor) {
          (found.angular - step.angular / test::kDrivePeriod_s).norm();
 }
 
-/// Of the sensor's poses in a map whose frame is that of the first scan, turned level.
+/// The worst error of the sensor's poses in a map whose frame is that of the first scan, turned
+/// level.
 double worst_pose_error(const Trajectory& trajectory, const Pose& T_level_sensor) {
   double worst = 0.0;
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
@@ -85,23 +86,23 @@ TEST_CASE("a sensor that leans, or hangs, is followed if it is known, in a map t
   }
 }
 
-TEST_CASE("how it leans is estimated from the first scan where that is asked for") {
+TEST_CASE("the mounting is estimated from the first scan if the option is set") {
   const slam::MountingOptions leans{0.05, 0.15, false};
   const MountedDrive drive = driven(leans, {0.0, 0.0, true});
   CHECK(drive.located == kMountedScans);
-  const slam::MountingOptions seen = drive.slam.mounting();
-  CHECK(seen.estimated);
-  CHECK(std::abs(seen.roll_rad - leans.roll_rad) < 2e-3);
-  CHECK(std::abs(seen.pitch_rad - leans.pitch_rad) < 2e-3);
-  CHECK(worst_pose_error(drive.slam.trajectory(), level_from_sensor(seen)) < 0.04);
+  const slam::MountingOptions found = drive.slam.mounting();
+  CHECK(found.estimated);
+  CHECK(std::abs(found.roll_rad - leans.roll_rad) < 2e-3);
+  CHECK(std::abs(found.pitch_rad - leans.pitch_rad) < 2e-3);
+  CHECK(worst_pose_error(drive.slam.trajectory(), level_from_sensor(found)) < 0.04);
 }
 
 TEST_CASE("a sensor on its side is refused") {
   slam::SlamOptions options;
   options.mounting.pitch_rad = 1.3;
-  CHECK_THROWS_WITH_AS(
-      slam::Slam(test::small_sensor(), options),
-      "SLAM option mounting.pitch_rad is 1.3, expected a sensor within 60 degrees of upright or of "
-      "upside down",
-      Error);
+  CHECK_THROWS_WITH_AS(slam::Slam(test::small_sensor(), options),
+                       "SLAM option mounting.pitch_rad is 1.3, expected a sensor within 60 degrees "
+                       "of upright or upside "
+                       "down",
+                       Error);
 }

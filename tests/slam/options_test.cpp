@@ -19,12 +19,12 @@ using hqslam::test::error_message;
 
 namespace {
 
-/// What validate() says about options.
+/// The error of validate().
 std::string complaint(const SlamOptions& options) {
   return error_message([&] { hqslam::slam::validate(options); });
 }
 
-/// What set_option() says.
+/// The error of set_option().
 std::string complaint_about(std::string_view name, double value) {
   SlamOptions options;
   return error_message([&] { hqslam::slam::set_option(options, name, value); });
@@ -41,8 +41,7 @@ TEST_CASE("an invalid option is named with its value and the constraint") {
         "SLAM option segmentation.min_angle_rad is 2, expected an angle between 0 and pi/2");
 }
 
-TEST_CASE(
-    "of every option what is below its bounds, infinite or no number is refused by its name") {
+TEST_CASE("values below the bounds, infinite or NaN are refused for every option, by its name") {
   for (const NamedOption& option : option_table()) {
     CAPTURE(option.name);
     SlamOptions options;
@@ -78,10 +77,10 @@ TEST_CASE("every option is set by its name, and no other with it") {
 TEST_CASE("the table leaves no number of a stage out") {
   std::map<std::string, std::size_t> bytes;
   for (const NamedOption& option : option_table()) {
-    const std::string part(option.name.substr(0, option.name.find('.')));
-    bytes[part] += option.is_whole ? sizeof(int) : sizeof(double);
+    const std::string stage(option.name.substr(0, option.name.find('.')));
+    bytes[stage] += option.is_whole ? sizeof(int) : sizeof(double);
   }
-  const auto whole_doubles = [&](const char* part) { return (bytes[part] + 7) / 8 * 8; };
+  const auto whole_doubles = [&](const char* stage) { return (bytes[stage] + 7) / 8 * 8; };
   CHECK(whole_doubles("mounting") == sizeof(SlamOptions::mounting));
   CHECK(whole_doubles("ground") == sizeof(SlamOptions::ground));
   CHECK(whole_doubles("segmentation") == sizeof(SlamOptions::segmentation));

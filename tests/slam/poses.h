@@ -25,7 +25,7 @@ inline bool are_same(const Trajectory& a, const Trajectory& b) {
   return are_same(poses_of(a), poses_of(b));
 }
 
-/// Of poses in the frame of the first true one, those from `first` on.
+/// The worst error of poses in the frame of the first true one, from `first` on.
 inline double worst_error_m(const std::vector<Pose>& poses, const std::vector<Pose>& truth,
                             std::size_t first = 0) {
   double worst_m = 0.0;

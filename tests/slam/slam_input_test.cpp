@@ -135,7 +135,7 @@ TEST_CASE("capture times that are no offsets from the middle of the scan in seco
   CHECK_NOTHROW(slam.process(half, 0.2));
   const OrganizedCloud timeless = changed(std::numeric_limits<float>::quiet_NaN(), 0.0F);
   CHECK(test::refused_with([&] { slam.process(timeless, 0.3); }, "capture times", "finite"));
-  // Of pixels without a return the times mean nothing.
+  // The times of pixels without a return do not matter.
   OrganizedCloud cloud = sound;
   cloud.range_m[5] = 0.0F;
   cloud.time_offset_s[5] = 1e9F;

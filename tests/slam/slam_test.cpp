@@ -75,24 +75,7 @@ TEST_CASE("a drive around a yard is tracked to centimetres with 16, 32, 64 and 1
   }
 }
 
-TEST_CASE("one and two threads give the same bytes, and so do two runs") {
-  const SensorModel sensor = test::small_sensor(16, 512);
-  std::vector<Trajectory> trajectories;
-  std::vector<std::vector<Eigen::Vector3f>> maps;
-  for (const int threads : {1, 2, 2}) {
-    const slam::ThreadLimit limit(threads);
-    slam::Slam slam(sensor);
-    for (int i = 0; i < 20; ++i) slam.process(drive_scan(sensor, i), i * test::kDrivePeriod_s);
-    trajectories.push_back(slam.trajectory());
-    maps.push_back(slam.map_points_m());
-  }
-  for (int run = 1; run < 3; ++run) {
-    CHECK(maps[run] == maps[0]);
-    CHECK(test::are_same(trajectories[run], trajectories[0]));
-  }
-}
-
-TEST_CASE("the map has the intensities of what it is made of, and no pose looks at them") {
+TEST_CASE("the map has the intensities of its points, and no pose depends on them") {
   const SensorModel sensor = test::small_sensor(16, 512);
   slam::Slam slam(sensor);
   slam::Slam without(sensor);
@@ -167,29 +150,7 @@ TEST_CASE("a drive that begins with empty scans begins where the first good scan
   CHECK(slam.map_points_m().size() > 100);
 }
 
-TEST_CASE("a sensor that is carried to another place starts the map anew there") {
-  const SensorModel sensor = test::small_sensor(32, 512);
-  test::Yard elsewhere;
-  elsewhere.half_length_m = 13.0;
-  elsewhere.half_width_m = 41.0;
-  slam::Slam slam(sensor);
-  int ok_elsewhere = 0;
-  for (int i = 0; i < 50; ++i) {
-    const auto report =
-        slam.process(i < 15 ? drive_scan(sensor, i)
-                            : elsewhere.scan(sensor, test::yard_pose(0.3, -20.0 + 0.5 * i, 1.5)),
-                     i * test::kDrivePeriod_s);
-    CHECK(report.T_map_sensor.matrix().allFinite());
-    if (i >= 40) ok_elsewhere += report.mapping_status == Status::kOk;
-  }
-  CHECK(ok_elsewhere >= 8);
-  // The last steps are those driven: 0.5 m each.
-  const Trajectory& trajectory = slam.trajectory();
-  const Pose step = trajectory[48].T_map_sensor.inverse() * trajectory[49].T_map_sensor;
-  CHECK(step.translation().norm() == doctest::Approx(0.5).epsilon(0.1));
-}
-
-TEST_CASE("a sensor that is covered is believed to go on for a second, then less and less") {
+TEST_CASE("a covered sensor is predicted to go on for a second, then less and less") {
   const SensorModel sensor = test::small_sensor(16, 512);
   slam::Slam slam(sensor);
   slam::ScanReport report;
@@ -206,18 +167,18 @@ TEST_CASE("a sensor that is covered is believed to go on for a second, then less
     before_m = sigma_m();
   }
   const Trajectory& trajectory = slam.trajectory();
-  const auto way_m = [&](std::size_t from, std::size_t to) {
+  const auto motion_m = [&](std::size_t from, std::size_t to) {
     return (trajectory[to].T_map_sensor.translation() - trajectory[from].T_map_sensor.translation())
         .norm();
   };
-  CHECK(way_m(9, 19) > 3.0);
-  CHECK(way_m(9, 149) < 12.0);
-  CHECK(way_m(99, 149) < 0.1);
+  CHECK(motion_m(9, 19) > 3.0);
+  CHECK(motion_m(9, 149) < 12.0);
+  CHECK(motion_m(99, 149) < 0.1);
   CHECK(seeing_m < 0.1);
   CHECK(before_m > 10.0);
 }
 
-TEST_CASE("ten scans that are missing in a row are bridged, and the status says so") {
+TEST_CASE("ten missing scans are bridged, with status after a gap") {
   const SensorModel sensor = test::small_sensor(16, 512);
   slam::Slam slam(sensor);
   double worst_m = 0.0;
@@ -231,7 +192,7 @@ TEST_CASE("ten scans that are missing in a row are bridged, and the status says 
   CHECK(worst_m < 0.1);
 }
 
-TEST_CASE("a gap of any length is said, those too that may be a clock that was set") {
+TEST_CASE("a gap of any length is reported, also one that may be a clock that was set") {
   const SensorModel sensor = test::small_sensor(16, 512);
   for (const double gap_s : {2.0, 9.0, 12.0, 3600.0}) {
     CAPTURE(gap_s);
@@ -245,7 +206,7 @@ TEST_CASE("a gap of any length is said, those too that may be a clock that was s
 }
 
 TEST_CASE("a steady drive with roll and pitch is tracked from its first scan on") {
-  // As in closed form, not as the library believes that sensors move; no start from standstill.
+  // In closed form, not by the motion model of the library; no start from standstill.
   const test::SteadyDrive drive{test::yard_pose(-10, -4, 0.2), {8.0, 0.3, 0.1}, {0.10, -0.06, 0.5}};
   const test::Yard yard;
   for (const int rows : {16, 64}) {
@@ -276,7 +237,7 @@ TEST_CASE("a fast sensor that was covered and stands elsewhere then is followed 
   const auto process = [&](const OrganizedCloud& cloud) {
     return slam.process(cloud, test::kDrivePeriod_s * scans++);
   };
-  // Up to 8 m in a scan: farther than odometry and map look for what a scan saw.
+  // Up to 8 m in a scan: farther than the searches of odometry and mapping reach.
   double x_m = 0.0;
   for (int i = 0; i < 20; ++i) {
     x_m += std::min(0.5 * i, 8.0);
@@ -309,7 +270,7 @@ TEST_CASE("the number of threads is an option, and the caller's own stays as it 
   CHECK(last[0].matrix() == last[1].matrix());
 }
 
-TEST_CASE("who asks for the map gets it from as many threads as the option says") {
+TEST_CASE("the map is made by the number of threads of the option") {
   constexpr int kOfCaller = 40;
   const auto threads = [] {
     const auto tasks = std::filesystem::directory_iterator("/proc/self/task");

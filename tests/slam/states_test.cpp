@@ -1,4 +1,4 @@
-// What SLAM knows of the sensor from scan to scan: starting, tracking, lost, searching.
+// The states from scan to scan: starting, tracking, lost, searching.
 
 #include <doctest/doctest.h>
 
@@ -38,7 +38,7 @@ class StreetDrive {
  public:
   explicit StreetDrive(slam::Slam slam = slam::Slam(narrow_sensor())) : slam_(std::move(slam)) {}
 
-  /// 's': sees the street; 'b': is blind; 'e': stands in another street.
+  /// 's': in the street; 'b': blind; 'e': in another street.
   std::string states(const std::string& scans) {
     std::string result;
     for (const char what : scans) {
@@ -77,7 +77,7 @@ TEST_CASE("SLAM starts with the first scan that has enough features") {
   CHECK(drive.report.keyframe);
 }
 
-TEST_CASE("up to five scans that miss the map are bridged, whatever they are") {
+TEST_CASE("up to five scans that miss the map are bridged, blind or of another place") {
   for (const std::string missed : {"b", "bbbbb", "e", "eeeee", "beebe"}) {
     CAPTURE(missed);
     StreetDrive drive;
@@ -88,7 +88,7 @@ TEST_CASE("up to five scans that miss the map are bridged, whatever they are") {
   }
 }
 
-TEST_CASE("a scan of which much less fits than of the last registered one stands elsewhere") {
+TEST_CASE("a scan that fits much worse than the last registered one is of another place") {
   StreetDrive drive;
   drive.states("ssssss");
   CHECK(drive.trace.last_inlier_ratio > 0.0);
@@ -96,13 +96,15 @@ TEST_CASE("a scan of which much less fits than of the last registered one stands
   drive.states("e");
   CHECK(drive.trace.inlier_ratio < 0.6 * drive.trace.last_inlier_ratio);
   CHECK(!is_registered(drive.report.mapping_status));
-  // Of the last registered one: what is missed in between does not count.
+  // The ratio is that of the last registered one: missed scans in between do not count.
   const double last = drive.trace.last_inlier_ratio;
   drive.states("e");
   CHECK(drive.trace.last_inlier_ratio == last);
 }
 
-TEST_CASE("with the sixth missed scan the way is lost: a segment begins where something is seen") {
+TEST_CASE(
+    "with the sixth missed scan tracking is lost: a segment begins with the next scan that has "
+    "features") {
   StreetDrive drive;
   drive.states("ssssss");
   CHECK(drive.states("eeeee") == "lllll");
@@ -116,7 +118,8 @@ TEST_CASE("with the sixth missed scan the way is lost: a segment begins where so
   CHECK(blind.slam().segment_of_scan().back() == 0);
 }
 
-TEST_CASE("in a given map a sensor is searched for until it is found, and after it was lost") {
+TEST_CASE(
+    "in a given map a sensor is searched until it is found, and again after tracking was lost") {
   StreetDrive mapped;
   mapped.states(std::string(120, 's'));
   mapped.slam().finish();
@@ -157,7 +160,7 @@ TEST_CASE("a trace has each feature with its match, and asking for it changes no
     CHECK(feature.weight_per_m > 0.0);
     const Eigen::Vector3d on_scan_m = trace.T_map_level * feature.point_m.cast<double>();
     if (!is_line) {
-      // On the ground the part along the vertical alone is asked for, so it is a little less.
+      // On the ground only the vertical component counts, which is a little less.
       CHECK((feature.on_map_m.cast<double>() - on_scan_m).norm() < feature.residual_m + 1e-3);
     }
   }
@@ -180,8 +183,8 @@ class RandomDrive {
     std::size_t street = 0;
     Pose T_street_sensor = Pose::Identity();
     bool is_blind = false;
-    bool was_carried_blind = false;  ///< some time before: nobody can know of it
-    double unseen_s = 0.0;           ///< since the last scan that saw anything
+    bool was_carried_blind = false;  ///< some time before, undetectably
+    double unseen_s = 0.0;           ///< since the last scan that was not blind
     slam::ScanReport report;
     std::string_view state;
   };
@@ -190,7 +193,7 @@ class RandomDrive {
     drive(10);
     while (scans.size() < 60) {
       switch (below(5)) {
-        case 0:  // seen
+        case 0:  // with returns
           drive(1 + below(12));
           break;
         case 1:  // blind
@@ -255,7 +258,7 @@ class RandomDrive {
   double seen_s_ = 0.0;
 };
 
-/// Whether a pose is off by no more than its covariance says, nearly always, or by centimetres.
+/// Whether the error of a pose is within its covariance (nearly always), or of centimetres.
 bool holds(const Eigen::Matrix<double, 6, 6>& covariance, const Pose& T_map_found,
            const Pose& T_map_true) {
   const Twist error = logarithm(T_map_found.inverse() * T_map_true);
@@ -266,7 +269,9 @@ bool holds(const Eigen::Matrix<double, 6, 6>& covariance, const Pose& T_map_foun
 
 }  // namespace
 
-TEST_CASE("whatever happens to a sensor, what is said of each scan holds against the truth") {
+TEST_CASE(
+    "the report of each scan holds against the truth for random drives, blindness, gaps and "
+    "carrying") {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     CAPTURE(seed);
     const RandomDrive drive(seed);
@@ -308,7 +313,7 @@ TEST_CASE("whatever happens to a sensor, what is said of each scan holds against
       const bool is_after_gap = scan.report.mapping_status == Status::kAfterGap;
       if (scan.unseen_s > 1.2) CHECK(is_after_gap);
       if (scan.unseen_s < 0.5) CHECK_FALSE(is_after_gap);
-      // Registered scans of one submap lie to each other as they really do.
+      // Relative poses of registered scans of one submap are right.
       std::optional<std::size_t>& first = first_of_submap[submap_of_scan[i]];
       if (!first) first = i;
       const RandomDrive::Scan& other = drive.scans[*first];

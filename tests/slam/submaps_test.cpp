@@ -1,5 +1,5 @@
-// What becomes of a path when the way is lost: it goes on in a part of its own, and the parts are
-// joined where a place is recognized.
+// After tracking is lost the path continues in a submap of its own, and submaps are joined where a
+// place is recognized.
 
 #include <doctest/doctest.h>
 
@@ -42,9 +42,9 @@ std::vector<Pose> steps(double x_m, double y_m, int count, bool up) {
   return result;
 }
 
-/// Drives through one village, and is then carried to where the second way begins.
-Driven drive(const test::Village& village, const std::vector<Pose>& way,
-             const test::Village& other_village, const std::vector<Pose>& other_way) {
+/// Drives through one village, and is then carried to the begin of the second path.
+Driven drive(const test::Village& village, const std::vector<Pose>& path,
+             const test::Village& other_village, const std::vector<Pose>& other_path) {
   slam::Slam slam(test::street_sensor());
   Driven driven;
   const auto process = [&](const test::Village& where, const Pose& T_street_sensor) {
@@ -52,8 +52,8 @@ Driven drive(const test::Village& village, const std::vector<Pose>& way,
     driven.reports.push_back(slam.process(where.scan(T_street_sensor),
                                           0.1 * static_cast<double>(driven.reports.size())));
   };
-  for (const Pose& T_street_sensor : way) process(village, T_street_sensor);
-  for (const Pose& T_street_sensor : other_way) process(other_village, T_street_sensor);
+  for (const Pose& T_street_sensor : path) process(village, T_street_sensor);
+  for (const Pose& T_street_sensor : other_path) process(other_village, T_street_sensor);
   driven.last_reports = slam.finish();
   driven.T_map_sensor = test::poses_of(slam.trajectory());
   driven.submap_of_scan = slam.submap_of_scan();
@@ -67,14 +67,16 @@ Driven drive(const test::Village& village, const std::vector<Pose>& way,
 
 }  // namespace
 
-TEST_CASE("who is carried to a place passed before, either way, is joined with the path there") {
+TEST_CASE(
+    "a sensor carried to a place passed before, in either direction, is joined with the path "
+    "there") {
   const test::Village village = test::street(31);
   for (const bool up : {true, false}) {
     CAPTURE(up);
-    const std::vector<Pose> other_way = steps(up ? 15.0 : 65.0, 1.0, 50, up);
-    const Driven driven = drive(village, steps(0.0, 0.0, 80, true), village, other_way);
+    const std::vector<Pose> other_path = steps(up ? 15.0 : 65.0, 1.0, 50, up);
+    const Driven driven = drive(village, steps(0.0, 0.0, 80, true), village, other_path);
     CHECK(std::all_of(driven.submap_of_scan.begin(), driven.submap_of_scan.end() - 40,
-                      [](std::size_t part) { return part == 0; }));
+                      [](std::size_t submap) { return submap == 0; }));
     CHECK(driven.submap_of_scan.back() == 0);
     CHECK(driven.segment_of_scan[79] == 0);
     CHECK(driven.segment_of_scan.back() == 1);
@@ -88,8 +90,7 @@ TEST_CASE("who is carried to a place passed before, either way, is joined with t
   }
 }
 
-TEST_CASE(
-    "whenever the map is asked for all of it is there, also when the sensor was just carried") {
+TEST_CASE("the map is complete at any time, also just after the sensor was carried") {
   const SensorModel sensor = test::street_sensor();
   slam::SlamOptions options;
   options.mapping.recent_path_m = 20.0;
@@ -110,7 +111,7 @@ TEST_CASE(
 }
 
 TEST_CASE("laps without loop closing let the map grow no further") {
-  // What was seen 20 m of path ago is laid aside, and met again with every lap of 63 m.
+  // Points leave the window after 20 m of path, and are observed again with every lap of 63 m.
   test::Village village;
   village.add_street(-40.0, -24.0, 80.0, 31);
   village.add_street(-40.0, 24.0, 80.0, 32);
@@ -135,7 +136,7 @@ TEST_CASE("laps without loop closing let the map grow no further") {
   CHECK(slam.submap_of_scan().back() == 0);
 }
 
-TEST_CASE("who is carried to a place never passed is followed there, in a part of its own") {
+TEST_CASE("a sensor carried to a new place is tracked there, in a submap of its own") {
   const Driven driven = drive(test::street(31), steps(0.0, 0.0, 80, true), test::street(77),
                               steps(0.0, 0.0, 50, true));
   CHECK(driven.submap_of_scan[79] == 0);
@@ -145,8 +146,7 @@ TEST_CASE("who is carried to a place never passed is followed there, in a part o
   CHECK(driven.reports.back().mapping_status == Status::kOk);
 }
 
-TEST_CASE(
-    "who stood, was covered and stands elsewhere then is in a part of its own from there on") {
+TEST_CASE("a sensor that is covered and carried elsewhere continues in a submap of its own") {
   const SensorModel sensor = test::street_sensor();
   slam::Slam slam(sensor);
   int scans = 0;
@@ -166,7 +166,7 @@ TEST_CASE(
   const OrganizedCloud there = elsewhere.scan(sensor, test::yard_pose(5.0, 3.0, 1.0));
   const slam::ScanReport first = process(there);
   const Pose T_standing_there = slam.trajectory()[19].T_map_sensor.inverse() * first.T_map_sensor;
-  CHECK(T_standing_there.translation().norm() < 0.1);  // nothing tells of the way
+  CHECK(T_standing_there.translation().norm() < 0.1);  // the motion is unknown
   CHECK(first.keyframe);
   for (int i = 0; i < 5; ++i) CHECK(process(there).mapping_status == Status::kOk);
   CHECK(slam.map_points_m().size() > points_before);
@@ -175,8 +175,8 @@ TEST_CASE(
   CHECK(slam.saved_map().places.size() < 4);  // of the street alone
 }
 
-TEST_CASE("a map that went on before a scan was located in it loses nothing when one is") {
-  // What is seen within 15 m is too little for this map, not for the odometry.
+TEST_CASE("a map that was continued before a scan was registered in it loses nothing when one is") {
+  // Features within 15 m are too few for this map, not for the odometry.
   const SensorModel sensor = test::small_sensor(16, 1024);
   slam::SlamOptions options;
   options.mapping.min_correspondences = 1000;
@@ -198,7 +198,7 @@ TEST_CASE("a map that went on before a scan was located in it loses nothing when
   CHECK(slam.submap_of_scan().back() == 0);
 }
 
-TEST_CASE("scans on a map that went on stay with it when the way is lost after them") {
+TEST_CASE("scans on a continued map stay with it when tracking is lost after them") {
   const SensorModel sensor = test::small_sensor(16, 1024);
   slam::SlamOptions options;
   options.mapping.min_correspondences = 1000;
@@ -215,7 +215,7 @@ TEST_CASE("scans on a map that went on stay with it when the way is lost after t
         std::vector<std::size_t>{0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1});
 }
 
-TEST_CASE("what was not measured is not counted twice where a new part begins") {
+TEST_CASE("unmeasured motion is not counted twice where a submap begins") {
   const SensorModel sensor = test::street_sensor();
   const test::Village street = test::street(31);
   slam::Slam slam(sensor);
@@ -233,7 +233,7 @@ TEST_CASE("what was not measured is not counted twice where a new part begins") 
   CHECK(slam.submap_of_scan().back() == 1);
 }
 
-TEST_CASE("a covariance keeps what was not measured, until a loop takes it away") {
+TEST_CASE("a covariance keeps unmeasured motion until a loop removes it") {
   const SensorModel sensor = test::street_sensor();
   const test::Village village = test::street(31);
   for (const bool blind : {true, false}) {

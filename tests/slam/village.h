@@ -68,7 +68,7 @@ struct Village {
   OrganizedCloud scan(const Pose& T_village_sensor) const {
     return scan(street_sensor(), T_village_sensor);
   }
-  /// What a sensor that stands still sees, up to 60 m.
+  /// The scan of a standing sensor, up to 60 m.
   OrganizedCloud scan(const SensorModel& sensor, const Pose& T_village_sensor) const {
     constexpr double kReach_m = 60.0;
     const Eigen::Vector3d origin_m = T_village_sensor.translation();
@@ -113,7 +113,7 @@ inline Village street(unsigned seed, double begin_m = -40.0, double length_m = 1
   return village;
 }
 
-/// The same houses from x = -20 to 40 m and from 40 to 100 m.
+/// Identical houses from x = -20 to 40 m and from 40 to 100 m.
 inline Village street_of_two_equal_halves() {
   Village village;
   village.add_street(-20.0, 0.0, 60.0, 31);
@@ -121,18 +121,19 @@ inline Village street_of_two_equal_halves() {
   return village;
 }
 
-/// A village and a way through it.
+/// A village and a path through it.
 struct Circuit {
   Village village;
   std::vector<Pose> T_village_sensor;
 };
 
 /// From corner to corner, which are right angles, rounded with 6 m; a pose about every step_m.
-inline std::vector<Pose> way_through(const std::vector<Eigen::Vector2d>& corners_m, double step_m) {
+inline std::vector<Pose> path_through(const std::vector<Eigen::Vector2d>& corners_m,
+                                      double step_m) {
   constexpr double kRadius_m = 6.0;
-  std::vector<Pose> way;
+  std::vector<Pose> path;
   const auto add = [&](const Eigen::Vector2d& p_m, const Eigen::Vector2d& heading) {
-    way.push_back(
+    path.push_back(
         pose_from_xyz_rpy({p_m.x(), p_m.y(), 1.7}, 0.0, 0.0, std::atan2(heading.y(), heading.x())));
   };
   for (std::size_t i = 0; i + 1 < corners_m.size(); ++i) {
@@ -152,7 +153,7 @@ inline std::vector<Pose> way_through(const std::vector<Eigen::Vector2d>& corners
       add(centre_m + kRadius_m * (sine * ahead - cosine * aside), cosine * ahead + sine * aside);
     }
   }
-  return way;
+  return path;
 }
 
 /// Once around a block of 90 x 60 m, and 70 m more.
@@ -162,7 +163,8 @@ inline Circuit circuit() {
   result.village.add_street(14.0, 60.0, 62.0, 12);
   result.village.add_street(0.0, 14.0, 32.0, 13, Village::Along::kY);
   result.village.add_street(90.0, 14.0, 32.0, 14, Village::Along::kY);
-  result.T_village_sensor = way_through({{0, 0}, {90, 0}, {90, 60}, {0, 60}, {0, 0}, {70, 0}}, 1.5);
+  result.T_village_sensor =
+      path_through({{0, 0}, {90, 0}, {90, 60}, {0, 60}, {0, 0}, {70, 0}}, 1.5);
   return result;
 }
 

@@ -12,8 +12,8 @@
 
 namespace hqslam::test {
 
-/// A yard with exact geometry to test SLAM in: a floor, four walls and square pillars, seen from
-/// any pose. The frame of the yard has its origin on the floor in the middle, z up.
+/// A yard with exact geometry for tests: a floor, four walls and square pillars, scanned from any
+/// pose. The frame of the yard has its origin on the floor in the middle, z up.
 class Yard {
  public:
   double half_length_m = 30.0;  ///< along x

@@ -24,7 +24,7 @@ inline OrganizedCloud drive_scan(const SensorModel& sensor, int i) {
       sensor, [&](double time_s) { return drive_pose(i * kDrivePeriod_s + time_s); });
 }
 
-/// Of a trajectory with all scans of the drive.
+/// The worst error of a trajectory with all scans of the drive.
 inline double worst_error_m(const Trajectory& trajectory) {
   double worst_m = 0.0;
   for (std::size_t i = 0; i < trajectory.size(); ++i) {

@@ -32,7 +32,7 @@ are_parts_of() {
     done < <(blocks "$language" "$document")
   done
 }
-are_parts_of cpp "$source_folder"/tests/install/*.{cpp,h}
+are_parts_of cpp "$source_folder"/examples/cpp/*.cpp
 are_parts_of python "$source_folder"/examples/python/*.py
 
 # anchors DOCUMENT: what its headings are called in links.

@@ -34,7 +34,8 @@ Compared compared(const std::string& weights, const char* sensor_name) {
     methods.push_back({"", {interpolation, sensor, rows}});
   }
   const std::string path = golden_folder() + "/../../weights/" + weights;
-  methods.push_back({"", {nn::SuperResolver::load(path), sensor}});
+  methods.push_back(
+      {"", {nn::SuperResolver::load(path, {.architectures = nn::all_architectures()}), sensor}});
   UpsamplingComparison comparison(std::move(methods));
   sim::DriveSpec spec = sim::drive_preset("town");
   spec.seed = 4711;
@@ -95,7 +96,6 @@ TEST_CASE(
 }
 
 TEST_CASE("the networks to compare with are trained: not far from interpolation, or better") {
-  nn::add_compared_networks();
   check("srae_4_os1_16to64.npz", "os1-64", {1.5, 0.55});
   check("tulip_16_os1_16to64.npz", "os1-64", {kAny, 0.7, kAny, 1.0});
   check("simple-du_os1_16to64.npz", "os1-64", {1.0, 0.0, 0.8});

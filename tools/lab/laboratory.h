@@ -2,10 +2,14 @@
 
 #include <tuple>
 
-#include "lab_commands.h"
+#include "bench/bench_command.h"
+#include "compare/compare_command.h"
+#include "demo/demo_command.h"
+#include "evaluate_map/evaluate_map_command.h"
 #include "program/program.h"
 #include "simulate/simulate_command.h"
-#include "table/table_plan.h"
+#include "table/table_command.h"
+#include "train/train_command.h"
 
 namespace hqslam::tools {
 

@@ -5,7 +5,7 @@ odometries on public recordings:
     export PYTHONPATH=tools/python EVALIO_CUSTOM=hqslam_evalio
     evalio run -d hilti_2022/construction_upper_level_1 -p hqslam -o results
 
-Scans alone are looked at, not the inertial sensor. evalio keeps every pose as it was first given, so
+Scans alone are used, not the inertial sensor. evalio keeps every pose as it was first given, so
 loop closing, which corrects past ones too, is off unless it is asked for.
 """
 
@@ -23,7 +23,7 @@ LEAST_POINTS_OF_A_ROW = 20
 
 
 def sensor_of(elevation_deg: np.ndarray, params: LidarParams) -> hqslam.SensorModel:
-    """A sensor whose beams look so high, from the highest to the lowest."""
+    """A sensor with these beams, from the highest to the lowest."""
     model = {
         "name": params.model,
         "columns": params.num_columns,
@@ -44,7 +44,7 @@ class Hqslam(Pipeline):
         super().__init__()
         self.params: dict[str, Any] = dict(self.default_params())
         self.lidar_T_imu = np.eye(4)
-        self.slam: hqslam.Slam | None = None
+        self.slam: hqslam.Pipeline | None = None
         self.row_of_ring: np.ndarray = np.empty(0, np.uint16)  # 65535: has no beam
 
     @staticmethod
@@ -75,8 +75,8 @@ class Hqslam(Pipeline):
     def set_imu_T_lidar(self, T: SE3) -> None:
         self.lidar_T_imu = np.linalg.inv(T.to_mat())
 
-    def begin(self, points_m: np.ndarray, ring: np.ndarray) -> hqslam.Slam:
-        """Where a ring's beam looks is what its points in the first scan say."""
+    def begin(self, points_m: np.ndarray, ring: np.ndarray) -> hqslam.Pipeline:
+        """The elevation of each ring is the median of its points in the first scan."""
         elevation_deg = np.degrees(np.arctan2(points_m[:, 2], np.hypot(*points_m[:, :2].T)))
         count = np.bincount(ring, minlength=self.lidar.num_rows)
         rings = np.flatnonzero(count >= LEAST_POINTS_OF_A_ROW)
@@ -84,7 +84,7 @@ class Hqslam(Pipeline):
         order = np.argsort(-of_ring)
         self.row_of_ring = np.full(len(count), 65535, np.uint16)
         self.row_of_ring[rings[order]] = np.arange(len(rings))
-        return hqslam.Slam(sensor_of(of_ring[order], self.lidar), **self.params)
+        return hqslam.Pipeline(sensor_of(of_ring[order], self.lidar), **self.params)
 
     def add_lidar(self, mm: LidarMeasurement) -> None:
         points_m = np.array(mm.to_vec_positions(), np.float32).reshape(-1, 3)
@@ -101,7 +101,7 @@ class Hqslam(Pipeline):
         try:
             report = self.slam.process(
                 points_m[known], stamp.to_sec(), row[known], seconds[known] - np.float32(half_s)
-            )
+            ).report
         except hqslam.ScanError as error:
             print(error)
             return

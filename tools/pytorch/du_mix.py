@@ -1,4 +1,4 @@
-"""DU-Mix (nn/src/hqs/two_modes_prior.h) as a PyTorch module, for several scans at a time.
+"""DU-Mix (nn/hqs/two_modes_prior.h) as a PyTorch module, for several scans at a time.
 
 What is said of computed pixels is scans x computed pixels of a tile x rows of tiles x columns of tiles.
 """

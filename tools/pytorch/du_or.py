@@ -1,4 +1,4 @@
-"""DU-OR (nn/src/hqs/u_shaped_prior.h) as a PyTorch module."""
+"""DU-OR (nn/hqs/u_shaped_prior.h) as a PyTorch module."""
 
 import torch
 from torch import nn

@@ -1,4 +1,4 @@
-"""Simple DU (nn/src/hqs/plain_prior.h) as a PyTorch module."""
+"""Simple DU (nn/hqs/plain_prior.h) as a PyTorch module."""
 
 import torch
 from torch import nn

@@ -54,7 +54,7 @@ def read_drives(folder, left_out, rows, device):
 
 
 def augmented(scans, rows, scales, limits_m, random):
-    """As nn/src/training/augmentation.cpp: truth, M and W^2 of each, turned, mirrored and scaled."""
+    """As nn/training/src/augmentation.cpp: truth, M and W^2 of each, turned, mirrored and scaled."""
     count, columns, device = len(scans), scans.shape[2], scans.device
 
     def drawn(shape=(count, 1)):

@@ -52,36 +52,6 @@ void refuse_folder_of_recordings(const std::string& folder) {
       folder, paths.size(), *std::ranges::min_element(paths));
 }
 
-/// Where options do not apply to a kind of recording, they are refused.
-void refuse_idle_options(const std::string& path, const OpenOptions& options) {
-  std::error_code error;
-  const bool is_stream = is_capture_or_bag(path);
-  const bool is_stack = fs::path(path).extension() == ".npy" ||
-                        (fs::is_regular_file(fs::path(path) / "scans.npy", error) &&
-                         fs::is_regular_file(fs::path(path) / "sensor.json", error));
-  struct Option {
-    const char* name;
-    bool is_given;
-    bool applies;
-  };
-  const OpenOptions usual;
-  const RecordingOptions& files = options.files;
-  for (const Option& option : std::initializer_list<Option>{
-           {"--stream", options.stream != usual.stream, is_stream},
-           {"--return", options.kept_return != usual.kept_return, is_stream},
-           {"--row-order", files.row_order != usual.files.row_order, is_stack},
-           {"--motion-corrected", files.capture_time != usual.files.capture_time, is_stack},
-           {"--capture", files.without_times.has_value(), !is_stream && !is_stack},
-           {"--stamps", !files.stamps.empty(), !is_stream}}) {
-    if (!option.is_given || option.applies) continue;
-    throw Error("{}: {} does not apply to {}; leave {} out", path, option.name,
-                is_stream  ? "a capture or a bag"
-                : is_stack ? "a stack of range images"
-                           : "files of points",
-                option.name);
-  }
-}
-
 /// The sensor that is named, else that of the folder's sensor.json.
 std::optional<SensorModel> stated_sensor(const std::string& path, const OpenOptions& options) {
   const fs::path described = fs::path(path) / "sensor.json";
@@ -253,6 +223,35 @@ RecordingInfo inspect_files(const std::string& path, const OpenOptions& options)
 }
 
 }  // namespace
+
+void refuse_idle_options(const std::string& path, const OpenOptions& options) {
+  std::error_code error;
+  const bool is_stream = is_capture_or_bag(path);
+  const bool is_stack = fs::path(path).extension() == ".npy" ||
+                        (fs::is_regular_file(fs::path(path) / "scans.npy", error) &&
+                         fs::is_regular_file(fs::path(path) / "sensor.json", error));
+  struct Option {
+    const char* name;
+    bool is_given;
+    bool applies;
+  };
+  const OpenOptions usual;
+  const RecordingOptions& files = options.files;
+  for (const Option& option : std::initializer_list<Option>{
+           {"--stream", options.stream != usual.stream, is_stream},
+           {"--return", options.kept_return != usual.kept_return, is_stream},
+           {"--row-order", files.row_order != usual.files.row_order, is_stack},
+           {"--motion-corrected", files.capture_time != usual.files.capture_time, is_stack},
+           {"--capture", files.without_times.has_value(), !is_stream && !is_stack},
+           {"--stamps", !files.stamps.empty(), !is_stream}}) {
+    if (!option.is_given || option.applies) continue;
+    throw Error("{}: {} does not apply to {}; leave {} out", path, option.name,
+                is_stream  ? "a capture or a bag"
+                : is_stack ? "a stack of range images"
+                           : "files of points",
+                option.name);
+  }
+}
 
 Recording::Recording(std::string path, OpenOptions options)
     : path_(std::move(path)), options_(std::move(options)) {

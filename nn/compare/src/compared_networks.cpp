@@ -5,9 +5,14 @@
 
 namespace hqslam::nn {
 
-void add_compared_networks() {
-  add_architecture({"srae", read_srae});
-  add_architecture({"tulip", read_tulip});
+const Architectures& all_architectures() {
+  static const Architectures kinds = [] {
+    Architectures all = hqs_architectures();
+    all.push_back({"srae", read_srae});
+    all.push_back({"tulip", read_tulip});
+    return all;
+  }();
+  return kinds;
 }
 
 }  // namespace hqslam::nn

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hqslam/nn/trace.h"
+
 namespace hqslam::nn {
 namespace {
 
-/// Each pass has so many seeds for its layers.
+/// The seeds of each pass for its layers.
 constexpr std::uint64_t kSeedsOfPass = 64;
 
 }  // namespace
@@ -30,10 +32,9 @@ std::unique_ptr<Network> DirectArchitecture::make_network(const NetworkDescripti
 DirectNetwork::DirectNetwork(const DirectArchitecture& architecture,
                              const NetworkDescription& description, int columns,
                              const Engine& engine)
-    : Network(description, columns),
-      architecture_(architecture),
-      description_(description),
+    : description_(description),
       plan_(architecture.plan()),
+      unit_{description.range_scale_m, plan_.logarithmic},
       graph_(architecture.graph(description, columns, Purpose::kUpsampling, engine)),
       values_(graph_.make_values()) {
   const TensorShape& output = graph_.output_shape();
@@ -47,26 +48,20 @@ std::int64_t DirectNetwork::multiply_adds() const {
          (plan_.passes - 1) * graph_.multiply_adds(graph_.first_random_layer());
 }
 
-void DirectNetwork::set_parameters(std::span<const float> parameters) {
-  graph_.set_parameters(parameters);
-  parameters_.assign(parameters.begin(), parameters.end());
-  if (training_) training_->stale = true;
-}
-
-float DirectNetwork::to_unit(float range_m) const {
+float DirectUnit::of(float range_m) const {
   if (!(range_m > 0.0F) || !std::isfinite(range_m)) return 0.0F;
-  const float scaled = range_m / description_.range_scale_m;
-  return plan_.logarithmic ? std::log1p(scaled) : scaled;
+  const float scaled = range_m / range_scale_m;
+  return logarithmic ? std::log1p(scaled) : scaled;
 }
 
-float DirectNetwork::to_metres(float value) const {
-  return (plan_.logarithmic ? std::expm1(value) : value) * description_.range_scale_m;
+float DirectUnit::to_metres(float value) const {
+  return (logarithmic ? std::expm1(value) : value) * range_scale_m;
 }
 
-void DirectNetwork::take(const RangeImage& image, Tensor& tensor) const {
+void DirectUnit::take(const RangeImage& image, Tensor& tensor) const {
 #pragma omp for schedule(static)
   for (int y = 0; y < image.rows; ++y) {
-    for (int x = 0; x < image.columns; ++x) tensor.at(0, y, x) = to_unit(image.at(y, x));
+    for (int x = 0; x < image.columns; ++x) tensor.at(0, y, x) = of(image.at(y, x));
     tensor.fill_border(0, y);
   }
 }
@@ -89,7 +84,7 @@ void DirectNetwork::run_passes(const RangeImage& measured, int passes) {
   const int random = graph_.first_random_layer();
 #pragma omp parallel num_threads(graph_.engine().threads)
   {
-    take(measured, values_.front());
+    unit_.take(measured, values_.front());
     for (int pass = 0; pass < passes; ++pass) {
       std::optional<std::uint64_t> seed;
       if (passes > 1) seed = static_cast<std::uint64_t>(pass) * kSeedsOfPass;
@@ -119,14 +114,13 @@ void DirectNetwork::restore(const RangeImage& measured, RangeImage& image) const
 }
 
 const UpsampledImage& DirectNetwork::upsample(const Observation& seen, float /*tolerance_m*/) {
-  check(seen);
   const RangeImage& measured = seen.measured;
   run_passes(measured, plan_.passes);
   const auto nearest_m = static_cast<float>(description_.sensor.min_range_m);
   const auto farthest_m = static_cast<float>(description_.sensor.max_range_m);
 #pragma omp parallel for schedule(static) num_threads(graph_.engine().threads)
   for (std::size_t pixel = 0; pixel < sum_.size(); ++pixel) {
-    const float range_m = to_metres(mean(pixel));
+    const float range_m = unit_.to_metres(mean(pixel));
     const bool there = range_m >= nearest_m && range_m <= farthest_m && agreed(pixel);
     upsampled_.image.range_m[pixel] = there ? range_m : 0.0F;
   }
@@ -136,11 +130,10 @@ const UpsampledImage& DirectNetwork::upsample(const Observation& seen, float /*t
 
 /// One pass without dropout.
 RangeImage DirectNetwork::estimate(const RangeImage& measured) {
-  check(measured);
   run_passes(measured, 1);
   RangeImage image(upsampled_.image.rows, upsampled_.image.columns);
   for (std::size_t i = 0; i < sum_.size(); ++i) {
-    image.range_m[i] = to_metres(static_cast<float>(sum_[i]));
+    image.range_m[i] = unit_.to_metres(static_cast<float>(sum_[i]));
   }
   return image;
 }
@@ -150,13 +143,13 @@ Trace DirectNetwork::trace(const Observation& seen) {
   RangeImage said = upsampled;
   RangeImage disagreed = upsampled;
   for (std::size_t pixel = 0; pixel < sum_.size(); ++pixel) {
-    said.range_m[pixel] = to_metres(mean(pixel));
+    said.range_m[pixel] = unit_.to_metres(mean(pixel));
     disagreed.range_m[pixel] = agreed(pixel) ? 0.0F : 1.0F;
   }
   Trace trace;
   trace.add(traced_image("measured", seen.measured));
-  trace.add(traced_image("layers.0.z", std::move(said)));
-  trace.add(traced_image("layers.0.rejected", std::move(disagreed), ""));
+  trace.add(traced_image("layers.0.z", said));
+  trace.add(traced_image("layers.0.rejected", disagreed, ""));
   trace.add(traced_image("layers.0.y", upsampled));
   return trace;
 }
@@ -164,44 +157,6 @@ Trace DirectNetwork::trace(const Observation& seen) {
 std::vector<NetworkStep> DirectNetwork::steps(const RangeImage& measured) {
   upsample(measured, 0.5F);
   return graph_.steps(values_, plan_.passes);
-}
-
-double DirectNetwork::batch_gradients(std::span<const TrainingSample> batch,
-                                      const LossOptions& /*options*/,
-                                      std::span<const std::uint64_t> seeds,
-                                      std::span<float> d_parameters) {
-  if (!training_) {
-    training_.emplace(
-        Training{architecture_.graph(description_, graph_.shape(0).columns, Purpose::kTraining,
-                                     {graph_.engine().instruction_set, 1}),
-                 {},
-                 {}});
-  }
-  Training& training = *training_;
-  if (training.stale) training.graph.set_parameters(parameters_);
-  training.stale = false;
-  while (training.values.size() < batch.size()) {
-    training.values.push_back(training.graph.make_values());
-    training.gradients.push_back(training.graph.make_values());
-  }
-  const std::span values(training.values.data(), batch.size());
-  const std::span gradients(training.gradients.data(), batch.size());
-  for (std::size_t i = 0; i < batch.size(); ++i) take(batch[i].measured, values[i].front());
-  training.graph.forward_batch(values, seeds);
-  double loss = 0.0;
-  const float share = 1.0F / static_cast<float>(sum_.size());
-  for (std::size_t i = 0; i < batch.size(); ++i) {
-    const Tensor& output = values[i].back();
-    for (int y = 0; y < output.rows(); ++y) {
-      for (int x = 0; x < output.columns(); ++x) {
-        const float off = output.at(0, y, x) - to_unit(batch[i].truth.at(y, x));
-        loss += std::fabs(off) * share;
-        gradients[i].back().at(0, y, x) = off > 0.0F ? share : off < 0.0F ? -share : 0.0F;
-      }
-    }
-  }
-  training.graph.backward(values, gradients, d_parameters, {.dropped = true});
-  return loss;
 }
 
 }  // namespace hqslam::nn

@@ -1,15 +1,15 @@
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "architecture.h"
 #include "graph/layer_graph.h"
 #include "hqslam/nn/network.h"
+#include "trainable_architecture.h"
 
 namespace hqslam::nn {
 
-/// How a network is used that goes from the measured rows to all rows in one go.
+/// The use of a network that computes all rows from the measured ones at once.
 struct DirectPlan {
   /// Images are ln(1 + range / range_scale_m), otherwise range / range_scale_m.
   bool logarithmic = false;
@@ -20,7 +20,7 @@ struct DirectPlan {
 enum class Purpose { kUpsampling, kTraining };
 
 /// A kind of such networks.
-class DirectArchitecture : public Architecture {
+class DirectArchitecture : public Architecture, public TrainableArchitecture {
  public:
   /// One channel of measured rows in, one of all rows out. Graphs for upsampling need no gradients;
   /// the arrays are the same.
@@ -33,10 +33,23 @@ class DirectArchitecture : public Architecture {
                                         std::uint64_t seed) const final;
   std::unique_ptr<Network> make_network(const NetworkDescription& description, int columns,
                                         InstructionSet instruction_set, int threads) const final;
+  std::unique_ptr<TrainableNetwork> make_trainable(const NetworkDescription& description,
+                                                   int columns,
+                                                   InstructionSet instruction_set) const final;
 };
 
-/// A network that says the range of every pixel at once, trained with the mean of the absolute
-/// errors over all pixels, no return counting as 0.
+/// What a network of DirectPlan works with instead of metres.
+struct DirectUnit {
+  float range_scale_m = 1.0F;
+  bool logarithmic = false;
+
+  float of(float range_m) const;
+  float to_metres(float value) const;
+  /// Called by all threads of a parallel region.
+  void take(const RangeImage& image, Tensor& tensor) const;
+};
+
+/// A network that gives the range of every pixel at once.
 class DirectNetwork final : public Network {
  public:
   /// architecture: the description's.
@@ -44,27 +57,15 @@ class DirectNetwork final : public Network {
                 int columns, const Engine& engine);
 
   std::int64_t multiply_adds() const override;  ///< of all passes
-  void set_parameters(std::span<const float> parameters) override;
+  void set_parameters(std::span<const float> parameters) override {
+    graph_.set_parameters(parameters);
+  }
   const UpsampledImage& upsample(const Observation& seen, float tolerance_m) override;
   RangeImage estimate(const RangeImage& measured) override;
   Trace trace(const Observation& seen) override;
   std::vector<NetworkStep> steps(const RangeImage& measured) override;
 
  private:
-  double batch_gradients(std::span<const TrainingSample> batch, const LossOptions& options,
-                         std::span<const std::uint64_t> seeds,
-                         std::span<float> d_parameters) override;
-
-  struct Training {
-    LayerGraph graph;
-    std::vector<LayerGraph::Values> values;  ///< of each scan of a batch
-    std::vector<LayerGraph::Values> gradients;
-    bool stale = true;  ///< the parameters have changed
-  };
-
-  float to_unit(float range_m) const;
-  float to_metres(float value) const;
-  void take(const RangeImage& image, Tensor& tensor) const;
   /// Called by all threads of a parallel region.
   void add_pass(bool first);
   void run_passes(const RangeImage& measured, int passes);
@@ -73,16 +74,14 @@ class DirectNetwork final : public Network {
   bool agreed(std::size_t pixel) const;
   void restore(const RangeImage& measured, RangeImage& image) const;
 
-  const DirectArchitecture& architecture_;
   NetworkDescription description_;
   DirectPlan plan_;
+  DirectUnit unit_;
   LayerGraph graph_;
   LayerGraph::Values values_;
-  std::vector<float> parameters_;
   std::vector<double> sum_;      ///< over the passes, of every pixel
   std::vector<double> squares_;  ///< and of the squares
   UpsampledImage upsampled_;
-  std::optional<Training> training_;
 };
 
 }  // namespace hqslam::nn

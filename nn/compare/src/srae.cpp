@@ -96,7 +96,7 @@ void Srae::validate(const NetworkDescription& d) const {
   check_memory(kTensorsOfFilters * shape_.filters * rows * d.sensor.columns, d);
 }
 
-/// Nothing goes round: the paper's convolutions see zeros beyond the edges.
+/// With zeros beyond all edges, as in the paper.
 LayerGraph Srae::graph(const NetworkDescription& d, int columns, Purpose purpose,
                        const Engine& engine) const {
   const int upscaling = d.measured_rows.stride;

@@ -19,13 +19,13 @@ namespace hqslam::nn {
 struct SraeShape {
   int filters = 8;
   float dropout = 0.25F;
-  /// The result is the mean over so many passes with dropout; a pixel where their standard
+  /// The result is the mean over this number of passes with dropout; a pixel where their standard
   /// deviation is above largest_deviation times the mean comes out empty. 1: one pass without
   /// dropout.
   int passes = 50;
   float largest_deviation = 0.03F;
 };
-/// Of the encoder: rows and columns of the whole image are multiples of it.
+/// The stride of the encoder: rows and columns of the whole image are multiples of it.
 inline constexpr int kSraeStride = 16;
 
 /// "srae". Its graph for upsampling has batch norm worked into the convolutions, and no gradients.

@@ -6,8 +6,8 @@
 #include "scan.h"
 
 // DU-Mix: one layer of eq. 10 in the limit b -> 0, where what was measured stays, on logarithms of
-// ranges (metres), with a prior that says two modes and the probability of a return. An addition to
-// the paper, which has one range per pixel.
+// ranges (metres), with a prior that gives two modes and the probability of a return. An addition
+// to the paper, which has one range per pixel.
 namespace hqslam::nn::reference {
 namespace {
 
@@ -19,21 +19,21 @@ struct Measured {
 };
 
 Measured measured(const Run& run) {
-  Measured m{Image(1, run.measured_m.rows, run.columns()),
-             Image(1, run.measured_m.rows, run.columns())};
+  const Image empty = zeros(1, run.measured_m.rows, run.columns());
+  Measured m{empty, empty};
   for (int y = 0; y < run.measured_m.rows; ++y) {
     for (int x = 0; x < run.columns(); ++x) {
       const double range_m = run.measured_m.at(y, x);
       const bool there = range_m > 0.0;
-      m.valid.at(0, y, x) = there ? 1.0 : 0.0;
-      const double above_m = y == 0 ? kTypicalRange_m : m.filled.at(0, y - 1, x);
-      m.filled.at(0, y, x) = there ? range_m : above_m;
+      m.valid(0, y, x) = there ? 1.0 : 0.0;
+      const double above_m = y == 0 ? kTypicalRange_m : m.filled(0, y - 1, x);
+      m.filled(0, y, x) = there ? range_m : above_m;
     }
   }
   return m;
 }
 
-/// How far an image row lies between the measured beams around it, by their elevations: on a plane
+/// The place of an image row between the measured beams around it, by their elevations: on a plane
 /// 1 / range is nearly linear in the elevation.
 double part_down(const Run& run, int row, const Between& at) {
   if (at.above == at.below) return 0.0;
@@ -53,15 +53,16 @@ struct Recalled {
 };
 
 Recalled recalled(const Run& run) {
-  Recalled r{Image(1, run.rows(), run.columns()), Image(1, run.rows(), run.columns())};
+  const Image empty = zeros(1, run.rows(), run.columns());
+  Recalled r{empty, empty};
   const RecalledImage& given = run.options.recalled;
   for (int y = 0; y < run.rows() && !given.is_empty(); ++y) {
     for (int x = 0; x < run.columns(); ++x) {
       const double range_m = given.image.at(y, x);
       const double weight = given.weight[given.image.index(y, x)];
       if (!(range_m > 0.0) || !(weight > 0.0)) continue;
-      r.m.at(0, y, x) = std::log(range_m);
-      r.share.at(0, y, x) = weight / (weight + 1.0);
+      r.m(0, y, x) = std::log(range_m);
+      r.share(0, y, x) = weight / (weight + 1.0);
     }
   }
   return r;
@@ -72,32 +73,32 @@ Recalled recalled(const Run& run) {
 /// memory two channels more for each of the 16 pixels: M - start, within +-1; share - 1/2.
 Image input_of(const Run& run, const Measured& m, const Image& start, const Recalled& recalled,
                const Image& h, int tile_rows, int tile_columns) {
-  Image centred = h;
-  for (double& value : centred.values) value = 0.5 * (value - std::log(kTypicalRange_m));
+  const Image centred = (h - std::log(kTypicalRange_m)) * 0.5;
   const Image tiles = tiled(centred, tile_rows, tile_columns);
+  const auto pixels = static_cast<int>(tiles.dimension(0));  // of a tile
   const bool has_memory = run.network["denoiser"].value("scan_memory", false);
-  const int first_recalled = tiles.channels + 2 * tile_columns;
-  Image input(first_recalled + (has_memory ? 2 * tiles.channels : 0), tiles.rows, tiles.columns);
-  std::ranges::copy(tiles.values, input.values.begin());
-  for (int y = 0; y < tiles.rows; ++y) {
+  const int first_recalled = pixels + 2 * tile_columns;
+  const Image others = zeros(2 * tile_columns + (has_memory ? 2 * pixels : 0), tiles.dimension(1),
+                             tiles.dimension(2));
+  Image input = tiles.concatenate(others, 0);
+  for (int y = 0; y < tiles.dimension(1); ++y) {
     for (int x = 0; x < run.columns(); ++x) {
-      const int channel = tiles.channels + x % tile_columns;
-      const double above_m = m.filled.at(0, std::max(y - 1, 0), x);
-      const double step = std::log(above_m) - std::log(m.filled.at(0, y, x));
-      input.at(channel, y, x / tile_columns) = m.valid.at(0, y, x) - 0.5;
-      input.at(channel + tile_columns, y, x / tile_columns) = std::clamp(step, -1.0, 1.0);
+      const int channel = pixels + x % tile_columns;
+      const double above_m = m.filled(0, std::max(y - 1, 0), x);
+      const double step = std::log(above_m) - std::log(m.filled(0, y, x));
+      input(channel, y, x / tile_columns) = m.valid(0, y, x) - 0.5;
+      input(channel + tile_columns, y, x / tile_columns) = std::clamp(step, -1.0, 1.0);
     }
   }
   for (int y = 0; y < run.rows() && has_memory; ++y) {
     for (int x = 0; x < run.columns(); ++x) {
       const int channel = first_recalled + 2 * (y % tile_rows * tile_columns + x % tile_columns);
-      const double share = recalled.share.at(0, y, x);
+      const double share = recalled.share(0, y, x);
       const double without =
-          run.is_measured(y) ? std::log(m.filled.at(0, y / tile_rows, x)) : start.at(0, y, x);
-      const double step =
-          share > 0.0 ? std::clamp(recalled.m.at(0, y, x) - without, -1.0, 1.0) : 0.0;
-      input.at(channel, y / tile_rows, x / tile_columns) = step;
-      input.at(channel + 1, y / tile_rows, x / tile_columns) = share - 0.5;
+          run.is_measured(y) ? std::log(m.filled(0, y / tile_rows, x)) : start(0, y, x);
+      const double step = share > 0.0 ? std::clamp(recalled.m(0, y, x) - without, -1.0, 1.0) : 0.0;
+      input(channel, y / tile_rows, x / tile_columns) = step;
+      input(channel + 1, y / tile_rows, x / tile_columns) = share - 0.5;
     }
   }
   return input;
@@ -116,15 +117,16 @@ Image outputs_of(Run& run, const Image& input) {
   const auto convolved = [&](const std::string& name, const Image& in, int stride = 1) {
     return convolution(in, array(name + ".weight"), &array(name + ".bias"), stride);
   };
-  const auto named = [&](const std::string& name, Image image) {
+  const auto named = [&](const std::string& name, const Image& image) {
     run.add(prefix + name, image);
     return image;
   };
   Image encoded = convolved("encoder.0", input);
-  for (int c = 0; c < encoded.channels; ++c) {  // a bias of its own for each row
-    for (int y = 0; y < encoded.rows; ++y) {
-      const double bias = array("encoder.0.row_bias").values[c * encoded.rows + y];
-      for (int x = 0; x < encoded.columns; ++x) encoded.at(c, y, x) += bias;
+  const std::span<const double> row_bias = array("encoder.0.row_bias").values;
+  std::size_t row = 0;
+  for (int c = 0; c < encoded.dimension(0); ++c) {  // a bias of its own for each row
+    for (int y = 0; y < encoded.dimension(1); ++y, ++row) {
+      for (int x = 0; x < encoded.dimension(2); ++x) encoded(c, y, x) += row_bias[row];
     }
   }
   encoded = named("encoder.0", activated(encoded, slope));
@@ -132,26 +134,26 @@ Image outputs_of(Run& run, const Image& input) {
   x = named("bottleneck.0", activated(convolved("bottleneck.0", x), slope));
   for (int block = 1; block <= blocks; ++block) {
     const std::string name = fmt::format("bottleneck.{}", block);
-    x = named(name, activated(sum(convolved(name, x), x), slope));
+    x = named(name, activated(convolved(name, x) + x, slope));
   }
   x = transposed_convolution(x, array("decoder.0.weight"), array("decoder.0.bias"));
-  x = named("decoder.0", activated(sum(x, encoded), slope));
+  x = named("decoder.0", activated(x + encoded, slope));
   return convolved("head", x);
 }
 
-/// The share of a Laplace distribution of scale 1 around 0 that lies below v.
+/// The share of a Laplace distribution of scale 1 around 0 below v.
 double laplace_below(double v) {
   const double tail = 0.5 * std::exp(-std::fabs(v));
   return v > 0.0 ? 1.0 - tail : tail;
 }
 
-/// What is said of one pixel. With outputs o, s(v) = 1 / (1 + e^-v) and y in ln of metres:
+/// The result for one pixel. With outputs o, s(v) = 1 / (1 + e^-v) and y in ln of metres:
 ///   y1 = s(4 o0) above + (1 - s(4 o0)) h + o1      the mode on the side of the row above
 ///   y2 = s(4 o2) below + (1 - s(4 o2)) h + o3      the mode on the side of the row below
 ///   w  = s(4 o4)                                   probability of the first
 ///   scale = exp(-3.5 + 4 clamp(o5, -1/2, 1))       of both Laplace distributions
 ///   p  = s(4 o6)                                   probability of a return
-/// With a memory each mode has an h of its own, start + g (M - start): W^2 scaled by what it says,
+/// With a memory each mode has an h of its own, start + g (M - start): W^2 scaled by an output,
 ///   g = W^2 e / (W^2 e + 1),  e = exp(4 clamp(o, -2, 2)),  o = o7 for the first, o8 for the second
 struct Said {
   double mode_1, mode_2, weight_1, scale, probability;
@@ -179,31 +181,30 @@ void run_du_mix(Run& run) {
   const RowSelection rows = run.description.measured_rows;
   const Measured m = measured(run);
   // Start, linear in 1 / range.
-  Image start(1, run.rows(), run.columns());
-  for (int y = 0; y < start.rows; ++y) {
+  Image start = zeros(1, run.rows(), run.columns());
+  for (int y = 0; y < run.rows(); ++y) {
     const Between at = between(run, y);
     const double down = part_down(run, y, at);
-    for (int x = 0; x < start.columns; ++x) {
-      start.at(0, y, x) = -std::log((1.0 - down) / m.filled.at(0, at.above, x) +
-                                    down / m.filled.at(0, at.below, x));
+    for (int x = 0; x < run.columns(); ++x) {
+      start(0, y, x) =
+          -std::log((1.0 - down) / m.filled(0, at.above, x) + down / m.filled(0, at.below, x));
     }
   }
   // 10a with b -> 0: H = ln L where a pixel was measured, otherwise the start, drawn towards what
   // is recalled: (W^2 M + start) / (W^2 + 1).
   const Recalled memory = recalled(run);
   Image h = start;
-  for (int y = 0; y < h.rows; ++y) {
-    for (int x = 0; x < h.columns && !run.is_measured(y); ++x) {
-      h.at(0, y, x) += memory.share.at(0, y, x) * (memory.m.at(0, y, x) - start.at(0, y, x));
+  for (int y = 0; y < run.rows(); ++y) {
+    for (int x = 0; x < run.columns() && !run.is_measured(y); ++x) {
+      h(0, y, x) += memory.share(0, y, x) * (memory.m(0, y, x) - start(0, y, x));
     }
   }
   /// ln to metres; a measured pixel as it was measured.
   const auto add_metres = [&](const std::string& name, Image image) {
-    for (int y = 0; y < image.rows; ++y) {
-      for (int x = 0; x < image.columns; ++x) {
-        double& value = image.at(0, y, x);
-        value = run.is_measured(y) ? run.measured_m.at((y - rows.offset) / rows.stride, x)
-                                   : std::exp(value);
+    for (int y = 0; y < run.rows(); ++y) {
+      for (int x = 0; x < run.columns(); ++x) {
+        image(0, y, x) = run.is_measured(y) ? run.measured_m.at((y - rows.offset) / rows.stride, x)
+                                            : std::exp(image(0, y, x));
       }
     }
     run.add(name, image, "m");
@@ -212,34 +213,34 @@ void run_du_mix(Run& run) {
   add_metres("layers.0.h", h);
   const Image outputs =
       outputs_of(run, input_of(run, m, start, memory, h, tile_rows, tile_columns));
-  const Image empty(1, run.rows(), run.columns());
+  const Image empty = zeros(1, run.rows(), run.columns());
   Image mode_1 = empty, mode_2 = empty, weight_1 = empty, scale = empty, probability = empty;
   Image z = h;
   Image confidence = empty;
   const int pixels = (tile_rows - 1) * tile_columns;  // of a tile that are computed
-  for (int y = 0; y < h.rows; ++y) {
+  for (int y = 0; y < run.rows(); ++y) {
     const int in_tile = y % tile_rows;
     const int tile = y / tile_rows;
     const Between at = between(run, y);
-    for (int x = 0; x < h.columns; ++x) {
+    for (int x = 0; x < run.columns(); ++x) {
       if (run.is_measured(y)) {
-        probability.at(0, y, x) = confidence.at(0, y, x) = m.valid.at(0, tile, x);
+        probability(0, y, x) = confidence(0, y, x) = m.valid(0, tile, x);
         continue;
       }
       const int pixel =
           (in_tile < rows.offset ? in_tile : in_tile - 1) * tile_columns + x % tile_columns;
       const auto o = [&](int group) {
-        return outputs.at(group * pixels + pixel, tile, x / tile_columns);
+        return outputs(group * pixels + pixel, tile, x / tile_columns);
       };
-      const double above = std::log(m.filled.at(0, at.above, x));
-      const double below = std::log(m.filled.at(0, at.below, x));
+      const double above = std::log(m.filled(0, at.above, x));
+      const double below = std::log(m.filled(0, at.below, x));
       const auto middle = [&](int group) {
-        const double share = memory.share.at(0, y, x);
-        if (share == 0.0) return h.at(0, y, x);
+        const double share = memory.share(0, y, x);
+        if (share == 0.0) return h(0, y, x);
         const double scaled =
             share / (1.0 - share) * std::exp(4.0 * std::clamp(o(group), -2.0, 2.0));
-        const double from = start.at(0, y, x);
-        return from + scaled / (scaled + 1.0) * (memory.m.at(0, y, x) - from);
+        const double from = start(0, y, x);
+        return from + scaled / (scaled + 1.0) * (memory.m(0, y, x) - from);
       };
       const double first = middle(7);
       const double second = middle(8);
@@ -248,17 +249,16 @@ void run_du_mix(Run& run) {
                       .weight_1 = logistic(4.0 * o(4)),
                       .scale = std::exp(-3.5 + 4.0 * std::clamp(o(5), -0.5, 1.0)),
                       .probability = logistic(4.0 * o(6))};
-      mode_1.at(0, y, x) = said.mode_1;
-      mode_2.at(0, y, x) = said.mode_2;
-      weight_1.at(0, y, x) = said.weight_1;
-      scale.at(0, y, x) = said.scale;
-      probability.at(0, y, x) = said.probability;
-      z.at(0, y, x) = said.chosen();                   // 10b: the likelier mode
+      mode_1(0, y, x) = said.mode_1;
+      mode_2(0, y, x) = said.mode_2;
+      weight_1(0, y, x) = said.weight_1;
+      scale(0, y, x) = said.scale;
+      probability(0, y, x) = said.probability;
+      z(0, y, x) = said.chosen();                      // 10b: the likelier mode
       const double range_m = std::exp(said.chosen());  // beyond the sensor's limits is no return
       const bool seen = range_m >= run.description.sensor.min_range_m &&
                         range_m <= run.description.sensor.max_range_m;
-      confidence.at(0, y, x) =
-          seen ? said.confidence(0.5, run.description.confidence_exponent) : 0.0;
+      confidence(0, y, x) = seen ? said.confidence(0.5, run.description.confidence_exponent) : 0.0;
     }
   }
   add_metres("mode_1", mode_1);

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "hqslam/core/angles.h"
@@ -17,8 +18,8 @@ struct MeasuredAround {
   Image linear;  ///< interpolated linearly between them
 };
 
-MeasuredAround measured_around(const Run& run, bool circular) {
-  const Image empty(1, run.rows(), run.columns(), circular);
+MeasuredAround measured_around(const Run& run) {
+  const Image empty = zeros(1, run.rows(), run.columns());
   MeasuredAround m{empty, empty, empty};
   const double scale_m = run.description.range_scale_m;
   for (int y = 0; y < run.rows(); ++y) {
@@ -26,12 +27,12 @@ MeasuredAround measured_around(const Run& run, bool circular) {
     for (int x = 0; x < run.columns(); ++x) {
       const double u = run.measured_m.at(at.above, x) / scale_m;
       const double d = run.measured_m.at(at.below, x) / scale_m;
-      m.above.at(0, y, x) = u;
-      m.below.at(0, y, x) = d;
+      m.above(0, y, x) = u;
+      m.below(0, y, x) = d;
       // A mean with "no return" would be a range that nothing has: then the nearer row decides.
       const bool both = u > 0.0 && d > 0.0;
       const double nearest = at.part_down < 0.5 ? u : d;
-      m.linear.at(0, y, x) = both ? (1.0 - at.part_down) * u + at.part_down * d : nearest;
+      m.linear(0, y, x) = both ? (1.0 - at.part_down) * u + at.part_down * d : nearest;
     }
   }
   return m;
@@ -41,11 +42,11 @@ MeasuredAround measured_around(const Run& run, bool circular) {
 /// (Z + Y) / 2 where not. (The paper has D^T Y where D^T L is meant.)
 Image data_step(const Run& run, const Image& l, const Image& z, const Image& y, double b) {
   Image h = z;
-  for (int row = 0; row < h.rows; ++row) {
-    for (int x = 0; x < h.columns; ++x) {
-      const double pull = z.at(0, row, x) + y.at(0, row, x);
-      h.at(0, row, x) =
-          run.is_measured(row) ? (l.at(0, row, x) + b * pull) / (1.0 + 2.0 * b) : 0.5 * pull;
+  for (int row = 0; row < h.dimension(1); ++row) {
+    for (int x = 0; x < h.dimension(2); ++x) {
+      const double pull = z(0, row, x) + y(0, row, x);
+      h(0, row, x) =
+          run.is_measured(row) ? (l(0, row, x) + b * pull) / (1.0 + 2.0 * b) : 0.5 * pull;
     }
   }
   return h;
@@ -63,9 +64,11 @@ OutlierRemovalOptions filter_options(const nlohmann::json& json) {
 std::vector<std::uint8_t> rejected(const Run& run, int k, const Image& image) {
   if (!run.options.rejected.empty()) return run.options.rejected[k];
   const double scale_m = run.description.range_scale_m;
-  Image seen_m = image;
-  for (double& range : seen_m.values) {
-    range = range * scale_m >= run.description.sensor.min_range_m ? range * scale_m : 0.0;
+  Image seen_m = image * scale_m;
+  for (int row = 0; row < run.rows(); ++row) {
+    for (int x = 0; x < run.columns(); ++x) {
+      if (seen_m(0, row, x) < run.description.sensor.min_range_m) seen_m(0, row, x) = 0.0;
+    }
   }
   return outliers(run.description.sensor, run.description.measured_rows,
                   filter_options(run.network["filter"]), seen_m);
@@ -77,8 +80,11 @@ std::vector<std::uint8_t> rejected(const Run& run, int k, const Image& image) {
 Image filter_step(const Run& run, const Image& h, const Image& z,
                   const std::vector<std::uint8_t>& rejected) {
   Image y = run.options.filters_z ? z : h;
-  for (std::size_t i = 0; i < y.values.size(); ++i) {
-    if (rejected[i] != 0) y.values[i] = run.options.rejected_zero ? 0.0 : z.values[i];
+  std::size_t pixel = 0;
+  for (int row = 0; row < run.rows(); ++row) {
+    for (int x = 0; x < run.columns(); ++x) {
+      if (rejected[pixel++] != 0) y(0, row, x) = run.options.rejected_zero ? 0.0 : z(0, row, x);
+    }
   }
   return y;
 }
@@ -89,11 +95,11 @@ void run_hqs(Run& run) {
   const bool du_or = run.network["kind"] == "du-or";  // otherwise Simple DU
   const double scale_m = run.description.range_scale_m;
   const int layers = run.network["layers"];
-  const MeasuredAround m = measured_around(run, du_or);
-  Image z = m.linear;                                          // Z0 = Y0: L interpolated ...
-  if (!du_or) z = Image(1, run.rows(), run.columns(), false);  // ... or nothing
+  const MeasuredAround m = measured_around(run);
+  Image z = m.linear;       // Z0 = Y0: L interpolated ...
+  if (!du_or) z.setZero();  // ... or nothing
   Image y = z;
-  Image memory(1, 1, 1);
+  Image memory;
   run.add("start", z, "m", scale_m);
   for (int k = 0; k < layers; ++k) {
     const std::string prefix = fmt::format("layers.{}.", k);
@@ -111,7 +117,7 @@ void run_hqs(Run& run) {
     const std::vector<std::uint8_t> mask = rejected(run, k, run.options.filters_z ? z : h);
     y = filter_step(run, h, z, mask);  // 10c
     Image mask_image = y;
-    mask_image.values.assign(mask.begin(), mask.end());
+    std::ranges::copy(mask, mask_image.data());
     run.add(prefix + "rejected", mask_image);
     run.add(prefix + "y", y, "m", scale_m);
   }

@@ -9,20 +9,10 @@
 namespace hqslam::nn::reference {
 namespace {
 
-/// Beside each other in one image: a's channels, then b's.
-Image stacked(const Image& a, const Image& b) {
-  Image both(a.channels + b.channels, a.rows, a.columns, a.circular);
-  std::ranges::copy(a.values, both.values.begin());
-  std::ranges::copy(b.values, both.values.begin() + std::ssize(a.values));
-  return both;
-}
-
+/// Channels `first` to first + count - 1.
 Image channels(const Image& image, int first, int count) {
-  Image part(count, image.rows, image.columns, image.circular);
-  const auto begin =
-      image.values.begin() + static_cast<std::ptrdiff_t>(first) * image.rows * image.columns;
-  std::copy_n(begin, part.values.size(), part.values.begin());
-  return part;
+  using Index = Eigen::array<Eigen::Index, 3>;
+  return image.slice(Index{first, 0, 0}, Index{count, image.dimension(1), image.dimension(2)});
 }
 
 /// The choice at the end: Z = w_a above + w_b below + w_h H + r with (w_a, w_b, w_h, w_0) the
@@ -33,15 +23,17 @@ Image choice(Run& run, const std::string& prefix, const std::vector<Image>& scor
              const Image& above, const Image& below) {
   Image z = h;
   std::vector<Image> weights(4, h);
-  for (std::size_t i = 0; i < z.values.size(); ++i) {
-    double total = 0.0;
-    for (int g = 0; g < 4; ++g) {
-      weights[g].values[i] = std::exp(4.0 * scores[g].values[i]);
-      total += weights[g].values[i];
+  for (int y = 0; y < z.dimension(1); ++y) {
+    for (int x = 0; x < z.dimension(2); ++x) {
+      double total = 0.0;
+      for (int g = 0; g < 4; ++g) {
+        weights[g](0, y, x) = std::exp(4.0 * scores[g](0, y, x));
+        total += weights[g](0, y, x);
+      }
+      for (Image& weight : weights) weight(0, y, x) /= total;
+      z(0, y, x) = weights[0](0, y, x) * above(0, y, x) + weights[1](0, y, x) * below(0, y, x) +
+                   weights[2](0, y, x) * h(0, y, x) + scores[4](0, y, x);
     }
-    for (Image& weight : weights) weight.values[i] /= total;
-    z.values[i] = weights[0].values[i] * above.values[i] + weights[1].values[i] * below.values[i] +
-                  weights[2].values[i] * h.values[i] + scores[4].values[i];
   }
   const char* const names[] = {"above", "below", "here", "nothing"};
   for (int g = 0; g < 4; ++g) run.add(prefix + "choice." + names[g], weights[g]);
@@ -66,15 +58,15 @@ Image du_or_prior(Run& run, int k, const Image& h, const Image& above, const Ima
   const auto array = [&](const std::string& name) -> const Array& {
     return run.parameters[prefix + name];
   };
-  const auto named = [&](const std::string& name, Image image) {
+  const auto named = [&](const std::string& name, const Image& image) {
     run.add(prefix + name, image);
     return image;
   };
 
-  const Image tiles = tiled(h, tile_rows, tile_columns);                   // 16 x 16 x 256
-  if (k == 0) memory = Image(memory_channels, tiles.rows, tiles.columns);  // nothing yet
-  const Image input = stacked(tiles, memory);                              // 32 x 16 x 256
-  std::vector<Image> down;  // 32 x 16 x 256, 32 x 8 x 128
+  const Image tiles = tiled(h, tile_rows, tile_columns);  // 16 x 16 x 256
+  if (k == 0) memory = zeros(memory_channels, tiles.dimension(1), tiles.dimension(2));
+  const Image input = tiles.concatenate(memory, 0);  // 32 x 16 x 256
+  std::vector<Image> down;                           // 32 x 16 x 256, 32 x 8 x 128
   for (int level = 0; level < levels; ++level) {
     const std::string name = fmt::format("encoder.{}", level);
     down.push_back(
@@ -88,7 +80,7 @@ Image du_or_prior(Run& run, int k, const Image& h, const Image& above, const Ima
   for (int level = levels - 2; level >= 0; --level) {
     const std::string name = fmt::format("decoder.{}", level);
     x = transposed_convolution(x, array(name + ".weight"), array(name + ".bias"));
-    x = named(name, activated(sum(x, down[level]), slope));  // 32 x 16 x 256
+    x = named(name, activated(x + down[level], slope));  // 32 x 16 x 256
   }
   const Image output = convolution(x, array("head.weight"), &array("head.bias"));  // 5 t + m
   std::vector<Image> scores;  // 5 of 1 x 64 x 1024
@@ -108,7 +100,7 @@ Image simple_du_prior(Run& run, int k, const Image& h) {
   for (int i = 0; i < convolutions; ++i) {
     const bool last = i + 1 == convolutions;
     const Array& weight = run.parameters[fmt::format("layers.0.convolution.{}.weight", i)];
-    x = activated(convolution(x, weight, nullptr), last ? 1.0 : 0.0);
+    x = activated(convolution(x, weight, nullptr, 1, Beyond::kZero), last ? 1.0 : 0.0);
     if (!last) run.add(fmt::format("layers.{}.convolution.{}", k, i), x);
   }
   return x;

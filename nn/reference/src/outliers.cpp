@@ -13,7 +13,7 @@ struct Pixel {
   int column = 0;
 };
 
-/// Whether two neighbours that are seen alpha apart lie on one surface: the angle between the
+/// Whether two neighbours whose beams are alpha apart are on one surface: the angle between the
 /// longer beam and the line through both points is larger than min_angle.
 bool connected(double a_m, double b_m, double alpha_rad, double min_angle_rad) {
   const double farther_m = std::max(a_m, b_m);
@@ -31,8 +31,8 @@ bool supported(const Image& h_m, RowSelection rows, double share, Pixel pixel) {
   const int below = above < 0 ? rows.offset : above + rows.stride;
   for (const int row : {above, below}) {
     for (const int column : {pixel.column - 1, pixel.column, pixel.column + 1}) {
-      const double measured_m = h_m.beyond(0, row, column);
-      if (std::fabs(h_m.at(0, pixel.row, pixel.column) - measured_m) < share * measured_m) {
+      const double measured_m = value_at(h_m, Beyond::kOtherEnd, 0, row, column);
+      if (std::fabs(h_m(0, pixel.row, pixel.column) - measured_m) < share * measured_m) {
         return true;
       }
     }
@@ -44,31 +44,31 @@ bool supported(const Image& h_m, RowSelection rows, double share, Pixel pixel) {
 
 std::vector<std::uint8_t> outliers(const SensorModel& sensor, RowSelection measured_rows,
                                    const OutlierRemovalOptions& options, const Image& h_m) {
-  std::vector<std::uint8_t> rejected(h_m.values.size());
-  std::vector<std::uint8_t> seen(h_m.values.size());
-  const auto index = [&](Pixel p) {
-    return static_cast<std::size_t>(p.row) * h_m.columns + p.column;
-  };
-  for (int row = 0; row < h_m.rows; ++row) {
-    for (int column = 0; column < h_m.columns; ++column) {
-      if (seen[index({row, column})] != 0 || h_m.at(0, row, column) <= 0.0) continue;
+  const auto rows = static_cast<int>(h_m.dimension(1));
+  const auto columns = static_cast<int>(h_m.dimension(2));
+  std::vector<std::uint8_t> rejected(h_m.size());
+  std::vector<std::uint8_t> seen(h_m.size());
+  const auto index = [&](Pixel p) { return static_cast<std::size_t>(p.row) * columns + p.column; };
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      if (seen[index({row, column})] != 0 || h_m(0, row, column) <= 0.0) continue;
       std::vector<Pixel> component{{row, column}};  // and the queue of the search
       seen[index({row, column})] = 1;
       for (std::size_t next = 0; next < component.size(); ++next) {
         const Pixel from = component[next];
         const std::array<Pixel, 4> neighbours{
             Pixel{from.row - 1, from.column}, Pixel{from.row + 1, from.column},
-            Pixel{from.row, (from.column + h_m.columns - 1) % h_m.columns},
-            Pixel{from.row, (from.column + 1) % h_m.columns}};
+            Pixel{from.row, (from.column + columns - 1) % columns},
+            Pixel{from.row, (from.column + 1) % columns}};
         for (const Pixel to : neighbours) {
-          if (to.row < 0 || to.row >= h_m.rows || seen[index(to)] != 0) continue;
-          const double to_m = h_m.at(0, to.row, to.column);
+          if (to.row < 0 || to.row >= rows || seen[index(to)] != 0) continue;
+          const double to_m = h_m(0, to.row, to.column);
           const double alpha_rad = to.row == from.row
                                        ? sensor.column_step_rad()
                                        : std::fabs(sensor.beam_elevation_rad[from.row] -
                                                    sensor.beam_elevation_rad[to.row]);
-          if (to_m <= 0.0 || !connected(h_m.at(0, from.row, from.column), to_m, alpha_rad,
-                                        options.min_angle_rad)) {
+          if (to_m <= 0.0 ||
+              !connected(h_m(0, from.row, from.column), to_m, alpha_rad, options.min_angle_rad)) {
             continue;
           }
           seen[index(to)] = 1;

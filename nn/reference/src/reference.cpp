@@ -38,7 +38,7 @@ void check(const NetworkDescription& d, const RangeImage& measured,
 std::vector<std::vector<std::uint8_t>> masks_of(const Trace& trace) {
   std::vector<std::vector<std::uint8_t>> masks;
   for (int k = 0; trace.has(fmt::format("layers.{}.rejected", k)); ++k) {
-    const std::vector<float>& mask = trace.tensor(fmt::format("layers.{}.rejected", k)).values;
+    const std::span<const float> mask = trace.tensor(fmt::format("layers.{}.rejected", k)).all();
     masks.emplace_back(mask.begin(), mask.end());
   }
   return masks;
@@ -79,18 +79,18 @@ std::vector<ReferenceDifference> differences_from_reference(const NetworkDescrip
   const std::vector<double> exact(parameters.begin(), parameters.end());
   ReferenceOptions options{.rejected = masks_of(trace)};
   if (trace.has("recalled")) {
-    options.recalled = {trace.image("recalled"), trace.tensor("recalled_weight").values};
+    options.recalled = {trace.image("recalled"), trace.image("recalled_weight").range_m};
   }
   const ReferenceTrace reference =
       reference_trace(description, exact, trace.image("measured"), options);
   std::vector<ReferenceDifference> differences;
   for (const ReferenceTensor& expected : reference.tensors) {
     if (!trace.has(expected.name)) continue;
-    const std::vector<float>& values = trace.tensor(expected.name).values;
+    const std::span<const float> values = trace.tensor(expected.name).all();
     ReferenceDifference difference{expected.name, expected.unit};
     double squares = 0.0;
     for (std::size_t i = 0; i < values.size(); ++i) {
-      const double gap = std::fabs(values[i] - expected.values[i]);
+      const double gap = std::fabs(values[i] - expected.all()[i]);
       difference.largest = std::max(difference.largest, gap);
       squares += gap * gap;
     }

@@ -20,10 +20,7 @@ Parameters::Parameters(const NetworkDescription& description, std::span<const do
 }
 
 void Run::add(const std::string& name, const Image& image, const std::string& unit, double unit_m) {
-  std::vector<double> values = image.values;
-  for (double& value : values) value *= unit_m;
-  trace.tensors.push_back(
-      {name, unit, image.channels, image.rows, image.columns, std::move(values)});
+  trace.tensors.push_back({name, unit, image * unit_m});
 }
 
 Between between(const Run& run, int row) {
@@ -35,22 +32,24 @@ Between between(const Run& run, int row) {
 }
 
 Image tiled(const Image& image, int tile_rows, int tile_columns) {
-  Image tiles(tile_rows * tile_columns, image.rows / tile_rows, image.columns / tile_columns);
-  for (int y = 0; y < image.rows; ++y) {
-    for (int x = 0; x < image.columns; ++x) {
+  const Eigen::Index rows = image.dimension(1);
+  const Eigen::Index columns = image.dimension(2);
+  Image tiles(tile_rows * tile_columns, rows / tile_rows, columns / tile_columns);
+  for (int y = 0; y < rows; ++y) {
+    for (int x = 0; x < columns; ++x) {
       const int channel = y % tile_rows * tile_columns + x % tile_columns;
-      tiles.at(channel, y / tile_rows, x / tile_columns) = image.at(0, y, x);
+      tiles(channel, y / tile_rows, x / tile_columns) = image(0, y, x);
     }
   }
   return tiles;
 }
 
 Image untiled(const Image& tiles, int first, int tile_rows, int tile_columns) {
-  Image image(1, tiles.rows * tile_rows, tiles.columns * tile_columns);
-  for (int y = 0; y < image.rows; ++y) {
-    for (int x = 0; x < image.columns; ++x) {
+  Image image(1, tiles.dimension(1) * tile_rows, tiles.dimension(2) * tile_columns);
+  for (int y = 0; y < image.dimension(1); ++y) {
+    for (int x = 0; x < image.dimension(2); ++x) {
       const int channel = y % tile_rows * tile_columns + x % tile_columns;
-      image.at(0, y, x) = tiles.at(first + channel, y / tile_rows, x / tile_columns);
+      image(0, y, x) = tiles(first + channel, y / tile_rows, x / tile_columns);
     }
   }
   return image;

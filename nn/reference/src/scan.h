@@ -25,7 +25,7 @@ class Parameters {
   std::map<std::string, Array> arrays_;
 };
 
-/// What one run of the reference stands on, and what it writes down.
+/// The inputs of one run of the reference, and the trace that it writes.
 struct Run {
   const NetworkDescription& description;
   nlohmann::json network;  ///< the description as JSON: sizes of the layers
@@ -42,14 +42,14 @@ struct Run {
            double unit_m = 1.0);
 };
 
-/// The measured rows between which an image row lies, and how far down (0: at `above`, 1: at
-/// `below`); beyond the outermost ones both are the outermost.
+/// The measured rows between which an image row is, and its place between them (0: at `above`, 1:
+/// at `below`); beyond the outermost ones both are the outermost.
 struct Between {
   int above = 0;
   int below = 0;
   double part_down = 0.0;
 };
-/// Counted in rows.
+/// part_down counts rows.
 Between between(const Run& run, int row);
 
 /// An image cut into tiles: pixel (y, x) becomes channel (y mod tile rows) tile columns +

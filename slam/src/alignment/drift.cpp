@@ -8,34 +8,34 @@ namespace hqslam::slam {
 
 namespace {
 
-/// Of variances.
+/// Factors of variances.
 constexpr double kAlongGround = 23.0;
 constexpr double kHeight = 1.35;
 constexpr double kRollAndPitch = 5.9;
 constexpr double kHeading = 11.3;
-/// How those of x, y and yaw grow with the variance of x and y, where they are as above, and up to
-/// where: only a scan that was not registered is less certain.
+/// Growth of those of x, y and yaw with the standard deviation of x and y: exponent, the value at
+/// which they are as above, and the largest, which only unregistered scans exceed.
 constexpr double kPower = 0.6;
 constexpr double kUsual_m = 0.005;
 constexpr double kMost_m = 0.05;
-/// Of the mean squares of unforeseen motion, along and about the axes, and what a scan adds to
-/// them.
+/// Shares of the mean squares of unforeseen motion along and about the axes; weight of a new scan
+/// in those.
 constexpr double kShakeAlong = 0.3;
 constexpr double kShakeAbout = 0.0097;
 constexpr double kNewJoltShare = 0.05;
 constexpr double kShare_per_m = 0.0135;
-/// Roll and pitch by beams that are off; what gravity leaves of it, and what such beams do to x and
-/// y, which the lean outweighs where nothing takes it away.
+/// Roll and pitch due to beam errors; the rest of it after levelling, and then their effect on x
+/// and y, which is negligible beside an unlevelled lean.
 constexpr double kLean_rad2_per_m = 5e-4 * 5e-4;
 constexpr double kLevelledLean_rad2_per_m = 1.2e-4 * 1.2e-4;
 constexpr double kLevelledSideways_m2_per_m = 3.2e-3 * 3.2e-3;
-/// Tilt at the start, of the spacing of the rows, and how long a start is.
+/// Tilt at the start as a share of the spacing of the rows; length of the start.
 constexpr double kStartTilt = 0.019;
 constexpr double kStart_m = 2.6;
-/// Of a sensor with one row.
+/// Row spacing assumed for a sensor with one row.
 constexpr double kSpacing_rad = 0.0368;
 
-/// From a measured row to the next, on the average.
+/// Mean spacing of the measured rows.
 double row_spacing_rad(const SensorModel& sensor) {
   const SensorModel measured =
       sensor.measured_rows ? select_rows(sensor, *sensor.measured_rows) : sensor;
@@ -62,8 +62,8 @@ Drift::Drift(const SensorModel& sensor)
 void Drift::learn(const Twist& velocity) {
   if (velocity_) {
     const Vector6 unforeseen = scan_period_s_ * (vector_of(velocity) - vector_of(*velocity_));
-    ++jolts_seen_;
-    jolts_ += std::max(kNewJoltShare, 1.0 / jolts_seen_) * (unforeseen.cwiseAbs2() - jolts_);
+    ++jolt_count_;
+    jolts_ += std::max(kNewJoltShare, 1.0 / jolt_count_) * (unforeseen.cwiseAbs2() - jolts_);
   }
   velocity_ = velocity;
 }
@@ -112,11 +112,11 @@ void Drift::lose(const Matrix6& against_map, bool is_carried) {
 }
 
 DriftState improved(const DriftState& later, const DriftImprovement& earlier, const Pose& motion,
-                    bool is_way_known) {
+                    bool is_path_known) {
   const auto& [before, after] = earlier;
   return {later.drift + carried(after.drift - before.drift, motion),
           later.unmeasured + carried(after.unmeasured - before.unmeasured, motion),
-          later.is_anywhere && !(is_way_known && !after.is_anywhere)};
+          later.is_anywhere && !(is_path_known && !after.is_anywhere)};
 }
 
 Matrix6 Drift::own_covariance(const Pose& motion, const Matrix6& against_map) const {

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "alignment/cross_matrix.h"
+#include "alignment/rotation_derivatives.h"
 
 namespace hqslam::slam {
 
 namespace {
 
 constexpr double kFading_s = 1.0;
-/// Of a new step in what was learnt about accelerations.
+/// Weight of a new step in the density of accelerations.
 constexpr double kNewShare = 0.05;
 
 Vector6 six(double linear, double angular) {
@@ -28,6 +28,10 @@ Vector6 vector_of(const Twist& twist) {
 }
 
 Twist twist_of(const Vector6& vector) { return {vector.head<3>(), vector.tail<3>()}; }
+
+Eigen::Matrix3d rotation_of(const Eigen::Vector3d& turn_rad) {
+  return exponential({Eigen::Vector3d::Zero(), turn_rad}).linear();
+}
 
 Matrix6 adjoint(const Pose& pose) {
   Matrix6 result = Matrix6::Zero();
@@ -68,7 +72,7 @@ MotionState predicted(const MotionState& state, double duration_s, double steady
   result.T_map_sensor = state.T_map_sensor * motion;
   result.velocity = kept * state.velocity;
   result.covariance = F * state.covariance * F.transpose();
-  // What is no longer expected of the velocity is not known either.
+  // The decayed part of the velocity is unknown.
   const Vector6 forgotten = (1.0 - kept) * vector_of(state.velocity);
   const Vector6 lost_m = (duration_s - t_s) * vector_of(state.velocity);
   result.covariance.topLeftCorner<6, 6>().diagonal() +=

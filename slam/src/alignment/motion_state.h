@@ -14,12 +14,13 @@ using Matrix12 = Eigen::Matrix<double, 12, 12>;
 /// (linear, angular)
 Vector6 vector_of(const Twist& twist);
 Twist twist_of(const Vector6& vector);
-/// What a change of frames does to (linear, angular): exp(adjoint(T) e) = T exp(e) T^-1.
+/// The rotation by a rotation vector.
+Eigen::Matrix3d rotation_of(const Eigen::Vector3d& turn_rad);
+/// The change of (linear, angular) with the frame: exp(adjoint(T) e) = T exp(e) T^-1.
 Matrix6 adjoint(const Pose& pose);
 
-/// Where a sensor is and how it moves, and how well both are known.
-///
-/// The covariance is that of the error e = (pose, velocity) in the sensor's frame,
+/// Pose and velocity of a sensor with their covariance, that of the error e = (pose, velocity) in
+/// the sensor's frame,
 ///   T_true = T_map_sensor exp(e_pose),  velocity_true = velocity + e_velocity,
 /// each as (linear, angular): metres, radians, metres a second, radians a second.
 struct MotionState {
@@ -28,43 +29,40 @@ struct MotionState {
   Matrix12 covariance = Matrix12::Identity();
 };
 
-/// A sensor that was just switched on at a pose that is known: nothing is known about its velocity
-/// but what moves on earth.
+/// A sensor at a known pose whose velocity is unknown, within the limits of vehicles.
 MotionState unknown_motion(const Pose& T_map_sensor);
 
-/// How much velocities change: power spectral densities of white accelerations, per component
-/// ((m/s^2)^2/Hz along x, y, z, (rad/s^2)^2/Hz about them). Over a time t a velocity changes by a
-/// random amount of variance density * t.
-///
-/// Learnt from the drive: what the velocity has changed by from scan to scan lately.
+/// Power spectral densities of white accelerations, per component ((m/s^2)^2/Hz along x, y, z,
+/// (rad/s^2)^2/Hz about them): over a time t a velocity changes by a random amount of variance
+/// density * t. Estimated from recent changes of the velocity from scan to scan.
 class AccelerationNoise {
  public:
   AccelerationNoise();
   const Vector6& density() const { return density_; }
-  /// Two velocities that followed each other within a step.
+  /// In: two successive velocities and the time between them.
   void learn(const Twist& before, const Twist& after, double step_s);
 
  private:
   Vector6 density_;
 };
 
-/// The state `duration_s` later, if the velocity stays as it is but for random accelerations.
+/// The state `duration_s` later, if the velocity changes only by random accelerations.
 ///
 ///   T <- T exp(velocity t),   F = [Ad(exp(-velocity t))  t I; 0  I],   P <- F P F^T + Q,
 ///   Q = density [t^3  t^2; t^2  t].
 /// Source: Barfoot, "State Estimation for Robotics", section 11.2 (white noise on acceleration).
 /// Differs from it: the velocity changes at the beginning of a step (so t^3, not t^3 / 3), hence is
 /// the mean over the step. The velocity at its end would have to be extrapolated, v' = 1.5 step / t
-/// - 0.5 v, which rings from scan to scan: a wrong velocity corrects the scan wrongly for motion,
-/// that moves the pose, and the next velocity is wrong the other way, by more.
+/// - 0.5 v, which oscillates: a wrong velocity corrects the scan wrongly for motion, that moves the
+/// pose, and the next velocity is wrong with the opposite sign, by more.
 ///
-/// Nobody keeps a velocity for long. Beyond `steady_s` the expected velocity dies away (time
-/// constant 1 s), and what it was is uncertainty from then on.
+/// Beyond `steady_s` the expected velocity decays (time constant 1 s), and the part that has
+/// decayed is uncertainty.
 MotionState predicted(const MotionState& state, double duration_s, double steady_s,
                       const Vector6& density);
 
-/// The same for an acceleration of another kind, that moved the sensor by `innovation` beside where
-/// it was expected: as large a one becomes likely.
+/// The expected state with a covariance that makes an acceleration plausible that moved the sensor
+/// by `innovation` against the expectation.
 MotionState with_innovation(const MotionState& expected, const Twist& innovation,
                             double duration_s);
 

@@ -18,6 +18,24 @@ std::vector<int> held_parameters(FreeParameters free) {
   return {};
 }
 
+/// All constraints as one batched residual.
+class PlaneConstraintsCost : public ceres::CostFunction {
+ public:
+  explicit PlaneConstraintsCost(const std::vector<PlaneConstraint>& constraints)
+      : constraints_(constraints) {
+    set_num_residuals(static_cast<int>(constraints.size()));
+    mutable_parameter_block_sizes()->assign({3, 3});
+  }
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override {
+    evaluate(constraints_, parameters, residuals, jacobians);
+    return true;
+  }
+
+ private:
+  const std::vector<PlaneConstraint>& constraints_;
+};
+
 }  // namespace
 
 EdgeConstraints edge_constraints(const Eigen::Vector3d& point_m, const Eigen::Vector3d& on_line_m,
@@ -55,21 +73,15 @@ MotionParameters parameters_of(const Pose& pose) {
   return result;
 }
 
-PlaneConstraintsCost::PlaneConstraintsCost(const std::vector<PlaneConstraint>& constraints)
-    : constraints_(constraints) {
-  set_num_residuals(static_cast<int>(constraints.size()));
-  mutable_parameter_block_sizes()->assign({3, 3});
-}
-
-bool PlaneConstraintsCost::Evaluate(double const* const* parameters, double* residuals,
-                                    double** jacobians) const {
+void evaluate(const std::vector<PlaneConstraint>& constraints, double const* const* parameters,
+              double* residuals, double** jacobians) {
   const double* in_plane = parameters[0];
   const double* out_of_plane = parameters[1];
   const RotationWithDerivatives rotation(out_of_plane[1], out_of_plane[2], in_plane[2]);
   const Eigen::Vector3d translation_m(in_plane[0], in_plane[1], out_of_plane[0]);
   double* in_plane_row = jacobians != nullptr ? jacobians[0] : nullptr;
   double* out_of_plane_row = jacobians != nullptr ? jacobians[1] : nullptr;
-  for (const PlaneConstraint& c : constraints_) {
+  for (const PlaneConstraint& c : constraints) {
     const Eigen::Vector3d moved_m = rotation.R * c.point_m + translation_m;
     *residuals++ = c.weight * (c.normal.dot(moved_m) - c.offset_m);
     const Eigen::Vector3d n = c.weight * c.normal;
@@ -84,7 +96,6 @@ bool PlaneConstraintsCost::Evaluate(double const* const* parameters, double* res
       *out_of_plane_row++ = n.dot(rotation.dR_dpitch * c.point_m);
     }
   }
-  return true;
 }
 
 MotionParameters align(const std::vector<PlaneConstraint>& constraints,
@@ -123,7 +134,7 @@ Observability observability(const std::vector<PlaneConstraint>& constraints, Fre
 
 Observability observability(Matrix6 information, double total, FreeParameters free,
                             double min_share) {
-  // Held parameters get the largest eigenvalue there is: they are not in question.
+  // Held parameters get the largest possible eigenvalue.
   for (const int held : held_parameters(free)) {
     information.row(held).setZero();
     information.col(held).setZero();
@@ -143,7 +154,7 @@ Observability observability(Matrix6 information, double total, FreeParameters fr
   for (int i = 0; i < 6; ++i) {
     if (solver.eigenvalues()[i] >= min_share) continue;
     ++result.degenerate_directions;
-    // The change in scaled units is scale * change; its part along the direction is taken out.
+    // The change in scaled units is scale * change; its component along the direction is removed.
     const Vector6 direction = solver.eigenvectors().col(i);
     result.projection -= (scale.cwiseInverse().asDiagonal() * direction) *
                          (scale.asDiagonal() * direction).transpose();

@@ -25,24 +25,22 @@ inline void weigh(EdgeConstraints& edge, double factor) {
 
 /// Variance of a feature's distance from its line or plane, and weights that follow from it.
 ///
-/// What the range's noise, the spread of the map's points and the fit of lines and planes to them
-/// amount to differs from kind to kind and from place to place: millimetres on a road, decimetres
-/// in a meadow. The scan itself is asked, by the median distance m of all features of a kind:
+/// The sum of range noise, spread of the map's points and error of the fitted lines and planes
+/// differs between kinds of features and places: millimetres on a road, decimetres in a meadow. It
+/// is estimated from the scan itself, by the median distance m of all features of a kind:
 ///
 ///   sigma^2 = (0.02 m)^2 + (2 m)^2,   weight = 1 / sigma.
 ///
-/// Twice the median, not 1.5 times, as it would be for independent Gaussian errors: neighbours err
-/// together. Near the pose (`trust_near`) features that lie far from their line or plane lose
-/// weight beside.
-///
-/// Near kerbs, hedges and corners five neighbours are of two surfaces, and the line or plane
-/// through them lies centimetres beside both, always on the same side: scan after scan is pulled
-/// the same way. So a feature at a distance d is weighed with
+/// The factor is 2, not 1.5 as for independent Gaussian errors, since errors of neighbours are
+/// correlated. Near the pose (`trust_near`) features far from their line or plane lose weight:
+/// near kerbs, hedges and corners five neighbours are of two surfaces, and the line or plane
+/// through them is centimetres beside both, always on the same side, which would bias scan after
+/// scan. The weight of a feature at a distance d is multiplied by
 ///
 ///   1 / (1 + d^2 / s^2),  s = max(trusted_m, 3 m),
 ///
-/// the loss of Geman and McClure by iterated reweighting. The median lets all features pull while
-/// the pose is still off. LOAM and LeGO-LOAM only take 0.9 d from a weight of 1.
+/// the loss of Geman and McClure by iterated reweighting. The median keeps the weight of all
+/// features while the pose is still wrong. LOAM and LeGO-LOAM subtract 0.9 d from a weight of 1.
 template <typename Constraints>
 void weigh_by_noise(std::vector<std::optional<Constraints>>& found, double trusted_m,
                     bool trust_near) {

@@ -2,9 +2,14 @@
 
 #include <Eigen/Geometry>
 
-#include "alignment/cross_matrix.h"
-
 namespace hqslam::slam {
+
+/// cross_matrix(a) b = a x b
+inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
 
 /// R = Rz(yaw) Ry(pitch) Rx(roll) and its derivatives:
 ///   d exp(angle [axis]) / d angle = [axis] exp(angle [axis]).

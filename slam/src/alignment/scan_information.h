@@ -5,8 +5,8 @@
 
 namespace hqslam::slam {
 
-/// The information of a scan about the sensor's pose: a quadratic form of the change e = (linear,
-/// angular) in the sensor's frame, T <- T exp(e):  e^T information e / 2 + gradient^T e.
+/// The information of a scan about the sensor's pose, as a quadratic form of the change e =
+/// (linear, angular) in the sensor's frame, T <- T exp(e):  e^T information e / 2 + gradient^T e.
 struct ScanInformation {
   Matrix6 information = Matrix6::Zero();
   Vector6 gradient = Vector6::Zero();
@@ -22,18 +22,18 @@ struct ScanInformation {
 ScanInformation scan_information(const std::vector<PlaneConstraint>& constraints,
                                  const Eigen::Matrix3d& R_map_sensor);
 
-/// What is expected of a state without the scan, joined with the information of the scan.
+/// The expected state as a prior, to be combined with the information of a scan.
 class ExpectedState {
  public:
   explicit ExpectedState(const MotionState& expected);
 
-  /// A step of Gauss and Newton towards the most likely state of all, from `state`:
+  /// A Gauss-Newton step from `state` towards the most likely state:
   ///   minimise  e^T P^-1 e / 2  of the error e against the expected state
   ///             plus the information of the scan about the change of the pose.
   /// The velocity follows by its correlation with the pose.
   MotionState improved(const MotionState& state, const ScanInformation& scan) const;
 
-  /// The expected state if the pose is known: with the velocity that leads there.
+  /// The expected state given the pose, with the velocity that leads there.
   MotionState given(const Pose& T_map_sensor) const;
 
  private:

@@ -16,7 +16,7 @@ namespace {
 constexpr double kStretch_m = 50.0;
 constexpr int kIterations = 8;
 
-/// Cut where 50 m of path are full; what is left over at the end belongs to the last.
+/// Stretches of 50 m of path; the last one takes the remainder.
 std::vector<CalibrationStretch> stretches_of(std::span<const LocatedScan> scans) {
   std::vector<double> path_m = {0.0};
   for (std::size_t i = 1; i < scans.size(); ++i) {
@@ -36,8 +36,8 @@ std::vector<CalibrationStretch> stretches_of(std::span<const LocatedScan> scans)
   return result;
 }
 
-/// Stretches beside each other, each by one thread: elsewhere Eigen would share its products among
-/// threads, and their last digits would depend on how many there are.
+/// Stretches in parallel, each by one thread: otherwise Eigen would share its products among
+/// threads, and their last digits would depend on the number of threads.
 template <typename Work>
 void for_each_alone(std::size_t stretches, const Work& work) {
 #pragma omp parallel for schedule(dynamic)
@@ -52,8 +52,7 @@ std::vector<CalibrationSystem> linearized(const std::vector<CalibrationStretch>&
   return systems;
 }
 
-/// How much beams of this sensor are off, variances: what makers promise, until the drive says
-/// otherwise.
+/// Variances of the beams' errors: at first what makers specify, then estimated from the drive.
 struct BeamSpread {
   double elevation_rad2 = 0.05 * 0.05 * kDegree_rad * kDegree_rad;
   double range_m2 = 0.02 * 0.02;
@@ -62,8 +61,8 @@ struct BeamSpread {
     const Eigen::Vector2d of_beam(1.0 / elevation_rad2, 1.0 / range_m2);
     return of_beam.replicate(beams, 1);
   }
-  /// The most likely one, given what was found of the beams (a step of expectation maximisation).
-  /// No sensor is better than a thousandth of a degree and a tenth of a millimetre.
+  /// The most likely variances given the estimated beams (a step of expectation maximisation), at
+  /// least (0.001 degrees)^2 and (0.1 mm)^2.
   void learn(const BeamParameters& beams, const Eigen::MatrixXd& covariance) {
     const Eigen::VectorXd squares = beams.cwiseAbs2() + covariance.diagonal();
     const auto of_kind = [&](Eigen::Index first) {
@@ -74,7 +73,7 @@ struct BeamSpread {
   }
 };
 
-/// Mean over the stretches, with the prior.
+/// The mean over the stretches plus the prior.
 BeamInformation mean_information(const std::vector<CalibrationSystem>& systems,
                                  const BeamParameters& beams, const Eigen::VectorXd& prior) {
   BeamInformation sum{prior.asDiagonal(), prior.cwiseProduct(beams)};
@@ -102,7 +101,7 @@ double residual_m(const std::vector<CalibrationSystem>& systems) {
 std::vector<BeamDistance> distances(const std::vector<CalibrationSystem>& systems) {
   Eigen::ArrayX4d sums = systems.front().distances;
   for (std::size_t i = 1; i < systems.size(); ++i) sums += systems[i].distances;
-  // The count is of weights: below 1 all points lie far off, on something else.
+  // The count sums weights: below 1 all points are far away, on something else.
   const auto mean = [](double sum_m, double count) {
     return count < 1.0 ? std::nullopt : std::optional(sum_m / count);
   };

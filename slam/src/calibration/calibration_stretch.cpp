@@ -22,26 +22,22 @@ constexpr double kMaxThickness_m = 0.15;
 constexpr double kMaxThicknessShare = 0.3;  ///< of the width across
 constexpr double kMinWidth_m = 0.17;
 constexpr double kNoise_m = 0.03;
-/// Points of a surface err together: this many say no more than one.
+/// Errors of a surface's points are correlated: this many weigh as much as one.
 constexpr double kPointsOfOneError = 20.0;
-/// Keeps poses where they are in directions that no surface tells, m and rad.
+/// Prior of the poses, for directions that no surface constrains, m and rad.
 constexpr double kPoseSigma = 10.0;
 constexpr double kHeldInformation = 1e8;
 constexpr double kGroundUprightness = 0.8;
 constexpr double kWallUprightness = 0.3;
 
-Eigen::Vector3d turned_direction(const Pose& T, const Eigen::Vector3d& direction) {
-  return T.linear() * direction;
-}
-
-/// Voxels by a key that sorts them.
+/// The key of a point's voxel, by which rays are sorted.
 std::uint64_t voxel_key(const Eigen::Vector3d& point_m) {
   const Eigen::Array3d cell = (point_m / kVoxel_m).array().floor();
   const double range = CellIndex::kRange;
   return CellIndex::key_of(cell.max(-range).min(range - 1.0).cast<int>());
 }
 
-/// A ray where its scan and its beam are believed to be.
+/// A ray at the current estimates of its scan's pose and its beam's correction.
 struct PlacedRay {
   std::uint64_t voxel = 0;
   const CalibrationRay* ray = nullptr;
@@ -91,8 +87,8 @@ bool is_plane(std::span<const PlacedRay> rays, Surface& surface) {
          widths_m[0] < kMaxThicknessShare * widths_m[1];
 }
 
-/// Adds the surface's points to the system, its plane eliminated: with J the rows of all points, W
-/// their weights and B = (1, u, v) what plane and tilts move them by,
+/// Adds a surface's points to the system and eliminates its plane. With J the rows of all points,
+/// W their weights and B = (1, u, v) the derivatives by the plane's offset and tilts,
 ///   H += J^T W J - (B^T W J)^T (B^T W B)^-1 (B^T W J), and g alike.
 class SurfaceSum {
  public:
@@ -108,7 +104,7 @@ class SurfaceSum {
     const Eigen::Vector3d from_centre_m = placed.point_m - surface_.centre_m;
     const Eigen::Vector3d in_plane = surface_.axes.transpose() * from_centre_m;
     const double residual_m = in_plane[0];
-    // Geman-McClure, iterated: what lies off by more than 9 cm is something else.
+    // Geman-McClure, iterated: a point more than 9 cm away belongs to something else.
     const double relative = residual_m / (3.0 * kNoise_m);
     const double robust = 1.0 / ((1.0 + relative * relative) * (1.0 + relative * relative));
     const double weight = robust / (kNoise_m * kNoise_m * kPointsOfOneError);
@@ -116,8 +112,8 @@ class SurfaceSum {
     const Eigen::Vector3d normal = surface_.axes.col(0);
     const Pose& T = stretch_.T_map_sensor[static_cast<std::size_t>(ray.scan)];
     const double range_m = ray.range_m + beams[2 * ray.beam + 1];
-    const Eigen::Vector2d by_beam(range_m * normal.dot(turned_direction(T, ray.tilt)),
-                                  normal.dot(turned_direction(T, ray.direction)));
+    const Eigen::Vector2d by_beam(range_m * normal.dot(T.linear() * ray.tilt),
+                                  normal.dot(T.linear() * ray.direction));
     Vector6 by_pose;
     by_pose << normal, (placed.point_m - T.translation()).cross(normal);
     const Eigen::Index beam = 2 * ray.beam;
@@ -168,7 +164,7 @@ class SurfaceSum {
   Eigen::Vector3d residuals_ = Eigen::Vector3d::Zero();
 };
 
-/// The poses' part, of one at least, held where nothing tells: the first pose altogether.
+/// The block of the poses (one at least) with its prior; the first pose is held.
 Eigen::LDLT<Eigen::MatrixXd> solved_poses(const CalibrationSystem& system,
                                           Eigen::Index beam_parameters) {
   const Eigen::Index size = system.g.size() - beam_parameters;
@@ -199,8 +195,8 @@ CalibrationStretch calibration_stretch(std::span<const LocatedScan> scans) {
         const Eigen::Vector3d tilt(-direction.x() * direction.z() / level,
                                    -direction.y() * direction.z() / level, level);
         const Pose moved = exponential(time_s * located.velocity);
-        result.rays.push_back({row, scan, range_m, turned_direction(moved, direction),
-                               turned_direction(moved, tilt), moved.translation()});
+        result.rays.push_back({row, scan, range_m, moved.linear() * direction,
+                               moved.linear() * tilt, moved.translation()});
       }
     }
   }

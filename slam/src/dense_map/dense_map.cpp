@@ -18,9 +18,9 @@ DenseMapOptions validated(const DenseMapOptions& options) {
 }
 
 template <typename Value>
-std::vector<Value> joined(const std::vector<std::vector<Value>>& parts) {
+std::vector<Value> joined(const std::vector<std::vector<Value>>& pieces) {
   std::vector<Value> all;
-  for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
+  for (const auto& piece : pieces) all.insert(all.end(), piece.begin(), piece.end());
   return all;
 }
 
@@ -39,6 +39,7 @@ struct DenseMap::Implementation {
   VoxelGrid grid;
   std::uint32_t scans = 0;  ///< calls of insert and see_through so far
   bool full = false;
+  bool has_intensities = false;
 
   explicit Implementation(const DenseMapOptions& options_)
       : options(validated(options_)), grid(options.voxel_m) {}
@@ -58,7 +59,7 @@ struct DenseMap::Implementation {
                                        std::vector<float>& intensity) const;
 };
 
-/// Puts a point of the scan `scans` into its voxel.
+/// Adds a point of the scan numbered `scans` to its voxel.
 void DenseMap::Implementation::add(const Eigen::Vector3d& point_m, const PointVote& vote,
                                    float intensity) {
   const auto index = grid.voxel_of(point_m);
@@ -67,14 +68,11 @@ void DenseMap::Implementation::add(const Eigen::Vector3d& point_m, const PointVo
     full = true;
     return;
   }
-  Voxel& voxel = grid.find_or_add(*index);
-  if (VoxelIntensity* const sum = grid.intensity(*index)) {
-    add_intensity(*sum, intensity, voxel, vote);
-  }
-  vote_for(voxel, point_m / options.voxel_m - index->cast<double>(), vote, scans);
+  vote_for(grid.find_or_add(*index), point_m / options.voxel_m - index->cast<double>(), vote, scans,
+           intensity);
 }
 
-/// In an order that does not depend on that of the scans.
+/// The blocks in an order that does not depend on that of the scans.
 std::vector<const VoxelBlock*> DenseMap::Implementation::sorted_blocks() const {
   std::vector<const VoxelBlock*> blocks;
   for (const VoxelBlock& block : grid.blocks()) blocks.push_back(&block);
@@ -85,16 +83,14 @@ std::vector<const VoxelBlock*> DenseMap::Implementation::sorted_blocks() const {
 std::vector<DenseMapPoint> DenseMap::Implementation::points_of(
     const VoxelBlock& block, std::vector<float>& intensity) const {
   const BlockSurroundings surroundings(grid, block);
-  const VoxelIntensity* next_intensity = grid.intensities(block);
   std::vector<DenseMapPoint> points;
   block.for_each([&](const Eigen::Vector3i& index, const Voxel& voxel) {
     double support = 0.0;
     surroundings.for_each_neighbour(
         index, [&](const Voxel& neighbour) { support += support_of(neighbour); });
     const double confidence = confidence_of(voxel, support);
-    const VoxelIntensity* const of_voxel = next_intensity != nullptr ? next_intensity++ : nullptr;
     if (confidence < options.least_confidence) return;
-    if (of_voxel != nullptr) intensity.push_back(mean_intensity(*of_voxel));
+    if (has_intensities) intensity.push_back(mean_intensity(voxel));
     const Eigen::Vector3d point_m = grid.voxel_m() * (index.cast<double>() + mean_place(voxel));
     points.push_back({point_m.cast<float>(), static_cast<float>(confidence), voxel.times_seen});
   });
@@ -125,7 +121,7 @@ void DenseMap::insert(const OrganizedCloud& cloud, const std::optional<RowSelect
     }
   }
   const bool bright = !cloud.intensity.empty();
-  if (bright) self.grid.keep_intensities();
+  self.has_intensities |= bright;
   for (std::size_t pixel = 0; pixel < votes.size(); ++pixel) {
     if (votes[pixel].odds == 0) continue;
     self.add(points_m[pixel], votes[pixel], bright ? cloud.intensity[pixel] : std::nanf(""));

@@ -7,8 +7,8 @@ namespace hqslam::slam {
 void write_dense_map(const std::vector<DenseMapPoint>& points, const std::string& path,
                      const std::vector<float>& intensity) {
   if (!intensity.empty() && intensity.size() != points.size()) {
-    throw Error("{}: {} intensities for {} points, expected as many", path, intensity.size(),
-                points.size());
+    throw Error("{}: expected {} intensities, one per point, found {}", path, points.size(),
+                intensity.size());
   }
   const DenseMapPoint none;
   const DenseMapPoint& first = points.empty() ? none : points.front();

@@ -6,7 +6,7 @@
 
 namespace hqslam::slam {
 
-/// A part of a beam: points origin + s direction, s from begin to end; lengths in metres.
+/// A section of a beam: points origin + s direction, s from begin to end, metres.
 struct BeamSection {
   Eigen::Vector3d origin_m;
   Eigen::Vector3d direction;  ///< of length 1
@@ -15,13 +15,13 @@ struct BeamSection {
 };
 
 /// Calls visit(cell, begin_m, end_m) for every cell of a grid of cubes that a section of a beam
-/// passes, in their order along it, with the section inside the cell.
+/// crosses, in order along the beam, with the section inside the cell.
 /// Source: Amanatides & Woo, "A fast voxel traversal algorithm for ray tracing", 1987.
 template <typename Visit>
 void walk_grid(const BeamSection& beam, double cell_m, const Visit& visit) {
   const Eigen::Vector3d from = (beam.origin_m + beam.begin_m * beam.direction) / cell_m;
   Eigen::Vector3i cell = from.array().floor().template cast<int>();
-  Eigen::Vector3d next_m;  // where the beam leaves the cell, along each axis
+  Eigen::Vector3d next_m;  // distance at which the beam leaves the cell along each axis
   Eigen::Vector3d per_cell_m;
   for (int axis = 0; axis < 3; ++axis) {
     const double along = beam.direction[axis];

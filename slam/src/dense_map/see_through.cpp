@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kLeastGap_m = 0.3;
 constexpr double kPlaneDistance_m = 1.5;
-/// Nearer to the sensor than this there is nothing but its own mount.
+/// Nearer to the sensor is nothing but its mount.
 constexpr double kBeginning_m = 0.3;
 constexpr double kRayReach_voxels = 0.5;
 
@@ -28,7 +28,7 @@ bool is_near(const BeamSection& beam, const Eigen::Vector3d& mean_m, double reac
   return (mean_m - beam.origin_m).cross(beam.direction).squaredNorm() <= reach_m * reach_m;
 }
 
-/// The voxels that a section of a beam goes through, but for those that the scan has points in.
+/// The voxels that a section of a beam crosses, except those in which the scan has points.
 void collect(const VoxelGrid& grid, const BeamSection& beam, std::uint32_t scan,
              std::vector<PassedVoxel>& passed) {
   const double voxel_m = grid.voxel_m();
@@ -41,7 +41,7 @@ void collect(const VoxelGrid& grid, const BeamSection& beam, std::uint32_t scan,
               inside.begin_m = begin_m;
               inside.end_m = end_m;
               walk_grid(inside, voxel_m, [&](const Eigen::Vector3i& voxel, double, double) {
-                // Rounding at the block's border: the neighbour has its own turn.
+                // Rounding at the border of the block: the neighbour is visited by itself.
                 if (VoxelGrid::block_of(voxel) != index) return;
                 const int local = VoxelGrid::local_of(voxel);
                 if (!block->has(local)) return;
@@ -55,7 +55,7 @@ void collect(const VoxelGrid& grid, const BeamSection& beam, std::uint32_t scan,
             });
 }
 
-/// Points that the scan has in a voxel speak for it: its beams say nothing against it.
+/// A scan with points in a voxel does not vote against it.
 void mark_ends(VoxelGrid& grid, const std::vector<Beam>& beams, std::uint32_t scan) {
   for (const Beam& beam : beams) {
     const auto voxel = grid.voxel_of(beam.end_m);
@@ -93,7 +93,7 @@ void vote_against_seen_through(VoxelGrid& grid, const std::vector<Beam>& beams, 
       if (end_m <= kBeginning_m) continue;
       collect(grid, {beams[i].origin_m, to_end_m / range_m, kBeginning_m, end_m}, scan, passed);
     }
-    // One vote per voxel, whichever beam and thread it comes from.
+    // One vote per voxel, from whichever beam and thread.
 #pragma omp critical
     all_passed.insert(all_passed.end(), passed.begin(), passed.end());
   }

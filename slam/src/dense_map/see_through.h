@@ -8,22 +8,21 @@
 
 namespace hqslam::slam {
 
-/// A measured beam, map frame: from where the sensor was to what it met.
+/// A measured beam in the map frame: from the sensor to the surface that returned it.
 struct Beam {
   Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d end_m = Eigen::Vector3d::Zero();
 };
 
-/// One vote against every voxel that a beam of the scan went through and none of its beams ended
-/// in.
+/// One vote against every voxel that a beam of the scan crossed and in which none of its beams
+/// ended.
 ///
-/// A beam goes through a voxel if it passes the mean of its points within half a voxel, and if the
-/// voxel lies before the beam's end by more than
-///   m(r) = 0.3 m + voxel_m r / 1.5 m,  r the beam's range.
-/// A beam that meets a plane at a grazing angle runs within it for a while: one whose plane passes
-/// the sensor at 1.5 m (the ground, a parked car, a wall) leaves the thickness of a voxel after
-/// voxel_m r / 1.5 m. No beam looks farther than max_range_m.
-/// `scan` counts all calls that say something about voxels, insert's too.
+/// A beam crosses a voxel if it passes the mean of its points within half a voxel, more than
+///   m(r) = 0.3 m + voxel_m r / 1.5 m,  r the beam's range,
+/// before the beam's end: a beam that meets a plane at a grazing angle stays within the thickness
+/// of a voxel for voxel_m r / 1.5 m if the plane passes the sensor at 1.5 m (the ground, a parked
+/// car, a wall). Beams count up to max_range_m.
+/// scan: number of the call, counted together with the insertions of scans.
 void vote_against_seen_through(VoxelGrid& grid, const std::vector<Beam>& beams, std::uint32_t scan,
                                double max_range_m);
 

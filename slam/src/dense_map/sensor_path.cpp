@@ -4,10 +4,10 @@
 
 namespace hqslam::slam {
 
-SensorPath::SensorPath(const Trajectory& trajectory, std::size_t scan, const KnownWay& way) {
+SensorPath::SensorPath(const Trajectory& trajectory, std::size_t scan) {
   if (scan >= trajectory.size()) {
-    throw Error("path of scan {}: the trajectory has {} poses; give one for each scan", scan,
-                trajectory.size());
+    throw Error("expected a pose of scan {}, found a trajectory of {}; give one for each scan",
+                scan, trajectory.size());
   }
   const StampedPose& here = trajectory[scan];
   T_map_sensor_ = here.T_map_sensor;
@@ -15,10 +15,10 @@ SensorPath::SensorPath(const Trajectory& trajectory, std::size_t scan, const Kno
     return Neighbour{here.T_map_sensor.inverse() * other.T_map_sensor,
                      other.stamp_s - here.stamp_s};
   };
-  if (way.before && scan > 0 && trajectory[scan - 1].stamp_s < here.stamp_s) {
+  if (scan > 0 && trajectory[scan - 1].stamp_s < here.stamp_s) {
     before_ = neighbour(trajectory[scan - 1]);
   }
-  if (way.after && scan + 1 < trajectory.size() && trajectory[scan + 1].stamp_s > here.stamp_s) {
+  if (scan + 1 < trajectory.size() && trajectory[scan + 1].stamp_s > here.stamp_s) {
     after_ = neighbour(trajectory[scan + 1]);
   }
   if (before_.time_offset_s == 0.0) before_ = after_;

@@ -13,7 +13,7 @@ VoxelGrid::VoxelGrid(double voxel_m) : voxel_m_(voxel_m) {}
 
 std::optional<Eigen::Vector3i> VoxelGrid::voxel_of(const Eigen::Vector3d& point_m) const {
   const Eigen::Vector3d voxel = (point_m / voxel_m_).array().floor();
-  // Written so that what is not a number fails.
+  // NaN fails.
   if (!(voxel.cwiseAbs().array() < kVoxelRange).all()) return std::nullopt;
   return voxel.cast<int>();
 }
@@ -37,29 +37,12 @@ Voxel& VoxelGrid::find_or_add(const Eigen::Vector3i& voxel) {
     found = static_cast<std::uint32_t>(blocks_.size());
     index_.add(key, found);
     blocks_.emplace_back(block_of(voxel));
-    if (keeps_intensities_) intensities_.emplace_back();
   }
   VoxelBlock& block = blocks_[found];
   const int local = local_of(voxel);
   if (block.has(local)) return block.at(local);
   ++size_;
-  if (keeps_intensities_) {
-    auto& of_block = intensities_[found];
-    of_block.insert(of_block.begin() + block.rank(local), VoxelIntensity());
-  }
   return block.add(local);
-}
-
-void VoxelGrid::keep_intensities() {
-  if (keeps_intensities_) return;
-  keeps_intensities_ = true;
-  for (const VoxelBlock& block : blocks_) intensities_.emplace_back(block.size());
-}
-
-VoxelIntensity* VoxelGrid::intensity(const Eigen::Vector3i& voxel) {
-  if (!keeps_intensities_) return nullptr;
-  const std::uint32_t block = index_.find(block_of(voxel));
-  return &intensities_[block][blocks_[block].rank(local_of(voxel))];
 }
 
 BlockSurroundings::BlockSurroundings(const VoxelGrid& grid, const VoxelBlock& block)

@@ -11,26 +11,22 @@
 
 namespace hqslam::slam {
 
-/// What the scans said about one voxel. Sums are whole numbers, so that their order does not
-/// matter.
+/// The votes of the scans about one voxel. Sums are integers, so that their order does not matter.
 struct Voxel {
   std::array<std::uint32_t, 3> offset_sum{};  ///< kOffsetSteps per voxel, times the weight
   std::uint32_t weight_sum = 0;
-  std::uint32_t odds_sum = 0;    ///< of what the scans say for it, 64 per unit; saturates
-  std::uint32_t last_scan = 0;   ///< that said something, counted from 1
+  /// Intensities of the points that offset_sum is made of: the lower 18 bits are the sum of their
+  /// weights, the upper 46 that of 1024 times the intensity times the weight.
+  std::uint64_t intensity_sums = 0;
+  std::uint32_t odds_sum = 0;    ///< of the votes for it, 64 per unit; saturates
+  std::uint32_t last_scan = 0;   ///< the last that voted, counted from 1
   std::uint16_t scan_odds = 0;   ///< of that scan's best point
   std::uint16_t times_seen = 0;  ///< saturates, as the following
   std::uint16_t times_measured = 0;
   std::uint16_t times_seen_through = 0;
 };
 
-/// Of the intensities of the points that a voxel's place is the mean of: the lower 18 bits are the
-/// sum of their weights, the upper 46 that of 1024 times the intensity and the weight.
-struct VoxelIntensity {
-  std::uint64_t sums = 0;
-};
-
-/// A cube of 8 x 8 x 8 voxels that keeps only those that are there.
+/// A cube of 8 x 8 x 8 voxels that stores only those in which a scan had a point.
 class VoxelBlock {
  public:
   static constexpr int kShift = 3;
@@ -40,7 +36,7 @@ class VoxelBlock {
   const Eigen::Vector3i& index() const { return index_; }
 
   bool has(int local) const { return ((mask_[local >> 6] >> (local & 63)) & 1U) != 0; }
-  /// How many voxels come before this one.
+  /// Number of voxels before this one.
   int rank(int local) const {
     int before = std::popcount(mask_[local >> 6] & ((std::uint64_t{1} << (local & 63)) - 1));
     for (int word = 0; word < local >> 6; ++word) before += std::popcount(mask_[word]);
@@ -49,12 +45,12 @@ class VoxelBlock {
   std::size_t size() const { return voxels_.size(); }
   Voxel& at(int local) { return voxels_[rank(local)]; }
   const Voxel& at(int local) const { return voxels_[rank(local)]; }
-  /// Adds an empty one; there must be none.
+  /// Adds an empty voxel where there is none.
   Voxel& add(int local) {
     mask_[local >> 6] |= std::uint64_t{1} << (local & 63);
     return *voxels_.insert(voxels_.begin() + rank(local), Voxel());
   }
-  /// Calls visit(index, voxel) for each, in the order of their place in the block.
+  /// Calls visit(index, voxel) for each, in the order of their positions in the block.
   template <typename Visit>
   void for_each(const Visit& visit) const {
     std::size_t next = 0;
@@ -69,11 +65,11 @@ class VoxelBlock {
  private:
   Eigen::Vector3i index_;
   std::array<std::uint64_t, 8> mask_{};
-  std::vector<Voxel> voxels_;  ///< in the order of their place in the block
+  std::vector<Voxel> voxels_;  ///< in the order of their positions in the block
 };
 
-/// Voxels of a side of `voxel_m`, found by a hash of the block that they are in. Voxel (i, j, k)
-/// holds what lies from (i, j, k) voxel_m to (i + 1, j + 1, k + 1) voxel_m.
+/// Voxels of a side of `voxel_m`, found by a hash of their block. Voxel (i, j, k) extends from
+/// (i, j, k) voxel_m to (i + 1, j + 1, k + 1) voxel_m.
 class VoxelGrid {
  public:
   explicit VoxelGrid(double voxel_m);
@@ -82,31 +78,22 @@ class VoxelGrid {
   std::size_t size() const { return size_; }
   const std::vector<VoxelBlock>& blocks() const { return blocks_; }
 
-  /// The voxel that a point is in; nothing if it is not finite or farther than some millions of
-  /// voxels from the origin.
+  /// The voxel of a point; nothing if the point is not finite or more than some millions of voxels
+  /// from the origin.
   std::optional<Eigen::Vector3i> voxel_of(const Eigen::Vector3d& point_m) const;
 
   VoxelBlock& block(std::size_t number) { return blocks_[number]; }
   const VoxelBlock* find_block(const Eigen::Vector3i& block) const;
   /// nullptr where no scan had a point.
   Voxel* find(const Eigen::Vector3i& voxel);
-  /// A voxel of voxel_of. Whatever find and find_or_add returned before may no longer be used.
+  /// voxel: of voxel_of. Invalidates what find and find_or_add returned before.
   Voxel& find_or_add(const Eigen::Vector3i& voxel);
-
-  /// From now on every voxel has an intensity, which maps without any do not pay for.
-  void keep_intensities();
-  /// Of a voxel that is there, and of all of a block in the order of their places; nullptr: none
-  /// are kept.
-  VoxelIntensity* intensity(const Eigen::Vector3i& voxel);
-  const VoxelIntensity* intensities(const VoxelBlock& block) const {
-    return keeps_intensities_ ? intensities_[&block - blocks_.data()].data() : nullptr;
-  }
 
   static Eigen::Vector3i block_of(const Eigen::Vector3i& voxel) {
     return {voxel.x() >> VoxelBlock::kShift, voxel.y() >> VoxelBlock::kShift,
             voxel.z() >> VoxelBlock::kShift};
   }
-  /// The place of a voxel in its block: x changes fastest.
+  /// The number of a voxel in its block: x changes fastest.
   static int local_of(const Eigen::Vector3i& voxel) {
     constexpr int kMask = VoxelBlock::kSide - 1;
     return (voxel.x() & kMask) | (voxel.y() & kMask) << VoxelBlock::kShift |
@@ -118,19 +105,16 @@ class VoxelGrid {
   std::size_t size_ = 0;
   std::vector<VoxelBlock> blocks_;
   CellIndex index_;  ///< of blocks_
-  bool keeps_intensities_ = false;
-  std::vector<std::vector<VoxelIntensity>> intensities_;  ///< of blocks_
 };
 
-/// A block and the 26 that touch it, so that the neighbours of its voxels are found without asking
-/// the grid for each.
+/// A block and the 26 that touch it: finds the neighbours of its voxels without the hash.
 class BlockSurroundings {
  public:
   BlockSurroundings(const VoxelGrid& grid, const VoxelBlock& block);
 
-  /// nullptr where no scan had a point; voxel: in the block, or touching it.
+  /// nullptr where no scan had a point; voxel: in the block, or adjacent to it.
   const Voxel* find(const Eigen::Vector3i& voxel) const;
-  /// Calls visit(neighbour) for each of the at most 26 that touch a voxel of the block.
+  /// Calls visit(neighbour) for each of the at most 26 neighbours of a voxel of the block.
   template <typename Visit>
   void for_each_neighbour(const Eigen::Vector3i& voxel, const Visit& visit) const {
     for (int dz = -1; dz <= 1; ++dz) {

@@ -19,11 +19,11 @@ constexpr std::uint32_t kMostWeightSum = 1U << 21U;
 constexpr double kIntensitySteps = 1024.0;  ///< per unit
 constexpr unsigned kWeightBits = 18;
 constexpr std::uint64_t kMostIntensityWeight = (1U << kWeightBits) - 1;
-constexpr double kMostIntensity = 262'143.0;  ///< so many weights of it are 46 bits
+constexpr double kMostIntensity = 262'143.0;  ///< times kMostIntensityWeight fits 46 bits
 
 constexpr double kMeasuredConfidence = 0.95;
-constexpr double kMostConfidence = 0.98;  ///< of a computed point: no network knows better
-/// Of a neighbour where nothing was measured.
+constexpr double kMostConfidence = 0.98;  ///< of a computed point
+/// Support by a neighbour without a measured point.
 constexpr double kComputedSupport = 0.25;
 
 std::uint16_t odds_of(double confidence) {
@@ -39,6 +39,15 @@ void add_odds(Voxel& voxel, std::uint32_t odds) {
   voxel.odds_sum = voxel.odds_sum > kMost - odds ? kMost : voxel.odds_sum + odds;
 }
 
+void add_intensity(Voxel& voxel, float intensity, const PointVote& vote) {
+  if (!std::isfinite(intensity)) return;
+  const std::uint64_t weight = vote.measured ? 1 : vote.weight;
+  if ((voxel.intensity_sums & kMostIntensityWeight) + weight > kMostIntensityWeight) return;
+  const double steps = std::clamp<double>(intensity, 0.0, kMostIntensity) * kIntensitySteps;
+  voxel.intensity_sums +=
+      weight * (static_cast<std::uint64_t>(std::lround(steps)) << kWeightBits | 1U);
+}
+
 }  // namespace
 
 PointVote measured_vote() {
@@ -51,8 +60,8 @@ PointVote computed_vote(float confidence) {
   return {odds_of(c), static_cast<std::uint8_t>(std::ceil(kMostWeight * c)), false};
 }
 
-void vote_for(Voxel& voxel, const Eigen::Vector3d& place, const PointVote& vote,
-              std::uint32_t scan) {
+void vote_for(Voxel& voxel, const Eigen::Vector3d& place, const PointVote& vote, std::uint32_t scan,
+              float intensity) {
   const bool first_of_scan = voxel.last_scan != scan;
   if (first_of_scan) {
     voxel.last_scan = scan;
@@ -64,15 +73,17 @@ void vote_for(Voxel& voxel, const Eigen::Vector3d& place, const PointVote& vote,
     voxel.scan_odds = vote.odds;
   }
   if (vote.measured && voxel.times_measured == 0) {
-    // From here on only what is measured decides where the point is.
+    // From here on measured points alone decide the position.
     voxel.offset_sum = {};
     voxel.weight_sum = 0;
+    voxel.intensity_sums = 0;
   }
   if (vote.measured) {
     count(voxel.times_measured);
   } else if (voxel.times_measured > 0) {
     return;
   }
+  add_intensity(voxel, intensity, vote);
   if (voxel.weight_sum + vote.weight > kMostWeightSum) return;
   voxel.weight_sum += vote.weight;
   for (int axis = 0; axis < 3; ++axis) {
@@ -81,20 +92,10 @@ void vote_for(Voxel& voxel, const Eigen::Vector3d& place, const PointVote& vote,
   }
 }
 
-void add_intensity(VoxelIntensity& sum, float intensity, const Voxel& voxel,
-                   const PointVote& vote) {
-  if (vote.measured && voxel.times_measured == 0) sum = {};
-  if (!std::isfinite(intensity) || (!vote.measured && voxel.times_measured > 0)) return;
-  const std::uint64_t weight = vote.measured ? 1 : vote.weight;
-  if ((sum.sums & kMostIntensityWeight) + weight > kMostIntensityWeight) return;
-  const double steps = std::clamp<double>(intensity, 0.0, kMostIntensity) * kIntensitySteps;
-  sum.sums += weight * (static_cast<std::uint64_t>(std::lround(steps)) << kWeightBits | 1U);
-}
-
-float mean_intensity(const VoxelIntensity& sum) {
-  const std::uint64_t weight = sum.sums & kMostIntensityWeight;
+float mean_intensity(const Voxel& voxel) {
+  const std::uint64_t weight = voxel.intensity_sums & kMostIntensityWeight;
   if (weight == 0) return std::nanf("");
-  return static_cast<float>(static_cast<double>(sum.sums >> kWeightBits) /
+  return static_cast<float>(static_cast<double>(voxel.intensity_sums >> kWeightBits) /
                             static_cast<double>(weight) / kIntensitySteps);
 }
 

@@ -2,37 +2,37 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 
 #include "dense_map/voxel_grid.h"
 
 namespace hqslam::slam {
 
-/// How much a point says for the voxel that it is in. Fixed-point numbers: see Voxel.
+/// The vote of a point for its voxel, in the fixed-point numbers of Voxel.
 struct PointVote {
   std::uint16_t odds = 0;   ///< 0: the point is left out
   std::uint8_t weight = 0;  ///< in the mean, 1 to 16
   bool measured = false;
 };
 PointVote measured_vote();
-/// confidence: of a computed point, 0 to 1.
+/// confidence: of a point of a computed row, 0 to 1.
 PointVote computed_vote(float confidence);
 
-/// A point of scan `scan` at a place within its voxel, 0 to 1 along each axis.
-void vote_for(Voxel& voxel, const Eigen::Vector3d& place, const PointVote& vote,
-              std::uint32_t scan);
+/// A point of scan `scan`. place: its position within the voxel, 0 to 1 along each axis. An
+/// intensity that is not finite is unknown.
+void vote_for(Voxel& voxel, const Eigen::Vector3d& place, const PointVote& vote, std::uint32_t scan,
+              float intensity = std::numeric_limits<float>::quiet_NaN());
 
-/// Takes the intensity of a point in, before vote_for takes in the point; not finite: not known.
-void add_intensity(VoxelIntensity& sum, float intensity, const Voxel& voxel, const PointVote& vote);
-/// Not a number where none is known.
-float mean_intensity(const VoxelIntensity& sum);
+/// NaN where none is known.
+float mean_intensity(const Voxel& voxel);
 
-/// Mean place of the points within the voxel, 0 to 1 along each axis.
+/// Mean position of the points within the voxel, 0 to 1 along each axis.
 Eigen::Vector3d mean_place(const Voxel& voxel);
 
-/// What a voxel says for those that it touches: 0 to 1.
+/// The vote of a voxel for its neighbours: 0 to 1.
 double support_of(const Voxel& voxel);
 
-/// The probability that there is a surface; support: of the 26 neighbours together. See DenseMap.
+/// The probability of a surface in the voxel (DenseMap). support: sum over the 26 neighbours.
 double confidence_of(const Voxel& voxel, double support);
 
 }  // namespace hqslam::slam

@@ -14,9 +14,9 @@ namespace {
 
 constexpr int kMaxColumnGap = 10;   // between a jump's two sides
 constexpr int kOutlierColumns = 5;  // outliers of every fifth column go into the map
-constexpr int kSlopeRows = 3;       // how far away the row beside a row may be
+constexpr int kSlopeRows = 3;       // largest distance of the row above or below, in rows
 
-/// The ground and cluster returns of one row, one after the other, and what was found about them.
+/// The sequence of ground and cluster returns of one row with their properties.
 struct Row : RowRanges {
   std::vector<FeaturePoint> points;
   std::vector<std::uint8_t> ground;
@@ -24,7 +24,7 @@ struct Row : RowRanges {
   std::vector<std::uint8_t> unusable;  ///< hidden, along the beam, or too near an end of the row
   std::vector<std::uint8_t> is_edge;
   std::vector<FeaturePoint> outliers;
-  std::vector<int> candidates;  ///< of one section after the other, kept for its memory
+  std::vector<int> candidates;  ///< of the present section; its memory is reused
 };
 
 /// The ground in the first row with a return above (step -1) or below (1) a pixel.
@@ -41,8 +41,8 @@ const Eigen::Vector3f* ground_beside(const OrganizedCloud& cloud, const Segmenta
   return nullptr;
 }
 
-/// FeaturePoint::slope of a pixel on the ground: half way between the directions from the point
-/// below and to the point above.
+/// FeaturePoint::slope of a pixel on the ground: the mean of the directions from the point below
+/// and to the point above.
 Eigen::Vector3f slope_at(const OrganizedCloud& cloud, const Segmentation& segmentation, int row,
                          int column) {
   const Eigen::Vector3f& here_m = cloud.points_m[cloud.index(row, column)];
@@ -83,8 +83,8 @@ Row gather_row(const OrganizedCloud& cloud, const Segmentation& segmentation, in
   return result;
 }
 
-/// Takes candidates, the best first, until there are `wanted`; what is near one is left out.
-/// better(a, b): whether a goes before b; of equals the first in the row does.
+/// Takes candidates, best first, until there are `wanted`; neighbours of one are left out.
+/// better(a, b): whether a goes before b; of equals the first in the row.
 template <typename Better, typename Take>
 void choose(Row& row, int wanted, const Better& better, std::vector<std::uint8_t>& taken,
             const Take& take) {

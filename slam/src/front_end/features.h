@@ -11,15 +11,15 @@
 
 namespace hqslam::slam {
 
-/// A point of a scan as it was measured (not corrected for motion).
+/// A feature point as measured, not corrected for motion.
 struct FeaturePoint {
   Eigen::Vector3f point_m = Eigen::Vector3f::Zero();  ///< sensor frame at the time of capture
   float time_offset_s = 0.0F;                         ///< capture time minus the scan's stamp
   int row = 0;                                        ///< counted among the measured ones
-  /// Of the ground: the direction of its slope across the row, towards the row above or away from
-  /// it, of length 1. Zero where the rows beside it have no ground there, and of all else.
+  /// For points of the ground: unit direction of the slope across the row. Zero where the rows
+  /// above and below have no ground there, and for all other points.
   Eigen::Vector3f slope = Eigen::Vector3f::Zero();
-  /// OrganizedCloud::intensity, not a number where that is not known; nothing is decided by it.
+  /// OrganizedCloud::intensity, NaN where unknown; carried along, never used to decide.
   float intensity = std::numeric_limits<float>::quiet_NaN();
 };
 
@@ -29,30 +29,30 @@ struct Features {
   std::vector<FeaturePoint> edges;        ///< more of them ("less sharp"), the sharpest included
   std::vector<FeaturePoint> flat_points;  ///< the flattest ground points; matched scan to scan
   std::vector<FeaturePoint> ground;       ///< ground points, thinned
-  std::vector<FeaturePoint> surfaces;     ///< clusters' points that are no edges ("less flat"), and
-                                          ///< the outliers of every fifth column; thinned
-  std::vector<FeaturePoint> posts;  ///< narrow things that stand alone, one point per row: posts.h
+  /// Points of clusters that are no edges ("less flat") and outliers of every fifth column,
+  /// thinned.
+  std::vector<FeaturePoint> surfaces;
+  std::vector<FeaturePoint> posts;  ///< narrow objects that stand alone, one point per row: posts.h
 };
 
 /// Chooses edge and planar features of a scan.
 ///
-/// In: cloud (sensor frame), its segmentation. Out: features. Within each row, returns of ground
-/// and clusters follow each other; with their ranges r the smoothness of point i is
+/// In: cloud (sensor frame), its segmentation. Out: features. The returns of ground and clusters in
+/// a row form a sequence; with their ranges r the smoothness of point i is
 ///   c_i = | sum over j = i-5..i+5, j != i, of r_j  -  10 r_i |        [m]
-/// Points on the far side of a depth jump (they may be hidden from elsewhere) and points on
-/// surfaces nearly parallel to the beam are never features. Each row is cut into sections; edges
+/// Points on the far side of a depth jump (occluded from elsewhere) and points on surfaces nearly
+/// parallel to the beam are never features. Each row is cut into sections; edges
 /// are the largest c of a section, flat points the smallest, and neither has a neighbour of its
 /// kind within 5 points. Source: LOAM (Zhang & Singh 2014), LeGO-LOAM's featureAssociation.
 ///
-/// measured_rows: SensorModel::measured_rows. Computed rows have no features: they tell ground from
-/// what stands on it, and have nothing to say about the pose.
+/// measured_rows: SensorModel::measured_rows. Computed rows have no features: they only help to
+/// separate the ground from what stands on it.
 ///
-/// Differs from LeGO-LOAM: smoothness is judged against the range as well as by itself, so that a
-/// distant surface is no edge; the ground is not thinned to every fifth column before the
-/// smoothness is taken; every point of a section takes part in the choice, the last one too, and
-/// points at the ends of a row are only ever compared with points of the same row and scan; all
-/// flat points, the fourth of a section too, keep their neighbours from being chosen; and there are
-/// posts.
+/// Differs from LeGO-LOAM: smoothness is compared with the range too, so that a distant surface is
+/// no edge; the ground is not thinned to every fifth column before the smoothness is taken; the
+/// last point of a section can be chosen too, and points at the ends of a row are compared only
+/// with points of the same row and scan; all flat points, the fourth of a section too, suppress
+/// their neighbours; and there are posts.
 Features extract_features(const OrganizedCloud& cloud, const Segmentation& segmentation,
                           const FeatureOptions& options,
                           const std::optional<RowSelection>& measured_rows = {});

@@ -11,10 +11,10 @@ namespace {
 /// Beams higher than this do not meet the ground within a useful distance.
 constexpr double kHighestGroundBeam_rad = -0.5 * kDegree_rad;
 
-/// How many beams without a return may lie between two compared ones.
+/// Largest number of beams without a return between two compared ones.
 constexpr int kMaxMissingBeams = 2;
 
-/// How far the beams of each row look upwards, as seen by the sensor, and ahead.
+/// Vertical and horizontal component of each row's beams, frame of the sensor.
 struct Beams {
   std::vector<double> up;
   std::vector<double> ahead;
@@ -29,7 +29,7 @@ Beams beams_of(const SensorModel& sensor) {
   return beams;
 }
 
-/// The row from which all below look below the horizon, of those that look along azimuth_rad.
+/// The first row from which on all beams of an azimuth point below the horizon.
 int highest_ground_row(const Beams& beams, double azimuth_rad,
                        const Eigen::Vector3d& up_of_sensor) {
   const double up_ahead =

@@ -8,16 +8,16 @@
 
 namespace hqslam::slam {
 
-/// Marks the pixels that lie on the ground.
+/// Marks the pixels on the ground.
 ///
-/// In: a cloud in the sensor's frame turned level (z up), the sensor, and the vertical in the frame
-/// of its beams, (0, 0, 1) where it is mounted level. Out: 1 per pixel of the ground, 0 elsewhere.
-/// Within a column, two returns that follow each other from below are ground if the line through
-/// them rises or falls by at most max_slope_rad. Source: LeGO-LOAM, section 4 A of its paper.
+/// In: a cloud in the level frame (z up), the sensor, and the vertical in the frame of its beams,
+/// (0, 0, 1) where it is mounted level. Out: 1 per pixel of the ground, 0 elsewhere. Within a
+/// column, two successive returns from below are ground if the line through them rises or falls by
+/// at most max_slope_rad. Source: LeGO-LOAM, section 4 A of its paper.
 ///
-/// Differs from LeGO-LOAM: searched is what looks more than half a degree below the horizon,
-/// whatever the sensor and however it is mounted, not a number of rows per sensor; one or two beams
-/// without a return do not end the ground, the next return above them is compared.
+/// Differs from LeGO-LOAM: the beams more than half a degree below the horizon are searched, for
+/// any sensor and mounting, not a fixed number of rows; one or two beams without a return do not
+/// end the ground, the next return above them is compared.
 std::vector<std::uint8_t> mark_ground(
     const OrganizedCloud& cloud, const SensorModel& sensor, const GroundOptions& options,
     const Eigen::Vector3d& up_of_sensor = Eigen::Vector3d::UnitZ());

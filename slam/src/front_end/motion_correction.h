@@ -8,22 +8,22 @@
 
 namespace hqslam::slam {
 
-/// A point as if it had been measured at the scan's stamp, in the sensor frame at the stamp.
+/// Moves points to where they would have been measured at the scan's stamp.
 ///
 /// In: a point p(t) in the sensor frame at its own time t (offset from the stamp), the sensor's
-/// velocity at the stamp, a second. Out:
+/// velocity per second. Out:
 ///   p(0) = T_stamp_sensor(t) p(t),  T_stamp_sensor(t) = exponential(t velocity).
 /// Source: LOAM, section V A (constant velocity within a sweep).
 /// Differs from LeGO-LOAM: no IMU; along a screw, not along a chord; corrected to the stamp, not to
-/// the end of the sweep; points without offset (a motion-corrected scan) stay as they are, so
-/// already corrected recordings are not corrected twice. In single precision.
+/// the end of the sweep; points without offset (a motion-corrected scan) are left unchanged. In
+/// single precision.
 class MotionCorrection {
  public:
   explicit MotionCorrection(const Twist& velocity);
   Eigen::Vector3f operator()(const FeaturePoint& point) const;
 
  private:
-  /// A turn by less moves nothing by a micrometre.
+  /// A smaller rotation moves no point by a micrometre.
   static constexpr float kNoTurn_rad = 1e-8F;
 
   float angle_rad_;
@@ -33,7 +33,7 @@ class MotionCorrection {
   Eigen::Vector3f twice_across_m_ = Eigen::Vector3f::Zero();
 };
 
-/// The same of all points.
+/// MotionCorrection of all points.
 std::vector<Eigen::Vector3f> motion_corrected(const std::vector<FeaturePoint>& points,
                                               const Twist& velocity);
 

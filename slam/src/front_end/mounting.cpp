@@ -20,10 +20,10 @@ constexpr double kSteepest_rad = kMostCorrected_rad + GroundOptions().max_slope_
 constexpr float kGroundReach_m = 25.0F;
 constexpr double kLeaf_m = 0.5;
 constexpr float kGroundThickness_m = 0.1F;
-constexpr float kMinArea_m2 = 1.0F;  // less makes no plane
+constexpr float kMinArea_m2 = 1.0F;  // of three points that determine a plane
 constexpr Eigen::Index kMinGroundPoints = 50;
 
-/// From a frame to the same one upside down, and back: half a turn about x.
+/// Half a turn about x: from a frame to the same one upside down, and back.
 Eigen::Vector3d half_turned(const Eigen::Vector3d& p) { return {p.x(), -p.y(), -p.z()}; }
 
 SensorModel upside_down(const SensorModel& sensor) {
@@ -41,7 +41,8 @@ SensorModel upside_down(const SensorModel& sensor) {
   return result;
 }
 
-/// What may be the ground, thinned: what a column rises along less steeply than kSteepest_rad.
+/// Candidates for the ground, thinned: points along which a column rises less steeply than
+/// kSteepest_rad.
 Eigen::Matrix3Xf ground_points_m(const OrganizedCloud& level, const SensorModel& upright_sensor,
                                  const Eigen::Vector3d& up_of_sensor) {
   const std::vector<std::uint8_t> is_ground =
@@ -67,7 +68,7 @@ Eigen::Array<bool, 1, Eigen::Dynamic> near_plane(const Eigen::Matrix3Xf& points_
   return (normal.transpose() * (points_m.colwise() - point_m)).array().abs() < kGroundThickness_m;
 }
 
-/// The normal of the plane through points: along it they vary least.
+/// The normal of the plane through points: the direction of least variance.
 Eigen::Vector3f fitted_normal(const Eigen::Matrix3Xf& points_m) {
   const Eigen::Matrix3Xf from_middle_m = points_m.colwise() - points_m.rowwise().mean();
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f>(from_middle_m * from_middle_m.transpose())
@@ -75,14 +76,13 @@ Eigen::Vector3f fitted_normal(const Eigen::Matrix3Xf& points_m) {
       .col(0);
 }
 
-/// The upward normal of the ground among points in a frame that is about level: of the planes
-/// through three points drawn at random the one near most (RANSAC; Fischler & Bolles, 1981), fitted
-/// to those.
+/// The upward normal of the ground among points in a frame that is about level: the plane through
+/// three random points with most points near it (RANSAC; Fischler & Bolles, 1981), fitted to those.
 std::optional<Eigen::Vector3d> ground_normal(const Eigen::Matrix3Xf& points_m) {
   constexpr int kDraws = 500;
   const Eigen::Index count = points_m.cols();
   if (count < kMinGroundPoints) return std::nullopt;
-  std::mt19937 random;  // seeded alike every time
+  std::mt19937 random;  // fixed seed
   const auto drawn = [&]() -> Eigen::Vector3f {
     return points_m.col(random() % static_cast<std::uint32_t>(count));
   };
@@ -109,8 +109,8 @@ std::optional<Eigen::Vector3d> ground_normal(const Eigen::Matrix3Xf& points_m) {
   return normal.z() < 0.0 ? Eigen::Vector3d(-normal) : normal;
 }
 
-/// With the vertical u = (-sin p, cos p sin r, cos p cos r) in the sensor's frame, r and p are roll
-/// and pitch, as in pose_from_xyz_rpy.
+/// Roll r and pitch p, as in pose_from_xyz_rpy, from the vertical in the sensor's frame,
+/// (-sin p, cos p sin r, cos p cos r).
 MountingOptions leaning(const Eigen::Vector3d& up_of_sensor) {
   return {std::atan2(up_of_sensor.y(), up_of_sensor.z()),
           -std::asin(std::clamp(up_of_sensor.x(), -1.0, 1.0))};

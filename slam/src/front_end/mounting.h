@@ -13,40 +13,38 @@
 
 namespace hqslam::slam {
 
-/// Between the sensor as it is mounted and the one that all stages after this expect: upright, with
-/// the ground below. Their "sensor" is the real one turned about its own origin; `level` is its
-/// frame.
+/// Converts between the sensor as it is mounted and the upright sensor, with the ground below, that
+/// all later stages expect: the real one turned about its own origin. `level` is its frame.
 ///
-/// A scan of a sensor that hangs upside down is turned as a whole, rows and columns: row 0 is
-/// the highest beam again, and everything that follows is as if it stood upright. What tilt remains
-/// is taken out of the points alone; rows are then cones that lean.
+/// A scan of a sensor that hangs upside down is turned as a whole, rows and columns, so that row 0
+/// is the highest beam again. The remaining tilt is taken out of the points alone; rows are then
+/// tilted cones.
 class Mounting {
  public:
   Mounting(const MountingOptions& options, const SensorModel& sensor);
 
-  /// The rows from above to below, as clouds from level() have them.
+  /// Its rows are ordered from above to below, as those of clouds from level().
   const SensorModel& upright_sensor() const { return upright_sensor_; }
-  /// The vertical in that sensor's own frame, which leans if the real one does.
+  /// The vertical in that sensor's own frame, which is tilted as the real one is.
   Eigen::Vector3d up_of_upright_sensor() const;
 
-  /// Looks for the ground in a scan of the sensor (whose pixels must be sound) and takes its
-  /// vertical for that of the mounting. Of the planes that lean by at most 30 degrees from what was
-  /// believed so far it is the one that most of what may be ground lies on, one point per 0.5 m,
-  /// within 25 m (RANSAC, then least squares). Returns whether there was one. Motion along the
-  /// ground does not matter.
+  /// Estimates the mounting from the ground in a scan of the sensor, whose pixels must be sound.
+  /// The ground is the plane, tilted by at most 30 degrees against the present estimate, with most
+  /// of the candidate points within 25 m, one per 0.5 m (RANSAC, then least squares). Returns
+  /// whether there was one. Motion along the ground does not matter.
   bool estimate(const OrganizedCloud& cloud);
 
   /// The scan in the level frame; nothing where the two frames are the same.
   std::optional<OrganizedCloud> level(const OrganizedCloud& cloud) const;
 
   const Eigen::Matrix3d& turn_to_level() const { return R_level_sensor_; }
-  /// As given, or as estimated if `estimated`.
+  /// The given mounting, or the estimated one if `estimated`.
   const MountingOptions& mounted() const { return mounted_; }
-  /// Where the sensor is, of where the level frame is.
+  /// The pose of the sensor from that of the level frame.
   Pose of_sensor(const Pose& T_map_level) const;
-  /// The covariance of e in T exp(e), the same way; one that is not finite stays as it is.
+  /// The covariance of e in T exp(e) for the sensor; one that is not finite is returned unchanged.
   Matrix6 of_sensor(const Matrix6& covariance) const;
-  /// A motion of the level frame, in that of the sensor.
+  /// A motion of the level frame in the frame of the sensor.
   Twist of_sensor(const Twist& motion) const;
 
  private:
@@ -56,7 +54,7 @@ class Mounting {
   SensorModel upright_sensor_;
 };
 
-/// mark_ground() of a scan in its sensor's own frame, whichever way up that is.
+/// mark_ground() for a scan in its sensor's own frame, in any orientation.
 std::vector<std::uint8_t> mark_ground_of(const OrganizedCloud& cloud, const SensorModel& sensor,
                                          const Eigen::Vector3d& up_of_sensor);
 

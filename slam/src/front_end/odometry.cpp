@@ -15,14 +15,14 @@ constexpr double kNarrowSearchShare = 0.3;
 constexpr double kMinWeight = 0.1;
 constexpr int kStepsPerSearch = 3;
 
-/// What a search needs to know besides the point.
+/// The parameters of a search, besides the point.
 struct SearchState {
   Pose T_reference_sensor;
   double max_distance_m;
   bool robust;
 };
 
-/// What a feature was matched with, and what it may be matched with again.
+/// The points that a feature was matched with, as a guess for the next search.
 struct MatchedPoints {
   std::optional<int> first, second, third;
 };
@@ -90,7 +90,8 @@ ConstraintList find_all(const std::vector<FeaturePoint>& features, const Twist& 
   return list;
 }
 
-/// One of the two steps: LM over the free parameters; unobservable directions are held.
+/// One of the two steps: LM over the free parameters; unobservable directions are held. Returns
+/// whether all were observable.
 bool improve(const std::vector<PlaneConstraint>& constraints, FreeParameters free,
              Pose& T_reference_sensor) {
   const MotionParameters start = parameters_of(T_reference_sensor);
@@ -151,7 +152,7 @@ OdometryResult scan_to_scan(const OdometryTarget& reference, const Features& fea
                  });
     result.edge_correspondences = edges.edges;
     const bool enough_edges = has_edges && edges.edges >= options.min_correspondences;
-    // Where there is no ground, edges give what information they have about all of the motion.
+    // Without ground, edges estimate all six parameters as far as they can.
     const FreeParameters free = enough_planar ? FreeParameters::kInPlane : FreeParameters::kAll;
     const bool edges_observable =
         !enough_edges || improve(edges.all, free, result.T_reference_sensor);

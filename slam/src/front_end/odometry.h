@@ -9,7 +9,7 @@
 
 namespace hqslam::slam {
 
-/// A scan as the next is matched with it: ground and edges, corrected for motion.
+/// The ground and edges of a scan, corrected for motion, with which the next scan is matched.
 struct OdometryTarget {
   RowOrderedCloud ground;
   RowOrderedCloud edges;
@@ -38,12 +38,12 @@ struct OdometryResult {
 /// Levenberg-Marquardt. The scan is corrected for the motion found so far before each search.
 /// Source: LeGO-LOAM, section 4 C of its paper.
 ///
-/// Differs from LeGO-LOAM: the search runs over all of the reference, not over as many points as
-/// the scan has features; full LM steps, not 5 % of a Gauss-Newton step; the two steps alternate
-/// until neither moves; ground is matched with ground and edges with edges, as its paper says; a
-/// direction that is not observable keeps its predicted value; where there is no ground (indoors,
-/// close to the floor) edges give all six parameters, as far as they can; a scan with too few edges
-/// says so, and keeps what the ground alone or the wide searches found.
+/// Differs from LeGO-LOAM: all of the reference is searched, not as many of its points as the scan
+/// has features; full LM steps, not 5 % of a Gauss-Newton step; the two steps alternate until both
+/// converge; ground is matched with ground and edges with edges, as in its paper; a direction that
+/// is not observable keeps its predicted value; without ground (indoors, close to the floor) edges
+/// estimate all six parameters, as far as they can; with too few edges the status is
+/// kTooFewFeatures and the result of the ground alone or of the wide searches stands.
 OdometryResult scan_to_scan(const OdometryTarget& reference, const Features& features,
                             const PredictedMotion& predicted, const OdometryOptions& options);
 

@@ -31,7 +31,7 @@ struct PostRow {
     }
     return last;
   }
-  /// Whether the row goes on at `column` behind something at range_m.
+  /// Whether the row has nothing at `column`, or something behind an object at range_m_.
   bool goes_on_behind(int column, float range_m_) const {
     return !(range_m(column) > 0.0F) || range_m(column) > range_m_ + kPostDepth_m;
   }

@@ -10,11 +10,11 @@ namespace hqslam::slam {
 namespace {
 
 constexpr int kRowReach = 2;
-constexpr int kSectors = 128;  // of a row, as many as it has points, about
+constexpr int kSectors = 128;  // of a row; about as many as it has points
 
 float azimuth_of(const Eigen::Vector3f& point_m) { return std::atan2(point_m.y(), point_m.x()); }
 
-/// Does not fall as the azimuth rises.
+/// Monotonic in the azimuth.
 int sector_of(float azimuth_rad) {
   constexpr float kPi = std::numbers::pi_v<float>;
   const auto sector = static_cast<int>((azimuth_rad + kPi) * (kSectors / (2.0F * kPi)));
@@ -54,7 +54,7 @@ RowOrderedCloud::RowOrderedCloud(const std::vector<FeaturePoint>& features,
   std::partial_sum(sector_begin_.begin(), sector_begin_.end(), sector_begin_.begin());
   std::vector<Placed> ordered(placed.size());
   std::vector<int> end(sector_begin_.begin(), sector_begin_.end() - 1);
-  for (const Placed& point : placed) {  // into their sectors, of which few hold more than two
+  for (const Placed& point : placed) {  // into their sectors; few of them hold more than two
     int i = end[point.sector]++;
     for (; i > sector_begin_[point.sector] && ordered[i - 1].azimuth_rad > point.azimuth_rad; --i) {
       ordered[i] = ordered[i - 1];
@@ -97,7 +97,7 @@ void RowOrderedCloud::find_elevations() {
   }
 }
 
-/// What is farther is not looked at; the guess itself is within it.
+/// The squared distance that bounds a search; the guess itself is within it.
 float RowOrderedCloud::limit_m2(const RowQuery& query, double max_distance_m,
                                 std::optional<int> guess) const {
   const auto most_m2 = static_cast<float>(max_distance_m * max_distance_m);
@@ -139,7 +139,7 @@ std::optional<int> RowOrderedCloud::nearest(const RowQuery& query, double max_di
   return best;
 }
 
-/// How many points of the row are before the azimuth.
+/// Number of points of the row before the azimuth.
 int RowOrderedCloud::first_from(int row, float azimuth_rad) const {
   const int sector = row * kSectors + sector_of(azimuth_rad);
   int i = sector_begin_[sector];

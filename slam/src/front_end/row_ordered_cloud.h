@@ -8,29 +8,29 @@
 
 namespace hqslam::slam {
 
-/// A point near which others are looked for.
+/// A point whose neighbours are sought.
 struct RowQuery {
   explicit RowQuery(const Eigen::Vector3f& query_m);
   Eigen::Vector3f point_m;
   float azimuth_rad;
 };
 
-/// Points ordered by row, and by azimuth within a row: the search target of the odometry, where
-/// nearest points are looked for in one row, in rows nearby and in all rows.
+/// Points ordered by row, and by azimuth within a row: the search target of the odometry, which
+/// seeks nearest points in one row, in rows nearby and in all rows.
 ///
-/// Each search takes a guess of what it will find, what it found when the query was a little beside
-/// where it is now: nothing farther needs to be looked at. What is found is the same.
+/// A search can take a guess, the result for a query a little beside the present one, which bounds
+/// the distance; the result is the same without.
 ///
-/// The order is an index already: from the row at the query's elevation the search goes up and down
+/// The order serves as the index: from the row at the query's elevation the search goes up and down
 /// while the rows beyond can be nearer than the best so far, and in each row from the query's
-/// azimuth both ways likewise. Each way takes at most half of the row's points: exact where they
-/// stand all around; in a row with points on one side only, the nearest can be missed if more than
-/// half of them stand before it. LeGO-LOAM builds a kd-tree for every scan.
+/// azimuth in both directions likewise. Each direction takes at most half of the row's points:
+/// exact where they are all around; in a row with points on one side only the nearest can be missed
+/// if more than half of them precede it. LeGO-LOAM builds a kd-tree for every scan.
 class RowOrderedCloud {
  public:
   RowOrderedCloud() = default;
-  /// `points_m`: the positions to search, one per point of `features` (whose rows are taken).
-  /// Those that are not finite are left out.
+  /// `points_m`: the positions to search, one per point of `features` (whose rows are taken); those
+  /// that are not finite are left out.
   RowOrderedCloud(const std::vector<FeaturePoint>& features,
                   const std::vector<Eigen::Vector3f>& points_m);
 
@@ -60,8 +60,8 @@ class RowOrderedCloud {
   std::vector<float> azimuth_rad_;
   std::vector<int> row_;
   std::vector<int> sector_begin_;  ///< index of the first point per row and sector, and the end
-  /// Elevations as (horizontal, vertical) of length 1. Per row: the highest of the points from this
-  /// row on, the lowest of those up to it.
+  /// Elevations as unit vectors (horizontal, vertical). Per row: the highest of the points from
+  /// this row on, the lowest of those up to it.
   std::vector<Eigen::Vector2f> highest_from_;
   std::vector<Eigen::Vector2f> lowest_up_to_;
 };

@@ -7,7 +7,7 @@
 
 namespace hqslam::slam {
 
-/// Returns that follow each other along a row, as far as the choice of features asks.
+/// The sequence of returns along a row from which features are chosen.
 struct RowRanges {
   static constexpr int kHalfWindow = 5;  ///< neighbours on each side
 
@@ -19,7 +19,7 @@ struct RowRanges {
     return std::abs(column[i] - column[j]) <= max_gap;
   }
 
-  /// |sum of the 10 neighbours' ranges - 10 range|, of points with five on each side.
+  /// |sum of the 10 neighbours' ranges - 10 range| for a point with five on each side.
   float smoothness_at_m(int i) const {
     float sum_m = -2.0F * kHalfWindow * range_m[i];
     for (int k = 1; k <= kHalfWindow; ++k) sum_m += range_m[i - k] + range_m[i + k];
@@ -29,8 +29,8 @@ struct RowRanges {
   /// Marks the far side of depth jumps, between columns that are max_gap apart at most, and
   /// surfaces along the beam.
   void mark_unreliable(int max_gap, std::vector<std::uint8_t>& unusable) const {
-    constexpr float kDepthJump_m = 0.3F;    // hides what lies behind
-    constexpr float kParallelJump = 0.02F;  // of the range, on both sides: surface along the beam
+    constexpr float kDepthJump_m = 0.3F;    // occludes what is behind
+    constexpr float kParallelJump = 0.02F;  // share of the range, on both sides: along the beam
     for (int i = kHalfWindow; i + kHalfWindow + 1 < size(); ++i) {
       const float here_m = range_m[i];
       const float next_m = range_m[i + 1];
@@ -49,7 +49,7 @@ struct RowRanges {
     }
   }
 
-  /// Keeps the neighbours of a chosen point from being chosen, up to the next gap.
+  /// Excludes the neighbours of a chosen point, up to the next gap.
   void suppress_neighbours(int chosen, std::vector<std::uint8_t>& taken) const {
     constexpr int kMaxGap = 10;  // neighbours farther apart than this are none
     taken[chosen] = 1;

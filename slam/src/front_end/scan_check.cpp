@@ -11,43 +11,21 @@ namespace hqslam::slam {
 
 namespace {
 
-void check_size(const OrganizedCloud& cloud, const SensorModel& sensor) {
-  if (cloud.rows != sensor.rows() || cloud.columns != sensor.columns) {
-    throw Error(
-        "scan of {}x{} pixels does not fit sensor '{}' of {}x{}: name the sensor that recorded it",
-        cloud.rows, cloud.columns, sensor.name, sensor.rows(), sensor.columns);
-  }
-  const std::size_t pixels = static_cast<std::size_t>(cloud.rows) * cloud.columns;
-  const std::size_t times = cloud.time_offset_s.size();
-  const std::size_t intensities = cloud.intensity.size();
-  if (intensities != 0 && intensities != pixels) {
-    throw Error("scan of {}x{} pixels has {} intensities: give each pixel its own, or none at all",
-                cloud.rows, cloud.columns, intensities);
-  }
-  if (cloud.points_m.size() != pixels || cloud.range_m.size() != pixels ||
-      (times != 0 && times != pixels)) {
-    throw Error(
-        "scan of {}x{} pixels has {} points, {} ranges and {} capture times: give each pixel its "
-        "own, or no times at all",
-        cloud.rows, cloud.columns, cloud.points_m.size(), cloud.range_m.size(), times);
-  }
-}
-
-/// Beyond it a double no longer tells the columns of a scan apart: such stamps have another unit.
+/// Beyond it a double cannot resolve the columns of a scan: such stamps have another unit.
 constexpr double kMaxStamp_s = 1e11;
 
 void check_stamp(double stamp_s) {
   if (!(std::abs(stamp_s) <= kMaxStamp_s)) {
-    throw Error("stamp of a scan is {}, expected a time within +-{} s: give stamps in seconds",
-                stamp_s, kMaxStamp_s);
+    throw Error("expected a stamp within +-{} s, found {}: give stamps in seconds", kMaxStamp_s,
+                stamp_s);
   }
 }
 
-/// Offsets may reach so far from the stamp, in scan periods: half a period where the sensor turns
-/// as its model says.
+/// Largest offset from the stamp, in scan periods; half a period if the sensor turns at the rate of
+/// its model.
 constexpr double kMaxOffset_periods = 1.0;
-/// Offsets that span so much of a period are around its middle, if they are counted from there,
-/// with less than kMaxMiddle_periods to spare.
+/// Offsets that span at least this share of a period must be centred on the stamp to within
+/// kMaxMiddle_periods.
 constexpr double kWholeScan_periods = 0.6;
 constexpr double kMaxMiddle_periods = 0.3;
 
@@ -69,8 +47,8 @@ void check_times(const OrganizedCloud& cloud, const SensorModel& sensor) {
   }
   if (first_s > last_s && not_finite > 0) {
     throw ScanError(
-        "none of the {} capture times of a scan's returns is finite: give each its own, or no "
-        "times at all",
+        "expected finite capture times, found none among those of {} returns of a scan: give each "
+        "its own, or no times at all",
         not_finite);
   }
   if (first_s > last_s) return;
@@ -80,13 +58,28 @@ void check_times(const OrganizedCloud& cloud, const SensorModel& sensor) {
                               std::abs(first_s + last_s) / 2.0 > kMaxMiddle_periods * period_s;
   if (!too_far && !off_the_middle) return;
   throw ScanError(
-      "capture times of a scan reach from {:.6g} to {:.6g} s after its stamp, expected about "
-      "{:.3g} to {:.3g} s: give them in seconds, counted from the middle of the scan, and give "
-      "that as the stamp",
-      first_s, last_s, -period_s / 2.0, period_s / 2.0);
+      "expected capture times of about {:.3g} to {:.3g} s from a scan's stamp, found {:.6g} to "
+      "{:.6g} s: give seconds from the middle of the scan, and the time of that as its stamp",
+      -period_s / 2.0, period_s / 2.0, first_s, last_s);
 }
 
-/// Whether a pixel holds what it should: no return, or a finite point at a finite range and time.
+}  // namespace
+
+void check_shape(const OrganizedCloud& cloud) {
+  const auto pixels =
+      static_cast<std::size_t>(std::max(cloud.rows, 0)) * std::max(cloud.columns, 0);
+  const auto fits = [&](const auto& values) { return values.empty() || values.size() == pixels; };
+  if (cloud.points_m.size() == pixels && cloud.range_m.size() == pixels &&
+      fits(cloud.time_offset_s) && fits(cloud.confidence) && fits(cloud.intensity)) {
+    return;
+  }
+  throw Error(
+      "scan of {}x{} pixels has {} points, {} ranges, {} capture times, {} confidences and {} "
+      "intensities: give each pixel its own, of the last three or none",
+      cloud.rows, cloud.columns, cloud.points_m.size(), cloud.range_m.size(),
+      cloud.time_offset_s.size(), cloud.confidence.size(), cloud.intensity.size());
+}
+
 bool is_sound(const OrganizedCloud& cloud, std::size_t pixel) {
   return cloud.range_m[pixel] == 0.0F ||
          (cloud.range_m[pixel] > 0.0F && std::isfinite(cloud.range_m[pixel]) &&
@@ -94,10 +87,13 @@ bool is_sound(const OrganizedCloud& cloud, std::size_t pixel) {
           (cloud.time_offset_s.empty() || std::isfinite(cloud.time_offset_s[pixel])));
 }
 
-}  // namespace
-
 void check(const OrganizedCloud& cloud, double stamp_s, const SensorModel& sensor) {
-  check_size(cloud, sensor);
+  if (cloud.rows != sensor.rows() || cloud.columns != sensor.columns) {
+    throw Error(
+        "scan of {}x{} pixels does not fit sensor '{}' of {}x{}: name the sensor that recorded it",
+        cloud.rows, cloud.columns, sensor.name, sensor.rows(), sensor.columns);
+  }
+  check_shape(cloud);
   check_stamp(stamp_s);
   check_times(cloud, sensor);
 }

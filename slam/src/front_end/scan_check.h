@@ -5,14 +5,17 @@
 
 namespace hqslam::slam {
 
-/// Throws Error if a scan is not of this sensor, if a pixel lacks a point, a range or a capture
-/// time while others have one, or if the stamp is no time in seconds. Throws ScanError if the
-/// capture times of its returns are farther from the stamp than a scan lasts, or reach over a scan
-/// that the stamp is not in the middle of.
+/// Throws Error unless each pixel has a point and a range, and all or none have a capture time, a
+/// confidence, an intensity.
+void check_shape(const OrganizedCloud& cloud);
+
+/// Throws Error if a scan does not have the shape of this sensor's (check_shape), or if the stamp
+/// is no time in seconds. Throws ScanError if the capture times of its returns are farther from the
+/// stamp than a scan lasts, or span a scan whose middle is not the stamp.
 void check(const OrganizedCloud& cloud, double stamp_s, const SensorModel& sensor);
 
-/// Whether all pixels hold what they should: no return, or a finite point at a finite range and
-/// time.
+/// Whether a pixel is empty or has a finite point, range and capture time.
+bool is_sound(const OrganizedCloud& cloud, std::size_t pixel);
 bool all_sound(const OrganizedCloud& cloud);
 
 /// The cloud with unsound pixels emptied.

@@ -4,13 +4,13 @@
 
 namespace hqslam::slam {
 
-/// Time that runs on from scan to scan, whatever the clock of the recording does.
+/// Time that rises from scan to scan even if the clock of the recording does not.
 ///
-/// In: the stamps of all scans, in order. Out: the time of each, which is the stamp itself as long
-/// as it is a believable step later than the scan before: a quarter of a scan period (a sensor may
-/// spin faster than its model says) to a hundred periods (scans may be missing). Other steps come
-/// from packets that were late or from a clock that was set: a scan then counts as one period
-/// later, and if the next stamps run on from there, so does the time.
+/// In: the stamps of all scans, in order. Out: the time of each, which is the stamp itself while
+/// the step from the scan before is plausible: a quarter of a scan period (a sensor may spin faster
+/// than its model) to a hundred periods (scans may be missing). Other steps come from late packets
+/// or from a clock that was set: the scan then counts as one period later, and the time continues
+/// from there if the next stamps do.
 class ScanClock {
  public:
   explicit ScanClock(double scan_period_s) : scan_period_s_(scan_period_s) {}
@@ -21,7 +21,7 @@ class ScanClock {
     double stamp_s;
     double time_s;
   };
-  bool believable(double step_s) const;
+  bool is_plausible(double step_s) const;
 
   double scan_period_s_;
   double time_minus_stamp_s_ = 0.0;

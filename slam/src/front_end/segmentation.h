@@ -18,10 +18,10 @@ struct Segmentation {
 
 /// Splits the returns of a scan into ground, clusters and outliers.
 ///
-/// In: a cloud in the sensor's frame turned level, the vertical (see mark_ground). Out: a class per
-/// pixel. The ground is marked first (mark_ground); the rest falls into connected components by the
-/// angle criterion; a component is a cluster if it has min_pixels, or min_pixels_tall over
-/// min_rows_tall rows. Source: LeGO-LOAM.
+/// In: a cloud in the level frame, the vertical (mark_ground). Out: a class per pixel. The ground
+/// is marked first (mark_ground); the other returns form connected components by the angle
+/// criterion; a component is a cluster if it has min_pixels, or min_pixels_tall over min_rows_tall
+/// rows. Source: LeGO-LOAM.
 ///
 /// Differs from LeGO-LOAM: the rows of a component count the row of its first pixel; column
 /// indices are signed and wrap on both sides; the components are those of core, the same as the

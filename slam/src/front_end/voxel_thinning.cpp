@@ -33,15 +33,14 @@ std::vector<PlacedPoint> placed(const std::vector<FeaturePoint>& points, float l
   return result;
 }
 
-/// The mean of position, time and what intensities are known; slopes are averaged, and made of
-/// length 1 again.
+/// The mean of position, time and known intensities; the mean slope is normalized.
 struct Mean {
   Eigen::Vector3f sum_m = Eigen::Vector3f::Zero();
   Eigen::Vector3f slope = Eigen::Vector3f::Zero();
   float time_s = 0.0F;
   float intensity_sum = 0.0F;
   int count = 0;
-  int bright = 0;  ///< of known intensity
+  int bright = 0;  ///< points of known intensity
 
   void add(const FeaturePoint& point) {
     sum_m += point.point_m;
@@ -60,8 +59,8 @@ struct Mean {
   }
 };
 
-/// Of points whose box has so many voxels on each side, beginning with `first`. Those that follow
-/// each other in one voxel, as most do, are sorted as one.
+/// Thins the points of a box of `side` voxels that begins with the voxel `first`. Successive points
+/// of one voxel, as most are, are sorted as one.
 void thin_box(const std::vector<FeaturePoint>& points, std::span<const PlacedPoint> box,
               const Eigen::Array3i& first, const Eigen::Array3i& side,
               std::vector<FeaturePoint>& thinned) {
@@ -86,9 +85,9 @@ void thin_box(const std::vector<FeaturePoint>& points, std::span<const PlacedPoi
   }
 }
 
-/// Halves the box between two voxels until its parts are small enough.
-void thin_in_parts(const std::vector<FeaturePoint>& points, std::span<PlacedPoint> box,
-                   std::vector<FeaturePoint>& thinned) {
+/// Halves the box between two voxels until the pieces are small enough.
+void thin_in_pieces(const std::vector<FeaturePoint>& points, std::span<PlacedPoint> box,
+                    std::vector<FeaturePoint>& thinned) {
   if (box.empty()) return;
   Eigen::Array3i first = box.front().voxel;
   Eigen::Array3i last = first;
@@ -103,8 +102,8 @@ void thin_in_parts(const std::vector<FeaturePoint>& points, std::span<PlacedPoin
   const auto upper = std::stable_partition(box.begin(), box.end(), [&](const auto& placed) {
     return placed.voxel[longest] < first[longest] + half;
   });
-  thin_in_parts(points, {box.begin(), upper}, thinned);
-  thin_in_parts(points, {upper, box.end()}, thinned);
+  thin_in_pieces(points, {box.begin(), upper}, thinned);
+  thin_in_pieces(points, {upper, box.end()}, thinned);
 }
 
 }  // namespace
@@ -112,7 +111,7 @@ void thin_in_parts(const std::vector<FeaturePoint>& points, std::span<PlacedPoin
 std::vector<FeaturePoint> thin(const std::vector<FeaturePoint>& points, double leaf_m) {
   std::vector<FeaturePoint> thinned;
   std::vector<PlacedPoint> all = placed(points, static_cast<float>(leaf_m));
-  thin_in_parts(points, all, thinned);
+  thin_in_pieces(points, all, thinned);
   return thinned;
 }
 

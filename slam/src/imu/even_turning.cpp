@@ -20,7 +20,7 @@ Eigen::Vector3d logarithm_of(const Eigen::Quaterniond& turn) {
   return angle_axis.angle() * angle_axis.axis();
 }
 
-/// The turn since the beginning, as far as `time_s` after it.
+/// The rotation from the beginning of the scan to `time_s` after it.
 Eigen::Quaterniond turn_until(const std::vector<ImuStep>& steps, const Eigen::Vector3d& bias,
                               double time_s) {
   Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();

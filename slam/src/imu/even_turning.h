@@ -8,15 +8,15 @@
 
 namespace hqslam::slam {
 
-/// Makes a scan as if the sensor had turned evenly while it was captured.
+/// Converts a scan to that of a sensor that turned evenly during the capture.
 ///
-/// All stages correct a scan for a motion of constant velocity. A hand does not turn evenly; but
-/// with the gyroscope's turn R(t) from the stamp to t and the mean rate w over the scan,
+/// All stages correct a scan for a motion of constant velocity, but a hand does not turn evenly.
+/// With the gyroscope's rotation R(t) from the stamp to t and the mean rate w over the scan,
 ///   p'(t) = exp(-w t) R(t) p(t)
-/// is where a sensor would have seen the point that turned at w all the while.
+/// is the point as measured by a sensor that turned at the constant rate w.
 class EvenTurning {
  public:
-  /// In: what was measured over the whole scan, and how long before the stamp that begins.
+  /// In: the samples of the whole scan, and the time from its begin to the stamp.
   EvenTurning(const std::vector<ImuStep>& scan, double before_stamp_s,
               const Eigen::Vector3d& gyroscope_bias_rad_per_s);
 

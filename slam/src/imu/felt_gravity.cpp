@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "alignment/motion_state.h"
 #include "hqslam/core/imu_sample.h"
 
 namespace hqslam::slam {
@@ -19,48 +20,43 @@ using Table = Eigen::Matrix<double, Eigen::Dynamic, 3>;  // a row for each pose
 constexpr double kSpan_s = 3.0;
 constexpr double kWholeSpan = 0.8;
 constexpr std::size_t kFewestPoses = 6;
-/// Poses and forces that fit each other: the sensor was not pushed between two samples, no pose is
-/// another place's.
+/// Largest residuals: a sensor pushed between two samples or a wrong pose has larger ones.
 constexpr double kMostResidual_m = 0.05;
 constexpr double kMostOfGravity_mps2 = 0.7;
-/// What z is off by where they fit, and where a pose jumps a little (per s^2).
+/// Standard deviation of z with small residuals, and its growth with them (per s^2).
 constexpr double kSigma_mps2 = 0.01;
 constexpr double kSigmaPerResidual = 3.0;
 
-/// What is done to the data of a window before gravity is read off: bias, then ImuErrors.
+/// Errors applied to the data of a window before gravity is computed: bias, then ImuErrors.
 using Errors = Eigen::Matrix<double, 11, 1>;
-/// So much of each, to see what it does.
+/// Their increments for the finite differences.
 const Errors kTried =
     (Errors() << 0.01, 0.01, 0.01, 1e-3, 1e-3, 1e-3, 1e-3, 0.01, 0.01, 0.01, 1e-3).finished();
-
-Matrix3d exponential_of(const Vector3d& turn_rad) {
-  return exponential(Twist{Vector3d::Zero(), turn_rad}).linear();
-}
 
 struct Felt {
   Vector3d gravity_mps2;
   double residual_m = 0.0;  ///< root mean square
 };
 
-/// As felt_gravity() if the inertial sensor had these errors.
+/// The gravity of felt_gravity() for an inertial sensor with these errors.
 Felt felt(const Trajectory& poses, const std::vector<ImuStep>& steps, const Errors& errors) {
   const Vector3d bias_mps2 = errors.head<3>();
-  const Matrix3d R_lidar_imu = exponential_of(-errors.segment<3>(3));
+  const Matrix3d R_lidar_imu = rotation_of(-errors.segment<3>(3));
   const double length = 1.0 + errors[6];
   const Vector3d lever_m = errors.segment<3>(7);
   const double late_s = errors[10];
 
   // R_last_step of the middle of each step, by the gyroscope.
   std::vector<Matrix3d> R_last_step(steps.size());
-  Matrix3d R_last = exponential_of(
+  Matrix3d R_last = rotation_of(
       -late_s * (R_lidar_imu * steps.back().angular_rate_rad_per_s));  // of the end of each step
   for (std::size_t i = steps.size(); i-- > 0;) {
-    const Matrix3d half = exponential_of(-0.5 * steps[i].duration_s *
-                                         (R_lidar_imu * steps[i].angular_rate_rad_per_s));
+    const Matrix3d half =
+        rotation_of(-0.5 * steps[i].duration_s * (R_lidar_imu * steps[i].angular_rate_rad_per_s));
     R_last_step[i] = R_last * half;
     R_last = R_last_step[i] * half;
   }
-  // What positions are beside the double integral of the forces, at each pose.
+  // The positions minus the double integral of the forces, at each pose.
   Table coasted(poses.size(), 3);
   Table terms(poses.size(), 3);
   const Pose T_last_map = poses.back().T_map_sensor.inverse();

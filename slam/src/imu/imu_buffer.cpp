@@ -9,11 +9,11 @@ namespace {
 
 constexpr double kMostMissing_s = 0.05;
 constexpr double kMostLate_s = 10.0;
-/// Three times what the widest ranges of such sensors are (2000 degrees a second, 30 g).
+/// Three times the widest ranges of such sensors (2000 degrees a second, 30 g).
 constexpr double kMostRate_rad_per_s = 100.0;
 constexpr double kMostForce_mps2 = 1000.0;
 
-/// No value that is not finite is.
+/// False for values that are not finite.
 bool is_possible(const ImuSample& sample) {
   return std::isfinite(sample.stamp_s) &&
          sample.angular_rate_rad_per_s.norm() <= kMostRate_rad_per_s &&

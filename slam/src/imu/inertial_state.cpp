@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "alignment/cross_matrix.h"
+#include "alignment/rotation_derivatives.h"
 #include "hqslam/core/imu_sample.h"
 
 namespace hqslam::slam {
@@ -14,7 +14,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// Where the errors of each lie.
+// Offsets of the errors.
 constexpr int kLinear = 0;
 constexpr int kAngular = 3;
 constexpr int kVelocity = 6;
@@ -22,8 +22,9 @@ constexpr int kGyroscope = 9;
 constexpr int kAccelerometer = 12;
 constexpr int kGravity = 15;
 
-// Standard deviations at first, and densities of noise. Those of noise are several times a data
-// sheet's: stamps are off, samples are means, and what shakes a sensor shakes it between samples.
+// Initial standard deviations, and densities of noise. Those of noise are several times those of
+// data sheets, because of errors of the stamps, samples that are means, and vibration between
+// samples.
 constexpr double kFirstGyroscopeBias_rad_per_s = 0.02;
 constexpr double kFirstAccelerometerBias_mps2 = 0.2;
 constexpr double kFirstGravity_mps2 = 1.0;
@@ -31,17 +32,11 @@ constexpr double kGyroscopeNoise = 1e-3;      // rad/s/rtHz
 constexpr double kAccelerometerNoise = 5e-2;  // m/s^2/rtHz
 constexpr double kGyroscopeWalk = 1e-4;       // rad/s^2/rtHz
 constexpr double kAccelerometerWalk = 3e-3;   // m/s^3/rtHz
-/// What a registration is off by beside what it says of itself: neighbours err together, and so
-/// does the map. Biases and gravity are learnt by that, slowly: what the first scans of a drive say
-/// in a map of few is often wrong and always sure of itself.
+/// Standard deviations of a registration's errors beyond its own estimate: errors of neighbours and
+/// of the map are correlated. They make biases and gravity change slowly: the first scans of a
+/// drive, in a map of few, are often wrong with a small covariance.
 constexpr double kRegistration_m = 0.02;
 constexpr double kRegistration_rad = 4e-3;
-
-Matrix3d turned_by(const Vector3d& turn_rad) {
-  const double angle_rad = turn_rad.norm();
-  if (angle_rad < 1e-12) return Matrix3d::Identity();
-  return Eigen::AngleAxisd(angle_rad, turn_rad / angle_rad).toRotationMatrix();
-}
 
 void add_variance(Matrix18& covariance, int at, double variance) {
   covariance.diagonal().segment<3>(at).array() += variance;
@@ -75,14 +70,15 @@ void advance(MotionState& state, InertialState& inertial, const ImuStep& step) {
   add_variance(inertial.covariance, kGyroscope, t_s * kGyroscopeWalk * kGyroscopeWalk);
   add_variance(inertial.covariance, kAccelerometer, t_s * kAccelerometerWalk * kAccelerometerWalk);
 
-  const Matrix3d turn = turned_by(t_s * rate);
+  const Matrix3d turn = rotation_of(t_s * rate);
   const Vector3d acceleration = force + gravity;
   state.T_map_sensor.translation() += t_s * (R * (velocity + 0.5 * t_s * acceleration));
   state.T_map_sensor.linear() = R * turn;
   velocity = turn.transpose() * (velocity + t_s * acceleration);
 }
 
-/// The errors of a MotionState out of all: its angular velocity errs as the gyroscope does.
+/// The covariance of the MotionState: the error of its angular velocity is minus that of the
+/// gyroscope's bias.
 Matrix12 covariance_of_motion(const Matrix18& covariance) {
   Matrix12 result = covariance.topLeftCorner<12, 12>();
   result.bottomRows<3>() *= -1.0;
@@ -121,14 +117,14 @@ InertialState corrected(const InertialPrediction& prediction, const MotionState&
                         const Matrix6& of_scan) {
   const Matrix18& before = prediction.inertial.covariance;
   const Eigen::Matrix<double, 18, 6> with_pose = before.leftCols<6>();
-  Matrix6 off = before.topLeftCorner<6, 6>();  // P + N
-  off.diagonal().head<3>().array() += kRegistration_m * kRegistration_m;
-  off.diagonal().tail<3>().array() += kRegistration_rad * kRegistration_rad;
-  const Eigen::PartialPivLU<Matrix6> inverse_share(Matrix6::Identity() + of_scan * off);
+  Matrix6 of_pose = before.topLeftCorner<6, 6>();  // P + N
+  of_pose.diagonal().head<3>().array() += kRegistration_m * kRegistration_m;
+  of_pose.diagonal().tail<3>().array() += kRegistration_rad * kRegistration_rad;
+  const Eigen::PartialPivLU<Matrix6> inverse_share(Matrix6::Identity() + of_scan * of_pose);
   const Vector6 moved =
       vector_of(logarithm(prediction.state.T_map_sensor.inverse() * found.T_map_sensor));
-  const Vector6 said = found.covariance.topLeftCorner<6, 6>().ldlt().solve(moved);
-  const Eigen::Matrix<double, 18, 1> change = with_pose * inverse_share.solve(said);
+  const Vector6 weighted = found.covariance.topLeftCorner<6, 6>().ldlt().solve(moved);
+  const Eigen::Matrix<double, 18, 1> change = with_pose * inverse_share.solve(weighted);
   InertialState result = prediction.inertial;
   result.gyroscope_bias_rad_per_s += change.segment<3>(kGyroscope);
   result.accelerometer_bias_mps2 += change.segment<3>(kAccelerometer);

@@ -10,8 +10,7 @@ namespace hqslam::slam {
 
 using Matrix18 = Eigen::Matrix<double, 18, 18>;
 
-/// What an inertial sensor needs to know to say where the LiDAR goes, beside its MotionState: what
-/// its own values are off by, and which way is down.
+/// The state of an inertial prediction, beside a MotionState: biases of the sensor and gravity.
 ///
 /// The covariance is that of the errors, in this order: pose (linear, angular) and linear velocity
 /// as in MotionState, biases of gyroscope and accelerometer, gravity.
@@ -22,8 +21,8 @@ struct InertialState {
   Matrix18 covariance = Matrix18::Zero();
 };
 
-/// At the first scan: no biases, gravity against the mean specific force, as of a sensor that
-/// hardly accelerates.
+/// The state at the first scan: no biases, gravity opposite to the mean specific force of a sensor
+/// that hardly accelerates.
 InertialState first_inertial_state(const MotionState& state,
                                    const Eigen::Vector3d& specific_force_mps2);
 
@@ -52,21 +51,22 @@ InertialPrediction predicted(const MotionState& state, const InertialState& iner
                              const std::vector<ImuStep>& steps,
                              const Eigen::Vector3d& mean_rate_rad_per_s);
 
-/// What the scan, by which the predicted state became `found`, says of biases and gravity. With the
-/// covariance P of the prediction, its rows P_all of all errors, the scan's own information L
-/// (`of_scan`, as ScanInformation), the covariance C of `found`, which joins both, and the way e
-/// from the prediction to it, C^-1 e = L z for the pose z that the scan alone says. A Kalman update
-/// by z with covariance L^-1 + N is
-///   A = (I + L (P + N))^-1,  x <- x + P_all A C^-1 e,  P <- P - P_all A L P_all^T
-/// which needs no L^-1: a direction of which the scan says nothing teaches nothing. N: what a
-/// registration is off by beside what it says of itself. Pose and velocity stay as they were found.
+/// Updates biases and gravity by the scan that changed the predicted state to `found`. With the
+/// covariance P of the prediction's pose, its rows P_all of all errors, the scan's own information
+/// L
+/// (`of_scan`, as ScanInformation), the covariance C of `found`, which combines both, and the
+/// motion e from the prediction to it, C^-1 e = L z for the pose z by the scan alone. The Kalman
+/// update by z with covariance L^-1 + N is
+///   A = (I + L (P + N))^-1,  x <- x + P_all A C^-1 e,  P <- P - P_all A L P_all^T,
+/// without L^-1: a direction without information changes nothing. N is the covariance of a
+/// registration's errors beyond its own estimate. Pose and velocity remain as in `found`.
 InertialState corrected(const InertialPrediction& prediction, const MotionState& found,
                         const Matrix6& of_scan);
 
-/// The map was turned.
+/// Applies a rotation of the map.
 void turn(InertialState& inertial, const Eigen::Matrix3d& R_corrected_map);
 
-/// Biases and gravity as they were, after a while in which nothing was integrated.
+/// The biases and gravity unchanged, after an interval without integration.
 InertialState kept(const InertialState& inertial, const MotionState& found);
 
 }  // namespace hqslam::slam

@@ -9,7 +9,7 @@ namespace hqslam::slam {
 
 namespace {
 
-/// A second at the usual rate: more than a search takes, and less than the path to the next one.
+/// A second at the usual rate: longer than a search, and shorter than the path to the next one.
 constexpr int kScansUntilDue = 10;
 
 constexpr double kViewSpacing_m = 4.0;
@@ -18,11 +18,6 @@ constexpr double kViewSpacing_m = 4.0;
 
 BackgroundLoopClosing::BackgroundLoopClosing(const MappingOptions& options, bool searches)
     : options_(options), loop_closing_(std::make_unique<LoopClosing>(options, searches)) {}
-
-BackgroundLoopClosing::BackgroundLoopClosing(const MappingOptions& options, const SavedMap& given)
-    : options_(options),
-      loop_closing_(std::make_unique<LoopClosing>(options, given)),
-      keyframes_begun_(given.places.size()) {}
 
 std::optional<LoopResult> BackgroundLoopClosing::collect() {
   if (!work_.valid() || --scans_until_due_ > 0) return std::nullopt;
@@ -68,8 +63,8 @@ void BackgroundLoopClosing::begin() {
           }).share();
 }
 
-/// What was found out, with corrections for all keyframes: those since the work was begun move
-/// with the last one of it, up to where the way was lost.
+/// The result, with corrections for all keyframes: those added since the work began move with its
+/// last one, until a segment begins.
 LoopResult BackgroundLoopClosing::awaited() const {
   LoopResult result = work_.get();
   if (result.corrections.empty()) return result;
@@ -85,13 +80,13 @@ LoopResult BackgroundLoopClosing::collected() {
   work_ = {};
   const auto lost = std::ranges::find_if(waiting_, &LoopKeyframe::begins_segment);
   std::optional<MapPoints> back;
-  if (lost != waiting_.end()) back = std::exchange(result.recalled, {});
+  if (lost != waiting_.end()) back = std::exchange(result.restored, {});
   if (result.drift) {
     const Pose T_last_map = result.drift->T_map_last.inverse();
     for (LoopKeyframe& keyframe : waiting_) {
-      const bool is_way_known = lost == waiting_.end() || &keyframe < &*lost;
+      const bool is_path_known = lost == waiting_.end() || &keyframe < &*lost;
       keyframe.drift = improved(keyframe.drift, result.drift->last,
-                                T_last_map * keyframe.T_map_sensor, is_way_known);
+                                T_last_map * keyframe.T_map_sensor, is_path_known);
     }
   }
   if (!result.corrections.empty()) {
@@ -103,7 +98,7 @@ LoopResult BackgroundLoopClosing::collected() {
     }
     T_map_last_ = orthonormalized(result.corrections.back() * *T_map_last_);
   }
-  // The map that they were to be matched in left the window meanwhile.
+  // The map in which they were to be matched has left the window.
   if (back) append(lost->view->left_window, *back);
   return result;
 }
@@ -118,7 +113,7 @@ std::vector<FeatureMaps> BackgroundLoopClosing::whole_map(const FeatureMaps& mat
   std::vector<FeatureMaps> submaps = loop_closing_->graph().submaps();
   const std::vector<std::size_t> submap_of_segment = loop_closing_->graph().submap_of_segment();
   std::size_t submap = submap_of_segment.empty() ? 0 : submap_of_segment.back();
-  if (submap < submaps.size()) submaps[submap].insert(found.recalled);
+  if (submap < submaps.size()) submaps[submap].insert(found.restored);
   const auto add = [&](MapPoints points) {
     if (!found.corrections.empty()) correct(points, found.corrections);
     if (submap < submaps.size()) submaps[submap].insert(points);

@@ -9,32 +9,30 @@
 
 namespace hqslam::slam {
 
-/// Loop closing beside the calls that bring scans: in a thread of its own, with nothing that the
-/// calls touch, so that no scan waits for a search or for the optimisation of a long path.
+/// Loop closing in a thread of its own, which shares no data with the calls that bring scans, so
+/// that no scan waits for a search or for the optimisation of a long path.
 ///
-/// What is begun with a keyframe is collected a fixed number of scans later, done or not (then the
-/// call waits), so that the same scans give the same bytes however fast the machine is. Keyframes
-/// of the meantime are kept for the next time, and moved along with what was found out.
+/// Work begun with a keyframe is collected a fixed number of scans later, finished or not (then the
+/// call waits), so that the same scans give the same bytes on any machine. Keyframes of the
+/// meantime wait for the next work, and move with the corrections.
 class BackgroundLoopClosing {
  public:
   BackgroundLoopClosing(const MappingOptions& options, bool searches);
-  /// Goes on from a given map: before the first keyframe are one for each of its places.
-  BackgroundLoopClosing(const MappingOptions& options, const SavedMap& given);
 
-  /// Call with every scan, before it is looked for: what was found out, if this scan is the one
-  /// that it was waited for. Corrections are given for all keyframes up to now.
+  /// To be called with every scan, before its registration: the result, if it is due with this
+  /// scan. Corrections are for all keyframes up to now.
   std::optional<LoopResult> collect();
-  /// When no more scans are to come: the next of what is still to be found out; nothing: no more.
+  /// After the last scan: the next result of the remaining work; nothing if there is none.
   std::optional<LoopResult> finish();
 
-  /// Whether the next keyframe, which is there, is to have a view.
+  /// Whether a keyframe at this pose is to have a view.
   bool wants_view(const Pose& T_map_sensor) const;
   void add(LoopKeyframe keyframe);
 
-  /// What is known when all that was begun is done; waits for that.
+  /// The graph after the present work; waits for that.
   const KeyframeGraph& finished() const;
-  /// All of the map, by submap: what left the sliding window, and the window itself, as it will be
-  /// when all that was begun is applied. Waits for that.
+  /// The whole map, by submap: the points that left the sliding window and the window itself, with
+  /// the result of the present work applied. Waits for that.
   std::vector<FeatureMaps> whole_map(const FeatureMaps& matched_with) const;
 
  private:
@@ -46,8 +44,8 @@ class BackgroundLoopClosing {
   std::unique_ptr<LoopClosing> loop_closing_;  ///< belongs to the thread while there is one
   std::shared_future<LoopResult> work_;
   int scans_until_due_ = 0;
-  std::vector<LoopKeyframe> waiting_;  ///< keyframes for the next time
-  std::size_t keyframes_begun_ = 0;    ///< those before
+  std::vector<LoopKeyframe> waiting_;  ///< keyframes for the next work
+  std::size_t keyframes_begun_ = 0;    ///< number of keyframes before those
   bool view_waits_ = false;
   double since_view_m_ = 0.0;
   std::optional<Pose> T_map_last_;  ///< the last keyframe

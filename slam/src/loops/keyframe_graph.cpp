@@ -10,7 +10,7 @@ namespace hqslam::slam {
 
 namespace {
 
-// Drift of scan-to-map matching as a share of the path, at the most.
+// Largest drift of scan-to-map matching as a share of the path.
 constexpr double kDriftShare = 0.03;
 constexpr double kDriftShareUnobserved = 0.3;
 
@@ -20,11 +20,11 @@ constexpr double kLeastSigma_rad = 0.001;
 constexpr double kSigmaPerDrift = 1.0 / 3.0;
 constexpr double kSigma_rad_per_m = 0.005;
 
-// How often the path is levelled: it takes time, and moves the map.
+// Spacing of levellings, which take time and move the map.
 constexpr double kLevelledEvery_m = 10.0;
 constexpr double kLevelledEveryShare = 0.01;
 
-/// To compare two covariances by: an angle counts at 10 m.
+/// A measure to compare two covariances by; angles have a lever of 10 m.
 double size_of(const Matrix6& covariance) {
   constexpr double kLever_m = 10.0;
   const auto variance = covariance.diagonal();
@@ -32,25 +32,6 @@ double size_of(const Matrix6& covariance) {
 }
 
 }  // namespace
-
-KeyframeGraph::KeyframeGraph(const MappingOptions& options, const SavedMap& given)
-    : options_(options), submaps_{FeatureMaps(options, given)}, segments_{Segment()} {
-  for (const SavedPlace& place : given.places) {
-    const std::size_t node = nodes_.size();
-    if (node > 0) {
-      graph_.odometry.push_back({node - 1, node,
-                                 graph_.T_map_node.back().inverse() * place.T_map_sensor,
-                                 kLeastSigma_m, kLeastSigma_rad});
-      T_node_next_.push_back(graph_.odometry.back().T_from_to);
-      edge_drift_m_.push_back(0.0);
-    }
-    T_map_keyframe_.push_back(place.T_map_sensor);
-    graph_.T_map_node.push_back(place.T_map_sensor);
-    nodes_.push_back({static_cast<std::uint32_t>(node), 0, 0.0, {}});
-    contexts_.push_back(place.context);
-  }
-  graph_.held = nodes_.size();
-}
 
 void KeyframeGraph::add_keyframe(const LoopKeyframe& keyframe) {
   if (T_map_keyframe_.empty() || keyframe.begins_segment) {
@@ -152,7 +133,7 @@ LoopedDrift KeyframeGraph::improve_drift(const PoseGraphEdge& loop) {
   return result;
 }
 
-/// What is known of a node, and so of all segments that are in one frame with it.
+/// Sets the covariance of a node, and with it that of all segments in one frame with it.
 void KeyframeGraph::set_unmeasured(std::size_t node, const Matrix6& covariance,
                                    LoopedDrift& result) {
   const Pose& T_map_known = graph_.T_map_node[node];
@@ -204,7 +185,7 @@ void KeyframeGraph::join(std::size_t submap, std::size_t other) {
   }
 }
 
-/// The poses that the keyframes of a segment get from those of its nodes.
+/// The poses of the keyframes of a segment that follow from those of its nodes.
 std::vector<Pose> KeyframeGraph::moved(std::size_t segment,
                                        const std::vector<Pose>& T_map_node) const {
   const bool last = segment + 1 == segments_.size();

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 
+#include "alignment/motion_state.h"
 #include "hqslam/core/imu_sample.h"
 
 namespace hqslam::slam {
@@ -17,18 +18,18 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// Standard deviations; per root of a second where something walks.
+// Standard deviations; of random walks per root of a second.
 constexpr double kBiasWalk_mps2 = 3e-3;
 constexpr double kFirstBias_mps2 = 0.2;
 constexpr double kGravityNorm_mps2 = 0.02;
 constexpr double kLeanWalk_rad = 3.5e-4;
 constexpr double kLean_rad_per_m = 1.7e-4;
-/// ImuErrors that nothing is known of but that somebody mounted it with care.
+/// ImuErrors of a carefully mounted sensor.
 constexpr std::array<double, 8> kImuErrors = {0.015, 0.015, 0.015, 0.01, 0.15, 0.15, 0.15, 0.005};
-/// Leans are about level axes: about the vertical next to nothing.
+/// Factor of the sigmas about the vertical, which keeps the yaw.
 constexpr double kAboutVertical = 0.01;
 
-/// What the measurement at one node is about.
+/// The unknowns at one node with a measurement.
 struct Measurement {
   Vector3d lean_rad = Vector3d::Zero();
   Vector3d bias_mps2 = Vector3d::Zero();
@@ -49,7 +50,7 @@ Eigen::Map<const Vector3<T>> vector_at(const T* values) {
   return Eigen::Map<const Vector3<T>>(values);
 }
 
-/// Of the first term.
+/// The first term.
 struct FeltResidual {
   Matrix3d R_sensor_map;
   FeltGravity felt;
@@ -69,7 +70,7 @@ struct FeltResidual {
   }
 };
 
-/// Of the second and the third term.
+/// The second and the third term.
 struct WalkResidual {
   Matrix3d path_m;  ///< A
   double root_of_s = 1.0;
@@ -87,7 +88,7 @@ struct WalkResidual {
   }
 };
 
-/// Of the last line.
+/// The last two lines.
 struct PriorResidual {
   template <typename T>
   bool operator()(const T* bias, const T* per_m, const T* imu_errors, const T* gravity,
@@ -116,7 +117,7 @@ Matrix3d integral_of_turn(const std::vector<Pose>& T_first_node, std::size_t fro
   return result;
 }
 
-/// False if Ceres found nothing.
+/// False if Ceres found no solution.
 bool solve(const std::vector<Pose>& T_first_node, const std::vector<GravityAtNode>& gravity,
            Unknowns& unknowns) {
   ceres::Problem problem;
@@ -181,7 +182,8 @@ std::vector<Pose> levelled(const std::vector<Pose>& T_first_node,
       lean_rad += share * (unknowns.measurements[next].lean_rad - lean_rad);
     }
     const Pose motion = T_first_node[i - 1].inverse() * T_first_node[i];
-    Pose upright = exponential(Twist{Vector3d::Zero(), lean_rad}) * T_first_node[i];
+    Pose upright;
+    upright.linear() = rotation_of(lean_rad) * T_first_node[i].linear();
     upright.translation() = result.back() * motion.translation();
     result.push_back(orthonormalized(upright));
   }

@@ -15,13 +15,13 @@ constexpr double kBaseDrift_m = 3.0;
 constexpr double kBaseDrift_rad = 0.09;     // 5 degrees
 constexpr double kDrift_rad_per_m = 0.005;  // 0.3 degrees
 constexpr double kLoopDrift_m = 0.2;
-/// How far from a node the same place is still recognised: another lane, between two nodes.
+/// Distance from a node within which its place is recognized: another lane, between two nodes.
 constexpr double kPassingDistance_m = 6.0;
 constexpr double kSameCandidate_m = 12.0;
-/// Scans of one place: 0.04 to 0.3, measured.
+/// Distances of scans of one place were 0.04 to 0.3.
 constexpr double kMaxContextDistance = 0.35;
 
-using Neighbour = std::pair<std::size_t, double>;  // node, drift on the way there
+using Neighbour = std::pair<std::size_t, double>;  // node, drift along the edge
 
 std::vector<std::vector<Neighbour>> neighbours_of(const PoseGraph& graph,
                                                   const std::vector<double>& edge_drift_m) {

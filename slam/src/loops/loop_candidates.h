@@ -8,17 +8,17 @@
 
 namespace hqslam::slam {
 
-/// How far off an estimate can be.
+/// Largest plausible error of an estimate.
 struct PlausibleDrift {
   double translation_m = 0.0;
   double rotation_rad = 0.0;
 };
 
-/// How far off each node can be from where it is believed to be, seen from the last node.
+/// The plausible error of each node's pose relative to the last node.
 ///
-/// Drift comes up along the path, `edge_drift_m[i]` on the odometry's edge i, and ends
-/// where a place is recognised: the least sum over all ways through the graph (Dijkstra), plus what
-/// two passes of a place differ in anyway. Where no way leads, anything is plausible.
+/// Drift accumulates along the path, `edge_drift_m[i]` on the odometry's edge i, and ends where a
+/// place is recognized: the shortest path through the graph (Dijkstra), plus the distance between
+/// two passes of a place. Unlimited for nodes that are not connected.
 std::vector<PlausibleDrift> plausible_drift(const PoseGraph& graph,
                                             const std::vector<double>& edge_drift_m);
 
@@ -28,11 +28,12 @@ struct LoopCandidate {
   ScanContextMatch match;
 };
 
-/// The older nodes within reach of plausible drift that look most like the last one.
+/// The older nodes within reach of plausible drift whose scan contexts are most similar to the last
+/// one's.
 ///
-/// In: graph, one scan context per node, those of the last one (from where it stands and from the
-/// lanes beside), the drift, the nodes that are asked. Out: at most `max_candidates`, best first,
-/// no two within 12 m of each other.
+/// In: graph, one scan context per node, those of the last one (scan_contexts_from_lanes), the
+/// drift, the nodes to compare with. Out: at most `max_candidates`, best first, no two within 12 m
+/// of each other.
 std::vector<LoopCandidate> loop_candidates(const PoseGraph& graph,
                                            const std::vector<ScanContext>& contexts,
                                            const std::vector<ScanContext>& last_contexts,

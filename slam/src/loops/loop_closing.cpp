@@ -9,24 +9,23 @@ namespace hqslam::slam {
 
 namespace {
 
-// How often is looked for loops, in metres of path.
+// Spacing of searches, in metres of path.
 constexpr double kSearchEvery_m = 8.0;
 constexpr double kSearchAfterFailing_m = 16.0;
 constexpr double kSearchAfterAgreeing_m = 20.0;
 constexpr double kSearchAfterImplausible_m = 50.0;
 
-/// A loop that would move the pose by less is within the accuracy of a registration.
+/// A loop that moves the pose by less is within the accuracy of a registration.
 constexpr double kAgreeing_m = 0.15;
 constexpr double kAgreeing_rad = 0.01;
 
-/// Scans are matched with the map to so much.
+/// Accuracy with which scans are matched with the map.
 constexpr double kAligned_m = 0.01;
 constexpr double kAligned_rad = 0.001;
 
-// When loops agree with each other, and how many are wanted over which length of path. That is so
-// much longer than the correction: two places that look alike over a length of L are at least L
-// apart, or they would overlap, so a false loop between them would move the path by more than the
-// length over which it is confirmed.
+// Agreement of loops, and their number and length of path. The length exceeds the correction: two
+// places that are similar over a length L are at least L apart, or they would overlap, so a false
+// loop between them would move the path by more than the length over which it is confirmed.
 constexpr double kConsistent_m = 0.3;
 constexpr double kConsistent_rad = 0.02;
 constexpr std::size_t kLoopsWanted = 3;
@@ -41,7 +40,7 @@ constexpr double kLoopSigma_rad = 0.002;
 
 LoopResult LoopClosing::process(std::vector<LoopKeyframe> keyframes) {
   for (LoopKeyframe& keyframe : keyframes) {
-    // What left the window belongs to the segment before this keyframe.
+    // The points that left the window belong to the segment before this keyframe.
     const bool is_first = graph_.submaps().empty();
     if (keyframe.view && !is_first) graph_.insert(keyframe.view->left_window);
     graph_.add_keyframe(keyframe);
@@ -66,12 +65,12 @@ LoopResult LoopClosing::search() {
   report.scan = graph_.scan_of(graph_.last());
   if (report.status == LoopStatus::kAgrees || enough_agree()) close(result);
   if (report.status == LoopStatus::kAgrees || report.status == LoopStatus::kClosed) {
-    result.recalled = graph_.take_near_last();
+    result.restored = graph_.take_near_last();
   }
   return result;
 }
 
-/// What is found of the last node in a submap.
+/// Searches for the last node in a submap.
 template <typename Look>
 auto LoopClosing::look_in(std::size_t submap, const Look& look) const {
   const std::vector<std::size_t> nodes = graph_.older_nodes(submap);
@@ -81,7 +80,7 @@ auto LoopClosing::look_in(std::size_t submap, const Look& look) const {
                               graph_.last_contexts(), drift, features, nodes});
 }
 
-/// In the other submaps first: that is where most is to be won.
+/// The other submaps come first, because a loop there gains most.
 LoopReport LoopClosing::look_around() {
   LoopSearchResult found;
   const std::size_t own = graph_.own_submap();
@@ -130,7 +129,7 @@ PoseGraphEdge LoopClosing::edge_of(const FoundLoop& loop) const {
           kLoopSigma_rad};
 }
 
-/// Takes a loop's younger node from where it is believed to be to where the loop sees it.
+/// The correction of a loop's younger node by the loop.
 Pose LoopClosing::T_corrected_map(const PoseGraphEdge& loop) const {
   const std::vector<Pose>& T_map_node = graph_.poses().T_map_node;
   return T_map_node[loop.from] * loop.T_from_to * T_map_node[loop.to].inverse();
@@ -153,15 +152,14 @@ bool LoopClosing::enough_agree() const {
   if (graph_.submap_of(last.from) != graph_.submap_of(last.to)) {
     return length_m >= kLengthBeyondCorrection_m;
   }
-  const Eigen::Vector3d believed_m = graph_.poses().T_map_node[last.to].translation();
-  const double change_m = (T_corrected_map(last) * believed_m - believed_m).norm();
+  const Eigen::Vector3d estimated_m = graph_.poses().T_map_node[last.to].translation();
+  const double change_m = (T_corrected_map(last) * estimated_m - estimated_m).norm();
   return length_m >= kLengthBeyondCorrection_m + change_m;
 }
 
-/// The loops that wait are taken: the path is bent onto them if that is plausible. Where the place
-/// is where it was believed to be to what scans are matched to, it stays as it is; where it is off
-/// by more, if only within the accuracy of a registration, two copies of a street side by side
-/// would pull the sensor to and fro.
+/// Accepts the waiting loops and bends the path onto them if that is plausible. A correction below
+/// the accuracy of matching is left out. A larger one, even within the accuracy of a registration,
+/// is applied: two copies of a street side by side would attract the sensor alternately.
 void LoopClosing::close(LoopResult& result) {
   LoopReport& report = result.report;
   const bool agrees = report.status == LoopStatus::kAgrees;
@@ -169,8 +167,8 @@ void LoopClosing::close(LoopResult& result) {
   forget_waiting();
   const PoseGraphEdge& last = loops.back();
   next_search_m_ = graph_.path_m() + kSearchAfterAgreeing_m;
-  const Pose off = disagreement(last, graph_.poses().T_map_node);
-  if (agrees && is_within(off, kAligned_m, kAligned_rad)) {
+  const Pose residual = disagreement(last, graph_.poses().T_map_node);
+  if (agrees && is_within(residual, kAligned_m, kAligned_rad)) {
     graph_.add_loops(loops);
     result.drift = graph_.improve_drift(last);
     return;
@@ -199,15 +197,15 @@ void LoopClosing::move(const std::vector<Pose>& T_map_node, LoopResult& result) 
   result.corrections = graph_.move(T_map_node);
 }
 
-/// Moves the path to where its levelled edges say, and what was recalled already.
+/// Moves the path to its levelled edges, and the restored points with it.
 void LoopClosing::stand_upright(LoopResult& result) {
   const std::vector<Pose> T_map_node = optimized(graph_.poses());
   if (T_map_node.empty()) return;
   move(T_map_node, result);
-  correct(result.recalled, result.corrections);
+  correct(result.restored, result.corrections);
 }
 
-/// Puts the younger of two submaps where a loop sees it, as a whole: the optimisation begins there.
+/// Moves the younger of two submaps as a whole by a loop, as a start of the optimisation.
 void LoopClosing::bring_together(PoseGraph& graph, const PoseGraphEdge& loop) const {
   const std::size_t submap = graph_.submap_of(loop.to);
   const std::size_t other = graph_.submap_of(loop.from);

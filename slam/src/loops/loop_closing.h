@@ -12,33 +12,28 @@ namespace hqslam::slam {
 
 struct LoopResult {
   LoopReport report;
-  /// Per keyframe T_corrected_map, which takes its points to where they belong; empty if nothing
-  /// moved.
+  /// T_corrected_map of each keyframe; empty if nothing moved.
   std::vector<Pose> corrections;
-  MapPoints recalled;                          ///< to be matched with again, where they belong
+  MapPoints restored;                          ///< points that return to the sliding window
   std::vector<std::size_t> submap_of_segment;  ///< KeyframeGraph::submap_of_segment()
   std::optional<LoopedDrift> drift;            ///< if loops were accepted
 };
 
-/// Recognises places passed before and finds where the path really went.
+/// Recognizes places passed before and corrects the path.
 ///
-/// Every few metres a keyframe becomes a node of the pose graph. From time to time the last
-/// node is looked for at older places (search_loop), in the map that left the sliding window. A
-/// loop counts only when further nodes, over a length of path, are found where it predicts them, or
-/// if it finds the node where it was believed to be. Then the poses are corrected if that bends the
-/// path no more than plausible, and the loops become edges of the pose graph. Otherwise nothing
-/// changes.
+/// Every few metres a keyframe becomes a node of the pose graph. From time to time the last node is
+/// compared with older places (search_loop), in the map that left the sliding window. A loop counts
+/// only when further nodes, over a length of path, are found where it predicts them, or if it
+/// confirms the node's present pose. Then the poses are corrected if that bends the path no more
+/// than plausible, and the loops become edges of the pose graph. Otherwise nothing changes.
 ///
-/// Where the way was lost a segment begins, with a submap and a frame of its own. Its nodes are
-/// looked for in all other submaps, wherever they may be; loops that agree join the submaps.
+/// After tracking was lost a segment begins, with a submap and a frame of its own. Its nodes are
+/// compared with all places of the other submaps; loops that agree join the submaps.
 class LoopClosing {
  public:
-  /// If it does not search it keeps what leaves the window, no more.
+  /// searches: if false, only the points that leave the window are kept.
   LoopClosing(const MappingOptions& options, bool searches)
       : options_(options), searches_(searches), graph_(options) {}
-  /// Goes on from a given map, whose places are looked for.
-  LoopClosing(const MappingOptions& options, const SavedMap& given)
-      : options_(options), searches_(true), graph_(options, given) {}
 
   /// In: the keyframes since the last call.
   LoopResult process(std::vector<LoopKeyframe> keyframes);

@@ -14,7 +14,7 @@ constexpr double kMaxOdometryStrain_m = 0.05;
 constexpr double kMaxOdometryStrain_rad = 0.02;
 constexpr double kStrainPerDrift = 2.0;
 
-// A keyframe that should move by less stays: so long a step is left where it borders on others.
+// Smaller motions of a keyframe are left out, and remain as steps to its neighbours.
 constexpr double kLeastMove_m = 0.001;
 constexpr double kLeastTurn_rad = 0.00003;
 

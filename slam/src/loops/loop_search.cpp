@@ -10,13 +10,13 @@ namespace {
 
 constexpr std::size_t kMaxCandidates = 3;
 constexpr double kNearNode_m = 10.0;
-/// Scan contexts measure a turn to one sector of the scan context.
+/// Scan contexts measure a rotation to one sector.
 constexpr double kMaxTurn_rad = 0.1;
 constexpr double kMaxShift_m = 8.0;
 constexpr double kOtherPlace_m = 2.0;
-/// Share of points placed: what is worse than so much of the best cannot fit nearly as well.
+/// Smallest ratio of a placement's share of points to the best one's.
 constexpr double kWorthVerifying = 0.9;
-/// Overlap of the second-best place over that of the best, from which it is not clear which it is.
+/// Ratio of the overlaps of the second-best and the best place from which on they are ambiguous.
 constexpr double kAmbiguousShare = 0.8;
 
 Mapping map_about(const LoopSearchSpace& space, const Pose& T_map_place) {
@@ -86,18 +86,18 @@ Surroundings loop_surroundings(const Pose& T_map_place) {
   return {T_map_place.translation().cast<float>(), kRadius_m};
 }
 
-std::optional<FoundLoop> loop_at(const LoopSearchSpace& space, const Pose& T_map_last_believed) {
+std::optional<FoundLoop> loop_at(const LoopSearchSpace& space, const Pose& T_map_last_estimated) {
   std::optional<std::size_t> nearest;
   double nearest_m = kNearNode_m;
   for (const std::size_t node : space.nodes) {
     const double distance_m =
-        (space.graph.T_map_node[node].translation() - T_map_last_believed.translation()).norm();
+        (space.graph.T_map_node[node].translation() - T_map_last_estimated.translation()).norm();
     if (distance_m >= nearest_m) continue;
     nearest = node;
     nearest_m = distance_m;
   }
   if (!nearest) return std::nullopt;
-  return verified(space, *nearest, map_about(space, T_map_last_believed), T_map_last_believed);
+  return verified(space, *nearest, map_about(space, T_map_last_estimated), T_map_last_estimated);
 }
 
 LoopSearchResult search_loop(const LoopSearchSpace& space) {

@@ -10,16 +10,16 @@ namespace hqslam::slam {
 
 namespace {
 
-/// A feature farther than this from its line or plane is not of this place.
+/// A feature farther than this from its line or plane does not fit.
 constexpr double kMaxDistance_m = 0.15;
 constexpr double kMaxPlaneResidual_m = 0.2;
 
-// Measured with 16 rows, also with scans that were distorted on purpose: the same place 0.36 to
-// 0.66 and 0.04 to 0.07 m, other places and wrong poses up to 0.33 and 0.08 m and more.
+// Measured with 16 rows, also with distorted scans: 0.36 to 0.66 and 0.04 to 0.07 m at the same
+// place, up to 0.33 and 0.08 m and more at other places and wrong poses.
 constexpr double kMinOverlap = 0.38;
 constexpr double kMaxResidual_m = 0.08;
 
-/// A pose pushed this far comes back to within the second where it cannot slide.
+/// A pose that cannot slide returns from the first displacement to within the second.
 constexpr double kPush_m = 1.0;
 constexpr double kMaxReturn_m = 0.15;
 
@@ -42,7 +42,7 @@ class FitSum {
   double squares_m2_ = 0.0;
 };
 
-/// Of a sensor that stands about there.
+/// The registration of a standing sensor near a pose.
 MappingResult registered_at(const MapFeatures& features, const Mapping& map,
                             const Pose& T_map_sensor) {
   MotionState standing;
@@ -50,8 +50,8 @@ MappingResult registered_at(const MapFeatures& features, const Mapping& map,
   return map.register_scan(features, standing, T_map_sensor, SearchFrom::kRecognizedPlace);
 }
 
-/// Whether the pose could as well lie ahead or to the side: along a corridor every place fits, and
-/// the few edges that noise makes of its walls hold the pose wherever it happens to be.
+/// Whether the pose can slide forwards or sideways: along a corridor every place fits, and the few
+/// edges that noise makes of its walls hold the pose anywhere.
 bool slides(const MapFeatures& features, const Mapping& older_map, const Pose& T_map_sensor) {
   for (const int axis : {0, 1}) {
     const Pose pushed = T_map_sensor * Eigen::Translation3d(kPush_m * Eigen::Vector3d::Unit(axis));
@@ -87,7 +87,7 @@ std::optional<VerifiedLoop> verify_loop(const MapFeatures& features, const Mappi
   if (found.status == Status::kNotConverged) {
     found = registered_at(features, older_map, found.state.T_map_sensor);
   }
-  // Where the pose can slide it is degenerate, or edges that are none keep it moving to and fro.
+  // A pose that can slide is degenerate, or false edges make it oscillate.
   if (found.status != Status::kOk) return std::nullopt;
   const Fit fit = fit_of(features, older_map.map(), found.state);
   const bool fits = fit.overlap >= kMinOverlap && fit.residual_m <= kMaxResidual_m;

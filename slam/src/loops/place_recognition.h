@@ -11,43 +11,42 @@
 
 namespace hqslam::slam {
 
-/// A scan that is looked for in a map.
+/// A scan whose place is sought.
 struct UnregisteredScan {
   const OrganizedCloud& cloud;
   const MapFeatures& features;
-  /// From the scan before, which was not found either; nothing: not known.
+  /// The motion from the scan before, which was not found either; nothing: unknown.
   std::optional<Pose> T_previous_sensor;
   Twist velocity;  ///< per second
 };
 
-/// Finds a sensor among the places of a saved map that knows nothing, or nearly nothing, about
-/// where it is.
+/// Finds a sensor among the places of a saved map.
 ///
-/// What it saw over its last scans, moved together by the odometry, is compared with the places as
-/// loops are (search_similar_places), among all places and turns; or, about where the sensor is
-/// believed to be, within 10 m and half a radian (search_loop). One scan will do for a sensor that
-/// stands. One that drives sees its surroundings bent until its velocity is known.
+/// The features of its last scans, moved together by the odometry, are compared with the places as
+/// in loop closing: with all places and headings (search_similar_places), or within 10 m and half a
+/// radian of an initial pose (search_loop). A standing sensor needs one scan. The scans of a moving
+/// one are distorted until its velocity is known.
 class PlaceRecognition {
  public:
   PlaceRecognition(const MappingOptions& options, const std::vector<SavedPlace>& places,
-                   const std::optional<Pose>& T_map_sensor_believed);
+                   const std::optional<Pose>& T_map_sensor_start);
 
-  /// Where the scan was taken; nothing if no place fits well, or two do.
+  /// The pose of the scan; nothing if no place fits well, or two do.
   std::optional<Pose> find(const UnregisteredScan& scan, const FeatureMaps& map);
 
-  /// The next scan may be anywhere.
+  /// Drops the initial pose and the last scans.
   void forget();
 
  private:
   static constexpr std::size_t kRecentScans = 5;
 
   MappingOptions options_;
-  /// The places, then the sensor where it is believed to be; where nothing is believed, in a frame
-  /// of its own.
+  /// The places, then the sensor at its estimated pose or, without an initial one, in a frame of
+  /// its own.
   PoseGraph graph_;
   std::vector<ScanContext> contexts_;
   std::vector<std::size_t> places_;  ///< their nodes
-  bool is_believed_;
+  bool has_start_;
   RecentFeatures recent_{kRecentScans};
 };
 

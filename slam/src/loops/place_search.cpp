@@ -16,14 +16,14 @@ constexpr double kTurnStep_rad = 0.035;  // 0.5 m in 15 m
 constexpr double kOtherPeak_m = 3.0;
 constexpr float kMinUprightHeight_m = 0.8F;
 
-/// The cell of a coordinate, which may lie outside of the grid.
+/// The cell of a coordinate, possibly outside of the grid.
 int cell_of(float coordinate_m) {
   return static_cast<int>(std::floor((coordinate_m + kHalfSide_m) / kCell_m));
 }
 
 bool inside(int x, int y) { return x >= 0 && x < kSide && y >= 0 && y < kSide; }
 
-/// The place from above: 2 where something stands, 1 beside that, 0 elsewhere.
+/// The place from above: 2 in cells with structure, 1 beside them, 0 elsewhere.
 std::vector<std::uint8_t> drawn(const std::vector<Eigen::Vector3f>& structure_m) {
   std::vector<std::uint8_t> grid(static_cast<std::size_t>(kSide) * kSide, 0);
   for (const Eigen::Vector3f& point_m : structure_m) {
@@ -40,7 +40,7 @@ std::vector<std::uint8_t> drawn(const std::vector<Eigen::Vector3f>& structure_m)
   return grid;
 }
 
-/// Scores of all shifts for one turn, in cells of the grid.
+/// The scores of all shifts, in cells of the grid, for one rotation.
 class ShiftScores {
  public:
   ShiftScores(const std::vector<std::uint8_t>& grid, const std::vector<Eigen::Vector3f>& points_m,
@@ -84,7 +84,7 @@ bool is_elsewhere(const Peak& a, const Peak& b) {
   return std::hypot(a.dx - b.dx, a.dy - b.dy) * kCell_m >= kOtherPeak_m;
 }
 
-/// The best of all shifts of all turns, of those elsewhere than `taken` if that is given.
+/// The best of all shifts and rotations, away from `taken` if that is given.
 Peak best_of(const std::vector<std::pair<double, ShiftScores>>& turns, int reach,
              const Peak* taken) {
   Peak best;

@@ -11,7 +11,7 @@ namespace hqslam::slam {
 
 namespace {
 
-/// In sigmas: a loop that is farther off pulls less and less.
+/// In sigmas; loops with larger residuals lose weight.
 constexpr double kCauchyScale = 3.0;
 
 struct NodeParameters {
@@ -19,7 +19,7 @@ struct NodeParameters {
   Eigen::Quaterniond rotation;
 };
 
-/// r of an edge, see the header. Parameters: translation and quaternion (x, y, z, w) of either end.
+/// r of an edge (pose_graph.h). Parameters: translation and quaternion (x, y, z, w) of both ends.
 class EdgeResidual {
  public:
   explicit EdgeResidual(const PoseGraphEdge& edge)
@@ -99,9 +99,7 @@ bool solve(const PoseGraph& graph, ceres::LossFunction* loop_loss,
     problem.AddParameterBlock(node.translation_m.data(), 3);
     problem.AddParameterBlock(node.rotation.coeffs().data(), 4, &unit_quaternion);
   }
-  std::vector<std::size_t> held = first_of_components(graph);
-  for (std::size_t node = 0; node < graph.held; ++node) held.push_back(node);
-  for (const std::size_t node : held) {
+  for (const std::size_t node : first_of_components(graph)) {
     problem.SetParameterBlockConstant(nodes[node].translation_m.data());
     problem.SetParameterBlockConstant(nodes[node].rotation.coeffs().data());
   }

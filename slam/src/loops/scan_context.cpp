@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kSector_rad = 2.0 * std::numbers::pi / ScanContext::kSectors;
 
-/// Heights are taken from here, so that the ground of a car counts as about zero.
+/// Origin of the heights, so that the ground below a car has a height of about zero.
 constexpr float kLowest_m = -2.0F;
 
 constexpr float kLane_m = 4.0F;
@@ -24,14 +24,14 @@ double distance_at(const ScanContext& first, const ScanContext& other, int shift
   int compared = 0;
   for (int sector = 0; sector < ScanContext::kSectors; ++sector) {
     const int turned = wrapped(sector + shift);
-    if (!first.seen[turned] && !other.seen[sector]) continue;
+    if (!first.has_returns[turned] && !other.has_returns[sector]) continue;
     similarity += first.unit_sectors.col(turned).dot(other.unit_sectors.col(sector));
     ++compared;
   }
   return compared > 0 ? 1.0 - static_cast<double>(similarity) / compared : 1.0;
 }
 
-/// As seen from offset_m, in the sensor's frame.
+/// The context from offset_m, in the sensor's frame.
 ScanContext scan_context_from(const OrganizedCloud& cloud, const Eigen::Vector3f& offset_m) {
   ScanContext result;
   result.unit_sectors.setZero();
@@ -48,8 +48,8 @@ ScanContext scan_context_from(const OrganizedCloud& cloud, const Eigen::Vector3f
   }
   for (int sector = 0; sector < ScanContext::kSectors; ++sector) {
     const float length = result.unit_sectors.col(sector).norm();
-    result.seen[sector] = length > 0.0F;
-    if (result.seen[sector]) result.unit_sectors.col(sector) /= length;
+    result.has_returns[sector] = length > 0.0F;
+    if (length > 0.0F) result.unit_sectors.col(sector) /= length;
   }
   return result;
 }

@@ -6,9 +6,8 @@
 
 namespace hqslam::slam {
 
-/// Finds cells of space by their coordinates: for each cell that was added its number, in the same
-/// time however many there are. Open addressing with steps of one; at most half of the slots are
-/// taken.
+/// A hash from the coordinates of a cell of space to its number, by open addressing with steps of
+/// one; at most half of the slots are taken.
 class CellIndex {
  public:
   static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
@@ -17,20 +16,20 @@ class CellIndex {
 
   /// In: a cell within that range.
   static std::uint64_t key_of(const Eigen::Vector3i& cell) {
-    const auto part = [](int value) {
+    const auto bits = [](int value) {
       return static_cast<std::uint64_t>(std::int64_t{value} + kRange);
     };
-    return part(cell.x()) << 42 | part(cell.y()) << 21 | part(cell.z());
+    return bits(cell.x()) << 42 | bits(cell.y()) << 21 | bits(cell.z());
   }
 
   static Eigen::Vector3i cell_of(std::uint64_t key) {
-    const auto part = [](std::uint64_t bits) {
+    const auto value = [](std::uint64_t bits) {
       return static_cast<int>(bits & 0x1FFFFFU) - kRange;
     };
-    return {part(key >> 42), part(key >> 21), part(key)};
+    return {value(key >> 42), value(key >> 21), value(key)};
   }
 
-  /// The number of a cell; kNone if it is not there, or out of range.
+  /// The number of a cell; kNone if it was not added or is out of range.
   std::uint32_t find(std::uint64_t key) const { return slots_[slot_of(key)].number; }
   std::uint32_t find(const Eigen::Vector3i& cell) const {
     const bool is_within = (cell.array() >= -kRange).all() && (cell.array() < kRange).all();
@@ -51,7 +50,7 @@ class CellIndex {
     std::uint32_t number = kNone;
   };
 
-  /// Where the key is, or the empty slot where it would be.
+  /// The slot of the key, or the empty one for it.
   std::size_t slot_of(std::uint64_t key) const {
     std::uint64_t mixed = key ^ key >> 31;
     mixed *= 0x9E3779B97F4A7C15ULL;

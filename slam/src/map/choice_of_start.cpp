@@ -9,18 +9,18 @@ namespace hqslam::slam {
 
 namespace {
 
-/// A state known better than this is where the scan is looked for, unless the odometry saw it
-/// farther away than a search in the map reaches. Otherwise it is looked for where the odometry saw
-/// it too, and found there if so many times as many of its features lie close.
+/// A state known better than kPrecise is the only start, unless the odometry is farther from it
+/// than kElsewhere. The result of another start wins if kFitsBetter times as many features are
+/// close.
 constexpr double kPrecise_m = 0.5;
 constexpr double kPrecise_rad = 0.05;
 constexpr double kElsewhere_m = 0.3;
 constexpr double kElsewhere_rad = 0.03;
 constexpr double kFitsBetter = 1.1;
-/// A scan that fits worse than this share of the last one, or whose search did not come to an end,
-/// may have turned as no sensor on wheels does.
+/// A scan whose close_ratio is less than this share of the last one's, or that did not converge,
+/// may have turned as no vehicle does.
 constexpr double kFitsBadly = 0.8;
-/// What a hand turns in half a second; a search finds what is 10 degrees beside its start.
+/// Turns of a hand in half a second; a search converges from about 10 degrees.
 constexpr std::array<double, 6> kTurns_rad = {15.0 * kDegree_rad, -15.0 * kDegree_rad,
                                               30.0 * kDegree_rad, -30.0 * kDegree_rad,
                                               45.0 * kDegree_rad, -45.0 * kDegree_rad};
@@ -69,7 +69,7 @@ MappingResult register_from_starts(const Mapping& mapping, const MapFeatures& fe
   if (expected.is_turn_measured) T_map_moved.linear() = state.T_map_sensor.linear();
   const Twist innovation = logarithm(state.T_map_sensor.inverse() * T_map_moved);
   if (!is_precise(state) || is_elsewhere(innovation)) begin_at(T_map_moved);
-  // Unless nothing fits: a sample of the inertial sensor may be wrong.
+  // If nothing fits, a sample of the inertial sensor may be wrong.
   if (expected.is_turn_measured && best.status != Status::kTooFewFeatures) return best;
   if (fits_badly(best, expected.last_close_ratio)) {
     for (const double turn_rad : kTurns_rad) begin_at(turned(state.T_map_sensor, turn_rad));

@@ -10,21 +10,21 @@ namespace hqslam::slam {
 
 namespace {
 
-/// Points averaged per voxel; later ones leave it as it is, so that old parts of the map are not
-/// smeared by the drift of a later visit.
+/// Points averaged per voxel; later ones do not change it, so that the drift of a later visit does
+/// not smear the map.
 constexpr std::uint16_t kMaxMeanCount = 20;
 
 constexpr int kCubeRange = CellIndex::kRange;  // cubes on each side of the origin
 
-/// Of values that an int can hold; std::floor is a call on processors without SSE4.1.
+/// In: values in the range of int. std::floor is a call on processors without SSE4.1.
 Eigen::Vector3i floored(const Eigen::Vector3f& v) {
   const Eigen::Array3i truncated = v.array().cast<int>();
   return truncated - (v.array() < truncated.cast<float>()).cast<int>();
 }
 
-/// The six points nearest to a query so far. Each is one number, its squared distance above where
-/// it was found, so that the nearer has the smaller one and none of their comparisons is a branch
-/// that a processor could guess wrong.
+/// The six points nearest to a query so far. Each is one number, the squared distance in the upper
+/// and the place of the point in the lower bits, so that comparisons need no branch, which a
+/// processor could mispredict.
 class SixNearest {
  public:
   SixNearest(const Eigen::Vector3f& query_m, float reach_m2)
@@ -32,10 +32,10 @@ class SixNearest {
     nearest_.fill(number(reach_m2, 0));
   }
 
-  /// Nothing farther is among them.
+  /// The distance of the last one.
   float bound_m2() const { return distance_m2(kWanted); }
 
-  /// The points of a cube, which is one of at most eight.
+  /// Visits the points of one of at most eight cubes.
   template <typename Cells>
   void look_through(const Cells& cells, std::uint32_t cube) {
     constexpr std::size_t kCellsAtOnce = 32;
@@ -57,7 +57,7 @@ class SixNearest {
     }
   }
 
-  /// point_m(cube, cell): what was looked through there.
+  /// point_m(cube, cell): the point at that place.
   template <typename Point>
   Neighbours found(const Point& point_m) const {
     Neighbours result;
@@ -75,7 +75,7 @@ class SixNearest {
   static constexpr int kWanted = Neighbours::kWanted;
   static constexpr int kCellBits = 24;
 
-  /// Floats that are not negative are in the order of their bits.
+  /// The order of floats that are not negative is that of their bits.
   static std::uint64_t number(float distance_m2, std::uint32_t place) {
     return std::uint64_t{std::bit_cast<std::uint32_t>(distance_m2)} << 32 | place;
   }
@@ -95,7 +95,7 @@ class SixNearest {
   std::array<std::uint64_t, kWanted + 1> nearest_;
 };
 
-/// Of a voxel's points after others came to them, `all.count` together.
+/// The mean intensity of a voxel after others were added to it, `all.count` points together.
 float mean_intensity(const MapPoint& all, const MapPoint& others) {
   if (std::isnan(all.intensity)) return others.intensity;
   if (std::isnan(others.intensity)) return all.intensity;
@@ -162,7 +162,7 @@ void FeatureMap::insert_point(const MapPoint& inserted) {
   for (Cell& cell : cube.cells) {
     if (cell.voxel != voxel->in_cube) continue;
     cell.keyframe = std::min(cell.keyframe, inserted.keyframe);
-    cell.last_seen = std::max(cell.last_seen, inserted.last_seen);
+    cell.last_observed = std::max(cell.last_observed, inserted.last_observed);
     if (cell.count < kMaxMeanCount) {
       constexpr int kMostCounted = std::numeric_limits<std::uint16_t>::max();
       cell.count = static_cast<std::uint16_t>(std::min(cell.count + inserted.count, kMostCounted));
@@ -193,9 +193,9 @@ std::vector<MapPoint> FeatureMap::take(const std::vector<std::size_t>& cubes,
   return taken;
 }
 
-std::vector<MapPoint> FeatureMap::take_not_seen_since(std::uint32_t keyframe) {
-  std::vector<MapPoint> taken =
-      take(all_cubes(), [&](const MapPoint& point, Voxel) { return point.last_seen < keyframe; });
+std::vector<MapPoint> FeatureMap::take_not_observed_since(std::uint32_t keyframe) {
+  std::vector<MapPoint> taken = take(
+      all_cubes(), [&](const MapPoint& point, Voxel) { return point.last_observed < keyframe; });
   drop_empty_cubes();
   return taken;
 }
@@ -205,7 +205,7 @@ std::vector<MapPoint> FeatureMap::take_near(const Surroundings& place) {
               [&](const MapPoint& point, Voxel) { return place.contains(point.mean_m); });
 }
 
-/// A map that moves along with a sensor would otherwise remember for good where it was.
+/// Otherwise a map that moves with a sensor would grow without bound.
 void FeatureMap::drop_empty_cubes() {
   const auto is_empty = [](const Cube& cube) { return cube.cells.empty(); };
   const auto empty = static_cast<std::size_t>(std::ranges::count_if(cubes_, is_empty));
@@ -220,8 +220,8 @@ void FeatureMap::drop_empty_cubes() {
 Neighbours FeatureMap::nearest(const Eigen::Vector3f& query_m) const {
   const Eigen::Vector3f scaled = query_m / cube_m_;
   if (!(scaled.array().abs() < static_cast<float>(kCubeRange - 1)).all()) return {};
-  // The ball has the diameter of a cube: along each axis it touches the query's own cube and the
-  // one beyond the nearer face. Cubes farther than the sixth neighbour so far are not looked into.
+  // The ball has the diameter of a cube: along each axis it intersects the query's own cube and the
+  // one beyond the nearer face. Cubes farther than the sixth neighbour so far are skipped.
   const Eigen::Vector3i own = floored(scaled);
   const Eigen::Array3f inside = scaled.array() - own.cast<float>().array();  // 0..1
   const auto is_near_lower = inside < 0.5F;
@@ -241,38 +241,21 @@ Neighbours FeatureMap::nearest(const Eigen::Vector3f& query_m) const {
   });
 }
 
+/// In the order of their coordinates, which does not depend on that of their insertion.
 std::vector<std::size_t> FeatureMap::cubes_touching(const Surroundings& place) const {
   const Eigen::Vector3f reach(place.radius_m, place.radius_m, place.half_height_m());
   const auto has_room = static_cast<float>(kCubeRange - 1);
-  const auto cube_of = [&](const Eigen::Vector3f& point_m) {
+  const auto cube_of = [&](const Eigen::Vector3f& point_m) -> Eigen::Array3i {
     return floored((point_m / cube_m_).cwiseMax(-has_room).cwiseMin(has_room));
   };
-  const Eigen::Vector3i first = cube_of(place.centre_m - reach);
-  const Eigen::Vector3i last = cube_of(place.centre_m + reach);
-  // Where the box holds more cubes than there are, they are all looked at instead.
-  const Eigen::Vector3d sides = (last - first).cast<double>().array() + 1.0;
-  if (!(sides.prod() <= static_cast<double>(cubes_.size()))) return cubes_within(first, last);
-  std::vector<std::size_t> result;
-  for (int x = first.x(); x <= last.x(); ++x) {
-    for (int y = first.y(); y <= last.y(); ++y) {
-      for (int z = first.z(); z <= last.z(); ++z) {
-        const Cube* cube = find({x, y, z});
-        if (cube != nullptr) result.push_back(static_cast<std::size_t>(cube - cubes_.data()));
-      }
-    }
-  }
-  return result;
-}
-
-std::vector<std::size_t> FeatureMap::cubes_within(const Eigen::Vector3i& first,
-                                                  const Eigen::Vector3i& last) const {
+  const Eigen::Array3i first = cube_of(place.centre_m - reach);
+  const Eigen::Array3i last = cube_of(place.centre_m + reach);
   std::vector<std::pair<std::uint64_t, std::size_t>> found;
   for (std::size_t i = 0; i < cubes_.size(); ++i) {
     const Eigen::Array3i cube = CellIndex::cell_of(cubes_[i].key);
-    const bool is_within = (cube >= first.array()).all() && (cube <= last.array()).all();
-    if (is_within) found.emplace_back(cubes_[i].key, i);
+    if ((cube >= first).all() && (cube <= last).all()) found.emplace_back(cubes_[i].key, i);
   }
-  std::ranges::sort(found);  // x, then y, then z: as they are found in a small box
+  std::ranges::sort(found);
   std::vector<std::size_t> result;
   for (const auto& [key, cube] : found) result.push_back(cube);
   return result;
@@ -294,8 +277,8 @@ std::vector<Eigen::Vector3f> FeatureMap::points_near_m(const Surroundings& place
   return result;
 }
 
-/// Most corrections are small, and most points stay in their voxels: only the others are taken out
-/// and put in again.
+/// Most corrections are small, and most points stay in their voxels: only the others are
+/// reinserted.
 void FeatureMap::correct(const std::vector<Pose>& corrections) {
   std::vector<std::uint8_t> moves;
   for (const Pose& correction : corrections) moves.push_back(!correction.matrix().isIdentity(0.0));

@@ -22,7 +22,7 @@ struct Neighbours {
   float sixth_squared_m2 = 0.0F;
 };
 
-/// What lies within a radius of a place horizontally, and within half of that vertically.
+/// The region within a radius of a place horizontally, and within half of that vertically.
 struct Surroundings {
   Eigen::Vector3f centre_m = Eigen::Vector3f::Zero();
   float radius_m = 0.0F;
@@ -34,38 +34,38 @@ struct Surroundings {
 /// A point of a map: the running mean of the first points that fell into its voxel.
 struct MapPoint {
   Eigen::Vector3f mean_m;
-  std::uint32_t keyframe = 0;   ///< the first that saw it
-  std::uint32_t last_seen = 0;  ///< the last keyframe that did
-  std::uint16_t count = 1;      ///< points averaged
-  /// Their mean intensity, as far as it is known; not a number until one is.
+  std::uint32_t keyframe = 0;       ///< the first that observed it
+  std::uint32_t last_observed = 0;  ///< the last keyframe that did
+  std::uint16_t count = 1;          ///< points averaged
+  /// Mean of the known intensities; NaN without any.
   float intensity = std::numeric_limits<float>::quiet_NaN();
 };
 
 /// A map of points, thinned to one per voxel, that grows point by point and finds nearest points.
 ///
 /// Space is cut into cubes of `2 * max_distance_m`, found by a hash; a cube keeps one point per
-/// voxel of `leaf_m`, the running mean of the first points that fell there. A search looks at the
-/// at most eight cubes that a ball of max_distance_m touches. Inserting and searching take the same
-/// time however far the map reaches: a kd-tree would have to be built anew with every keyframe.
-/// Exact: the neighbours are those of a search through all points.
+/// voxel of `leaf_m`, the running mean of the first points in it. A search visits the at most eight
+/// cubes that a ball of max_distance_m intersects. The time of insertions and searches does not
+/// depend on the size of the map: a kd-tree would have to be rebuilt with every keyframe. Exact:
+/// the neighbours are those of a search through all points.
 ///
-/// Every point remembers the keyframe that first put it there, so that it can be moved when that
-/// keyframe turns out to have been elsewhere, and the last that saw it, so that what was not seen
-/// lately can be taken out. However often a place is passed, its voxels are no more.
+/// A point stores the first keyframe that observed it, with which it moves when that is corrected,
+/// and the last, so that points without recent observations can be taken out. Passing a place again
+/// does not add voxels.
 ///
 /// Points farther than a million cubes from the origin are left out.
 class FeatureMap {
  public:
   FeatureMap(double leaf_m, double max_distance_m);
 
-  /// intensity: of each point, or empty.
+  /// intensity: one per point, or empty.
   void insert(const std::vector<Eigen::Vector3f>& points_m, std::uint32_t keyframe = 0,
               const std::vector<float>& intensity = {});
   /// Points of another map; those that meet in one voxel are merged, and the oldest keyframe kept.
   void insert(const std::vector<MapPoint>& points);
 
-  /// Takes out all points that no keyframe from this one on has seen.
-  std::vector<MapPoint> take_not_seen_since(std::uint32_t keyframe);
+  /// Takes out all points that no keyframe from this one on observed.
+  std::vector<MapPoint> take_not_observed_since(std::uint32_t keyframe);
   /// Takes out the points about a place.
   std::vector<MapPoint> take_near(const Surroundings& place);
 
@@ -73,15 +73,15 @@ class FeatureMap {
   Neighbours nearest(const Eigen::Vector3f& query_m) const;
 
   std::size_t size() const { return size_; }
-  /// All points, in the order in which their cubes and voxels were first met.
+  /// All points, in the order in which their cubes and voxels were added.
   std::vector<Eigen::Vector3f> points_m() const;
-  /// Of each of points_m(), MapPoint::intensity; empty where none is known.
+  /// MapPoint::intensity of each of points_m(); empty if none is known.
   std::vector<float> intensity() const;
   /// The points about a place.
   std::vector<Eigen::Vector3f> points_near_m(const Surroundings& place) const;
 
-  /// Moves every point with its keyframe: in, per keyframe, T_corrected_map that takes its points
-  /// to where they belong. Points that meet in one voxel are merged.
+  /// Moves every point with its keyframe; in: T_corrected_map of each keyframe. Points that meet in
+  /// one voxel are merged.
   void correct(const std::vector<Pose>& corrections);
 
  private:
@@ -107,8 +107,6 @@ class FeatureMap {
   std::vector<MapPoint> take(const std::vector<std::size_t>& cubes, const Wanted& wanted);
   void drop_empty_cubes();
   std::vector<std::size_t> cubes_touching(const Surroundings& place) const;
-  std::vector<std::size_t> cubes_within(const Eigen::Vector3i& first,
-                                        const Eigen::Vector3i& last) const;
   std::vector<std::size_t> all_cubes() const;
 
   float leaf_m_;

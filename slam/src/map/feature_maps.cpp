@@ -12,7 +12,7 @@ struct Kind {
   std::vector<MapPoint> MapPoints::*points;
   FeatureMap FeatureMaps::*map;
 };
-/// Those with the most points first: where kinds share the threads, the longest work begins first.
+/// Kinds with most points first, so that the longest work begins first.
 constexpr std::array<Kind, 3> kKinds = {{{&MapPoints::planes, &FeatureMaps::planes},
                                          {&MapPoints::posts, &FeatureMaps::posts},
                                          {&MapPoints::edges, &FeatureMaps::edges}}};
@@ -44,17 +44,16 @@ void FeatureMaps::insert(const MapPoints& points) {
   for (const Kind& kind : kKinds) (this->*kind.map).insert(points.*kind.points);
 }
 
-MapPoints FeatureMaps::take_not_seen_since(std::uint32_t keyframe) {
+MapPoints FeatureMaps::take_not_observed_since(std::uint32_t keyframe) {
   MapPoints result;
   for (const Kind& kind : kKinds) {
-    result.*kind.points = (this->*kind.map).take_not_seen_since(keyframe);
+    result.*kind.points = (this->*kind.map).take_not_observed_since(keyframe);
   }
   return result;
 }
 
-/// No keyframe is so late that it has not been.
 MapPoints FeatureMaps::take_all() {
-  return take_not_seen_since(std::numeric_limits<std::uint32_t>::max());
+  return take_not_observed_since(std::numeric_limits<std::uint32_t>::max());
 }
 
 MapPoints FeatureMaps::take_near(const Surroundings& place) {

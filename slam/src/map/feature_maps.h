@@ -17,7 +17,7 @@ struct MapPoints {
   std::vector<MapPoint> planes;
 };
 
-/// The three kinds of features, each in a map of its own.
+/// A map of each of the three kinds of features.
 struct FeatureMaps {
   explicit FeatureMaps(const MappingOptions& options);
   FeatureMaps(const MappingOptions& options, const SavedMap& map);
@@ -26,7 +26,7 @@ struct FeatureMaps {
   FeatureMaps about(const MappingOptions& options, const Surroundings& place) const;
 
   void insert(const MapPoints& points);
-  MapPoints take_not_seen_since(std::uint32_t keyframe);
+  MapPoints take_not_observed_since(std::uint32_t keyframe);
   MapPoints take_all();
   MapPoints take_near(const Surroundings& place);
   void correct(const std::vector<Pose>& corrections);
@@ -38,7 +38,7 @@ struct FeatureMaps {
 
 void append(MapPoints& points, const MapPoints& others);
 
-/// Moves points with the keyframes that put them there: in, per keyframe, T_corrected_map.
+/// Moves points with the keyframes that observed them first; in: T_corrected_map of each keyframe.
 void correct(MapPoints& points, const std::vector<Pose>& corrections);
 
 }  // namespace hqslam::slam

@@ -15,10 +15,9 @@ namespace {
 constexpr double kMinMapWeight = 0.1;
 /// Cosine of the steepest ground's angle with the sensor's.
 constexpr double kMinGroundUprightness = 0.9;
-/// So many points of the ground measure the height well enough to ask nothing else about it.
+/// Points of the ground from which on surfaces do not contribute to the height.
 constexpr int kMinGroundConstraints = 25;
-/// Of the angle between two directions that make a plane.
-constexpr double kMinSine = 0.5;
+constexpr double kMinSine = 0.5;  // of the angle between two directions that make a plane
 
 std::optional<EdgeConstraints> match_edge(const std::optional<MapLine>& line,
                                           const Eigen::Vector3d& rotated_m,
@@ -31,14 +30,14 @@ std::optional<EdgeConstraints> match_edge(const std::optional<MapLine>& line,
   return edge_constraints(rotated_m, on_line_m, line->direction, weight);
 }
 
-/// The plane of a surface of which the map knows a line, and another direction is known.
+/// The plane of a surface from a line on it and another direction.
 std::optional<MapPlane> plane_through(const MapLine& line, const Eigen::Vector3d& direction) {
   const Eigen::Vector3d normal = line.direction.cross(direction);
   if (!(normal.norm() > kMinSine)) return std::nullopt;
   return MapPlane{line.point_m, normal.normalized()};
 }
 
-/// The plane itself, or that through the line and `direction`.
+/// The plane of a surface, or the one through its line and `direction`.
 std::optional<MapPlane> completed(const std::optional<MapSurface>& surface,
                                   const Eigen::Vector3d& direction) {
   if (!surface) return std::nullopt;
@@ -57,13 +56,13 @@ std::optional<PlaneConstraint> match_surface(const std::optional<MapPlane>& plan
   return PlaneConstraint{rotated_m, plane->normal, offset_m, weight};
 }
 
-/// Keeps of a ground plane its information about height, roll and pitch.
+/// Reduces a ground plane to its information about height, roll and pitch.
 ///
-/// A ring on the ground lies in the map beside the rings of earlier scans. The slope of a plane
-/// through points of two rings a few decimetres apart is mostly noise, and its horizontal part
-/// pulls the scan's ring towards the map's: against the motion. So the normal n is replaced by its
-/// part along the sensor's vertical u, n' = (n . u) u, with the distance of the point left as it
-/// is.
+/// A scan's ring on the ground is beside the rings of earlier scans in the map. The slope of a
+/// plane through points of two rings a few decimetres apart is mostly noise, and the horizontal
+/// component of its normal pulls the ring towards those of the map, against the motion. So the
+/// normal n is replaced by its component along the sensor's vertical u, n' = (n . u) u; the
+/// distance of the point remains.
 std::optional<PlaneConstraint> upright(std::optional<PlaneConstraint> ground,
                                        const Eigen::Vector3d& vertical) {
   if (!ground) return std::nullopt;
@@ -75,13 +74,12 @@ std::optional<PlaneConstraint> upright(std::optional<PlaneConstraint> ground,
   return ground;
 }
 
-/// Keeps of a surface's plane its information about x, y, yaw and, by its lever, roll and pitch.
+/// Reduces a surface's plane to its information about x, y, yaw and, by its lever, roll and pitch.
 ///
-/// What is not ground stands upright, mostly. Where it does not - kerbs, cars, leaves, ground that
-/// was not recognised - five points of rows that are far apart make a slope of chance, and slopes
-/// of chance, all of them seen from the same side, tilt the map scan by scan. So the normal n loses
-/// its part along the sensor's vertical u, n' = n - (n . u) u, with the distance of the point left
-/// as it is: height comes from the ground alone.
+/// Most surfaces are upright. On others (kerbs, cars, leaves, undetected ground) five points of
+/// distant rows make a random slope, and such slopes, all observed from the same side, tilt the map
+/// scan by scan. So the normal n loses its component along the sensor's vertical u,
+/// n' = n - (n . u) u; the distance of the point remains. Height comes from the ground alone.
 std::optional<PlaneConstraint> horizontal(std::optional<PlaneConstraint> surface,
                                           const Eigen::Vector3d& vertical) {
   if (!surface) return std::nullopt;
@@ -110,10 +108,10 @@ auto find_all(SearchedFeatures<Fit, kNeighbours>& searched, const MapSearch& sea
   return found;
 }
 
-/// The ground. A line that a row drew on it is completed by the slope that the scan itself saw
-/// there. Such planes are made of chords between rows that may be metres apart, so they only count
-/// while they are most of what there is: in a map of few scans. There they keep a sensor that sets
-/// out from tilting, with the map, by tenths of a degree.
+/// Constraints of the ground. A line (points of one row) is completed by the slope that the scan
+/// measured there. Such planes are made of chords between rows that may be metres apart, so they
+/// count only while they are the majority, in a map of few scans. There they prevent a tilt of
+/// sensor and map by tenths of a degree at the start.
 std::vector<std::optional<PlaneConstraint>> ground_constraints(SearchedFeatures<MapSurface>& ground,
                                                                const MapSearch& search,
                                                                const FeatureMap& planes,
@@ -140,7 +138,8 @@ std::vector<std::optional<PlaneConstraint>> ground_constraints(SearchedFeatures<
   return found;
 }
 
-/// Surfaces. A line that a row drew on one is completed to the most upright plane through it.
+/// Constraints of surfaces. A line (points of one row) is completed to the most upright plane
+/// through it.
 std::vector<std::optional<PlaneConstraint>> surface_constraints(
     SearchedFeatures<MapSurface>& surfaces, const MapSearch& search, const FeatureMap& planes,
     const MappingOptions& options, bool ground_has_height) {
@@ -166,8 +165,8 @@ std::vector<std::optional<EdgeConstraints>> edge_constraints_of(SearchedFeatures
       });
 }
 
-/// Posts. A row sees one point of each, which shows where the post stands and nothing about height:
-/// it belongs on the upright line through the nearest one of the map.
+/// Constraints of posts. A row has one point of each, which has no information about height: it
+/// belongs on the upright line through the nearest post of the map.
 std::vector<std::optional<EdgeConstraints>> post_constraints(
     SearchedFeatures<Eigen::Vector3d, 1>& posts, const MapSearch& search, const FeatureMap& map) {
   const Eigen::Vector3d origin_m = search.T_map_sensor.translation();

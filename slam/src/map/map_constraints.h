@@ -11,7 +11,7 @@
 
 namespace hqslam::slam {
 
-/// A kind of features with what is near each of them in the map.
+/// The features of a kind with the fits to their neighbours in the map.
 template <typename Fit, int kNeighbours = Neighbours::kWanted>
 struct SearchedFeatures {
   const std::vector<FeaturePoint>& features;
@@ -29,19 +29,19 @@ struct RegisteredScan {
   SearchedFeatures<Eigen::Vector3d, 1> posts;  ///< with the nearest post of the map
 };
 
-/// Where a scan is believed to be, and how far about its features the map is searched: five
-/// neighbours that are farther apart are seldom of one surface.
+/// The estimated pose of a scan, and the radius within which the map is searched about its
+/// features: five neighbours farther apart are seldom of one surface.
 struct MapSearch {
   Pose T_map_sensor;
   Twist velocity;  ///< per second
   double reach_m;
-  double ground_reach_m;  ///< of the ground, where too little of it is within reach_m
-  bool trust_near;        ///< take weight from features far from their line or plane
+  double ground_reach_m;  ///< for the ground, if too little of it is within reach_m
+  bool trust_near;        ///< features far from their line or plane lose weight
 };
 
-/// With what of the map each feature of a scan is matched: constraints of the motion that remains,
-/// in axes of the map with search.T_map_sensor's position as origin (points are R p, planes are
-/// moved by -t); nothing where a feature finds no line or plane.
+/// The match of each feature of a scan: constraints of the remaining motion, in axes of the map
+/// with the position of search.T_map_sensor as origin (points are R p, planes are moved by -t);
+/// nothing where a feature finds no line or plane.
 struct MapMatches {
   std::vector<std::optional<PlaneConstraint>> ground;
   std::vector<std::optional<PlaneConstraint>> surfaces;

@@ -7,12 +7,12 @@ namespace hqslam::slam {
 
 namespace {
 
-/// Variance along a line over that across it. LOAM asks for 3, which five points in a corner reach
-/// by chance.
+/// Smallest ratio of the variances along and across a line. LOAM has 3, which five points in a
+/// corner reach by chance.
 constexpr double kMinLineElongation = 10.0;
 
-/// Of the variance along a patch, the least across it: points of a single row are a line, through
-/// which any plane goes.
+/// Smallest ratio of the variances across and along a patch: points of a single row are a line,
+/// through which any plane goes.
 constexpr double kMinPlaneWidthShare = 0.1;
 
 struct Spread {

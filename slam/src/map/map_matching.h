@@ -13,7 +13,7 @@ struct MapLine {
   Eigen::Vector3d point_m;
   Eigen::Vector3d direction;
 };
-/// The line through five neighbours, if they lie along one: the largest eigenvalue of their
+/// The line through five neighbours, if they are collinear: the largest eigenvalue of their
 /// covariance is more than ten times the second (three times in LOAM).
 std::optional<MapLine> fit_line(const Neighbours& neighbours);
 
@@ -22,12 +22,11 @@ struct MapPlane {
   Eigen::Vector3d point_m;
   Eigen::Vector3d normal;
 };
-/// The plane through five neighbours, if they do not lie along a line and none is farther than
-/// max_residual_m from the plane.
+/// The plane through five neighbours, if they are not collinear and all within max_residual_m of
+/// it.
 std::optional<MapPlane> fit_plane(const Neighbours& neighbours, double max_residual_m);
 
-/// What five neighbours on a surface show of it: its plane, or, where all of them are of one row,
-/// the line that the row drew on it.
+/// The plane of five neighbours on a surface or, if all are of one row, their line.
 using MapSurface = std::variant<MapPlane, MapLine>;
 std::optional<MapSurface> fit_surface(const Neighbours& neighbours, double max_residual_m);
 

@@ -16,11 +16,11 @@ namespace {
 
 /// Searches of wide reach, before the pose is good enough for the narrow one.
 constexpr int kWideSearches = 2;
-/// Most scans need fewer. After so many some go round between the same few neighbours, and steps of
-/// so many times what is asked for are the end; others still are on their way.
+/// Most scans need fewer iterations. After these some oscillate between the same neighbours: then
+/// steps of kLateTolerance times the tolerance count as converged.
 constexpr int kUsualIterations = 10;
 constexpr double kLateTolerance = 4.0;
-/// Of its line or plane: MappingResult::close_ratio.
+/// Distance from the line or plane for MappingResult::close_ratio.
 constexpr double kClose_m = 0.1;
 
 RegisteredScan searched(const MapFeatures& features) {
@@ -30,7 +30,7 @@ RegisteredScan searched(const MapFeatures& features) {
           SearchedFeatures<Eigen::Vector3d, 1>(features.posts_to_register)};
 }
 
-/// MappingResult::close_ratio. The ground's planes come first; a feature on a line asks for two.
+/// MappingResult::close_ratio. The ground's planes come first; a feature on a line has two planes.
 double close_share(const ConstraintList& found, const MapFeatures& features) {
   const std::size_t asked = features.surfaces_to_register.size() +
                             2 * (features.edges.size() + features.posts_to_register.size());
@@ -45,17 +45,17 @@ double standing_features(const MapFeatures& features) {
                              features.surfaces_to_register.size());
 }
 
-/// MappingResult::inlier_ratio, of a wide search.
+/// MappingResult::inlier_ratio of a wide search.
 double inlier_share(const ConstraintList& found, const MapFeatures& features) {
   return (found.edges + found.planes - found.ground) / std::max(standing_features(features), 1.0);
 }
 
-/// How well narrow searches must know each way along and across, and the turn, where they leave
-/// a direction degenerate [1/m^2]; where they know less, the scan is searched widely to the end.
+/// Information [1/m^2] that a narrow search with a degenerate direction must have about x, y and
+/// yaw; with less the scan is searched widely to the end.
 ///
-/// Of a sensor that is followed: to 0.063 m. Where they know more, wide ones know it worse:
-/// features far apart are not of one surface. Of height and tilt a narrow search knows as much as
-/// a wide one, since the ground is searched widely anyway where little of it is near
+/// For a tracked sensor it corresponds to 0.063 m. Beyond it wide searches are less accurate:
+/// features far apart are not of one surface. About height and tilt a narrow search has as much
+/// information as a wide one, since the ground is searched widely where little of it is near
 /// (MapSearch::ground_reach_m).
 double enough_in_plane_per_m2(SearchFrom from) {
   return from == SearchFrom::kRecognizedPlace ? std::numeric_limits<double>::infinity() : 250.0;
@@ -92,7 +92,7 @@ MapFeatures map_features(const Features& features, const MappingOptions& options
       result.posts_to_register = thin(result.posts, options.located_planar_leaf_m);
     }
   }
-  // Where everything is near, as in a room, that leaves too few.
+  // Where everything is near, as in a room, too few would be left.
   constexpr std::size_t kFew = 300;
   if (result.ground_to_register.size() < kFew) {
     result.ground_to_register = result.ground;
@@ -168,8 +168,8 @@ MapMatches Mapping::matches(const MapFeatures& features, const MappingResult& fo
 bool Mapping::is_keyframe(const Pose& T_map_sensor) const {
   if (keyframes_ == 0) return true;
   const Pose motion = T_map_last_keyframe_.inverse() * T_map_sensor;
-  return motion.translation().norm() >= options_.key_frame_translation_m ||
-         rotation_angle_rad(motion) >= options_.key_frame_rotation_rad;
+  return motion.translation().norm() >= options_.keyframe_translation_m ||
+         rotation_angle_rad(motion) >= options_.keyframe_rotation_rad;
 }
 
 void Mapping::insert(const MapFeatures& features, const Pose& T_map_sensor, const Twist& velocity) {
@@ -199,7 +199,8 @@ void Mapping::insert(const MapFeatures& features, const Pose& T_map_sensor, cons
 }
 
 MapPoints Mapping::slide_window() {
-  return map_.take_not_seen_since(keyframes_ - static_cast<std::uint32_t>(recent_path_m_.size()));
+  return map_.take_not_observed_since(keyframes_ -
+                                      static_cast<std::uint32_t>(recent_path_m_.size()));
 }
 
 MapPoints Mapping::clear_window() {
@@ -209,7 +210,7 @@ MapPoints Mapping::clear_window() {
 
 void Mapping::restore_to_window(MapPoints points) {
   for (auto* kind : {&points.edges, &points.posts, &points.planes}) {
-    for (MapPoint& point : *kind) point.last_seen = keyframes_ - 1;
+    for (MapPoint& point : *kind) point.last_observed = keyframes_ - 1;
   }
   map_.insert(points);
 }

@@ -18,12 +18,12 @@ namespace hqslam::slam {
 /// Features of a scan's measured rows, not corrected for motion, thinned to one per voxel.
 struct MapFeatures {
   std::vector<FeaturePoint> edges;
-  std::vector<FeaturePoint> posts;                 ///< as they were found
+  std::vector<FeaturePoint> posts;                 ///< not thinned
   std::vector<FeaturePoint> ground;                ///< as dense as the map
-  std::vector<FeaturePoint> surfaces;              ///< the same
+  std::vector<FeaturePoint> surfaces;              ///< as dense as the map
   std::vector<FeaturePoint> posts_to_register;     ///< one of a few neighbouring rows
   std::vector<FeaturePoint> ground_to_register;    ///< fewer, where there are many
-  std::vector<FeaturePoint> surfaces_to_register;  ///< the same
+  std::vector<FeaturePoint> surfaces_to_register;  ///< fewer, where there are many
 };
 MapFeatures map_features(const Features& features, const MappingOptions& options);
 
@@ -33,19 +33,19 @@ struct MappingResult {
   Status status = Status::kOk;
   int edge_correspondences = 0;
   int planar_correspondences = 0;
-  /// Of features that are not ground the share that found its line or plane in the last search of
-  /// wide reach: how well a place fits. The ground fits everywhere, and more is found within 1 m
-  /// than within 0.6 m.
+  /// Share of the features other than ground that found a line or plane in the last wide search:
+  /// how well the place fits. The ground fits everywhere, and more is found within 1 m than within
+  /// 0.6 m.
   double inlier_ratio = 0.0;
-  /// Of all lines and planes of features that are not ground the share that the last search found
-  /// within 0.1 m: it tells a place from one half a metre or five degrees beside it, inlier_ratio
-  /// does not.
+  /// Share of all lines and planes of features other than ground that the last search found within
+  /// 0.1 m. Unlike inlier_ratio it distinguishes a place from one half a metre or five degrees
+  /// away.
   double close_ratio = 0.0;
-  bool is_close_search = false;  ///< of the last search: reach and weights, see MapSearch
+  bool is_close_search = false;  ///< whether the last search was a narrow one (MapSearch)
 };
 
-/// Where a search begins: where the scan is expected, or somewhere about a place that was
-/// recognized. There wide searches go on until every direction is observable.
+/// The start of a registration: the expected pose, or one near a recognized place. There wide
+/// searches go on until every direction is observable.
 enum class SearchFrom { kExpectedPose, kRecognizedPlace };
 
 /// Scan-to-map optimisation, and the map.
@@ -54,33 +54,33 @@ enum class SearchFrom { kExpectedPose, kRecognizedPlace };
 /// matched with the line through its five nearest edge points of the map, each post with the
 /// upright line through the nearest one of the map, each planar feature with the plane through its
 /// five nearest planar points; all six parameters are estimated, by a Gauss-Newton step to the most
-/// likely pose given these and the prediction; search and step alternate until the pose stands.
+/// likely pose given these and the prediction; search and step alternate until convergence.
 /// Source: LOAM, section VI; LeGO-LOAM's mapOptmization.
 ///
 /// Differs from LeGO-LOAM: every scan is matched, not every fourth; the map is one incremental
 /// structure (FeatureMap), not rebuilt from keyframes; the weight of a planar feature falls with
 /// its distance from the sensor, not from the origin of the map; planes are fitted about their
-/// centroid, so that a plane through the map's origin is as good as any; lines must be longer and
-/// planes wider than LeGO-LOAM asks; the ground is asked for height, roll and pitch only, as in the
-/// odometry's first step, because the rings that a sensor draws on it would hold the sensor back,
-/// and only where it is flat; surfaces are not asked for height where 25 points of the
-/// ground match; a turn makes a keyframe too; the scan is corrected for motion anew with every
-/// improved pose; features far from their line or plane lose weight; and what was not seen over the
-/// last metres of path leaves a sliding window, until it is restored. A place that is met again
-/// with decimetres of drift would fit half, and tilt or turn the sensor by degrees.
+/// centroid, so that one through the map's origin is possible; lines must be longer and planes
+/// wider; the ground constrains height, roll and pitch only, as in the odometry's first step,
+/// because a scan's rings on it would hold the sensor back, and only where it is flat; surfaces do
+/// not constrain the height where 25 points of the ground match; a rotation makes a keyframe too;
+/// the scan is corrected for motion anew with every improved pose; features far from their line or
+/// plane lose weight; and points that were not observed over the last metres of path leave a
+/// sliding window until they are restored: a place revisited with decimetres of drift would match
+/// in part, and tilt or turn the sensor by degrees.
 class Mapping {
  public:
   /// first_keyframe: the number of the first that is inserted.
   explicit Mapping(const MappingOptions& options, std::uint32_t first_keyframe = 0);
-  /// A given map.
+  /// Registers scans in a given map.
   Mapping(const MappingOptions& options, FeatureMaps map);
 
-  /// In: what is expected without the scan, and how well; a pose to begin the search from.
+  /// In: the expected state with its covariance; the pose from which the search starts.
   MappingResult register_scan(const MapFeatures& features, const MotionState& expected,
                               const Pose& T_map_sensor_start,
                               SearchFrom from = SearchFrom::kExpectedPose) const;
 
-  /// With what each feature is matched there, for whoever wants to look at it.
+  /// The match of each feature at the found pose, for a trace.
   MapMatches matches(const MapFeatures& features, const MappingResult& found) const;
 
   /// Whether the pose is far enough from the last one inserted.
@@ -88,14 +88,14 @@ class Mapping {
   void insert(const MapFeatures& features, const Pose& T_map_sensor, const Twist& velocity);
   std::uint32_t keyframes() const { return keyframes_; }
 
-  /// The sliding window moves on: takes out what was not seen over the last
+  /// Moves the sliding window: takes out the points that were not observed over the last
   /// MappingOptions::recent_path_m.
   MapPoints slide_window();
   /// Takes everything out: the next keyframe is the first of a map of its own.
   MapPoints clear_window();
-  /// Scans are matched with these points again, as if the last keyframe had seen them.
+  /// Puts points back, as if the last keyframe had observed them.
   void restore_to_window(MapPoints points);
-  /// Moves every keyframe with its points; in, per keyframe, T_corrected_map.
+  /// Moves every keyframe with its points; in: T_corrected_map of each keyframe.
   void correct(const std::vector<Pose>& corrections);
 
   const FeatureMaps& map() const { return map_; }

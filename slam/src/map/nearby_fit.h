@@ -11,13 +11,12 @@
 
 namespace hqslam::slam {
 
-/// The line or plane (`Fit`) that the k = kNeighbours points of the map nearest to a feature make,
-/// looked for anew only when they may have become others.
+/// The line or plane (`Fit`) through the k = kNeighbours points of the map nearest to a feature,
+/// with a new search only when they may have changed.
 ///
 /// While a scan is registered its features move by less and less. With d the distance of the last
-/// of the k nearest points and e that of the next, a feature that moved by s still has the same k
-/// if d + s < e - s, so by less than (e - d) / 2; and their fit is the same. LOAM searches in every
-/// iteration.
+/// of the k nearest points and e that of the next, a feature that moved by s < (e - d) / 2 has the
+/// same k nearest points (d + s < e - s), and the same fit. LOAM searches in every iteration.
 template <typename Fit, int kNeighbours = Neighbours::kWanted>
 class NearbyFit {
  public:
@@ -25,8 +24,8 @@ class NearbyFit {
     points_m_.fill(Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()));
   }
 
-  /// query_m: map frame. reach_m: how far the last neighbour may be, at most the map's own reach.
-  /// fit(neighbours): a Fit or nothing, of at least k neighbours. map and fit: the same in every
+  /// query_m: map frame. reach_m: largest distance of the last neighbour, at most the map's own.
+  /// fit(neighbours): a Fit or nothing, for at least k neighbours. map and fit: the same in every
   /// call.
   template <typename Make>
   std::optional<Fit> at(const FeatureMap& map, const Eigen::Vector3f& query_m, double reach_m,
@@ -61,9 +60,9 @@ class NearbyFit {
 
   Eigen::Vector3f query_m_ = Eigen::Vector3f::Zero();
   float last_m_ = 0.0F;
-  float same_within_m_ = 0.0F;  ///< about query_m_; 0: nothing is known
+  float same_within_m_ = 0.0F;  ///< about query_m_; 0: not searched yet
   std::optional<Fit> fit_;
-  std::array<Eigen::Vector3f, kNeighbours> points_m_;  ///< that it was made of; before: not finite
+  std::array<Eigen::Vector3f, kNeighbours> points_m_;  ///< of the fit; NaN before the first
 };
 
 }  // namespace hqslam::slam

@@ -12,7 +12,7 @@ constexpr std::size_t kMaxPoints = 800;
 constexpr double kEdgeLeaf_m = 0.4;
 constexpr double kPlanarLeaf_m = 0.8;
 
-/// Every so many-th point, so that kMaxPoints are left.
+/// Evenly chosen points, kMaxPoints at most.
 std::vector<FeaturePoint> every_nth(const std::vector<FeaturePoint>& points) {
   if (points.size() <= kMaxPoints) return points;
   std::vector<FeaturePoint> result;

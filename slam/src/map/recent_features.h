@@ -9,20 +9,20 @@
 
 namespace hqslam::slam {
 
-/// What the sensor saw over the last metres of the path: a denser picture of the place than one
-/// scan gives, above all with few rows, and harder to mistake for another place.
+/// The features of the last scans together: a denser picture of the place than one scan, above all
+/// with few rows, and less ambiguous.
 class RecentFeatures {
  public:
   explicit RecentFeatures(std::size_t max_scans) : max_scans_(max_scans) {}
 
-  /// Keeps the features of a scan and forgets those of the oldest beyond max_scans.
+  /// Adds the features of a scan and drops those of the oldest beyond max_scans.
   void add(const MapFeatures& features, const Pose& T_map_sensor, const Twist& velocity);
 
-  /// The map was corrected: so are the poses of the scans, which all moved with the last of them.
+  /// Applies a correction of the map, that of the last keyframe, to the poses of the scans.
   void correct(const Pose& T_corrected_map);
 
   /// All features within 35 m of the last scan's sensor, in its frame, thinned, at most 800 of each
-  /// kind. Edges and what is for registration are filled.
+  /// kind: edges, ground_to_register and surfaces_to_register.
   MapFeatures about_last() const;
 
  private:

@@ -15,8 +15,8 @@ namespace hqslam::slam {
 
 namespace {
 
-/// The pixel nearest to a point. What differs in range by d is at least d away, so pixels are
-/// looked at from the point's own range outwards, until none can be nearer.
+/// The pixel nearest to a point. A pixel whose range differs by d is at least d away, so pixels are
+/// visited from the point's own range outwards until none can be nearer.
 class NearestPixel {
  public:
   explicit NearestPixel(const OrganizedCloud& cloud) : cloud_(cloud) {
@@ -26,7 +26,7 @@ class NearestPixel {
     std::ranges::sort(by_range_);
   }
 
-  /// Of several as near the first one; 0 where the cloud has no return.
+  /// The first of several at equal distance; 0 if the cloud has no return.
   std::size_t of(const Eigen::Vector3f& point_m) const {
     const float range_m = point_m.norm();
     const auto start = std::ranges::lower_bound(by_range_, std::pair(range_m, std::size_t(0)));
@@ -49,7 +49,7 @@ class NearestPixel {
   std::vector<std::pair<float, std::size_t>> by_range_;
 };
 
-/// The features as they were found, at their pixels.
+/// The features of a kind as measured, at their pixels.
 void trace_kind(FeatureKind kind, const std::vector<FeaturePoint>& points,
                 const NearestPixel& nearest, ScanTrace& trace) {
   const auto columns = static_cast<std::size_t>(trace.cloud.columns);
@@ -88,7 +88,7 @@ void trace_matches(const std::vector<std::optional<Constraint>>& matches,
   }
 }
 
-/// The same, corrected for motion, and not matched yet. Out: the next feature.
+/// The features of a kind, corrected for motion and unmatched. Out: the next feature.
 TracedFeature* correct_kind(const std::vector<FeaturePoint>& points, const Twist& velocity,
                             TracedFeature* feature) {
   for (const Eigen::Vector3f& point_m : motion_corrected(points, velocity)) {

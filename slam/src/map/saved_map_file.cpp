@@ -31,28 +31,29 @@ NpzArray array_of(const std::vector<Eigen::Vector3f>& points_m) {
   return npz_array(values, {static_cast<std::int64_t>(points_m.size()), 3});
 }
 
-/// The arrays of a file, asked for by name.
+/// The arrays of a map's file by their names.
 class MapFile {
  public:
   explicit MapFile(const std::string& path) : path_(path), arrays_(read_npz(path, kLargestBytes)) {
     if (!arrays_.contains("format") ||
         text_value(arrays_.at("format"), path + ": format") != kFormat) {
-      refuse("is no map saved by hqslam run --save-map");
+      refuse("expected a map saved by hqslam run --save-map, found another archive");
     }
   }
 
   [[noreturn]] void refuse(const std::string& what) const {
-    throw Error("{}: {}; save the map anew", path_, what);
+    throw Error("{}: {}; save the map again", path_, what);
   }
 
   /// An array of `rows` x the rest of a shape, any number of rows.
   const NpzArray& at(const std::string& name, const Shape& row_shape) const {
     const auto found = arrays_.find(name);
-    if (found == arrays_.end()) refuse(fmt::format("has no array {}", name));
+    if (found == arrays_.end()) refuse(fmt::format("expected an array {}, found none", name));
     const Shape& shape = found->second.shape;
     if (shape.size() != row_shape.size() + 1 ||
         !std::equal(row_shape.begin(), row_shape.end(), shape.begin() + 1)) {
-      refuse(fmt::format("array {} has another shape than it should", name));
+      refuse(fmt::format("array {}: expected rows of {}, found another shape", name,
+                         fmt::join(row_shape, " x ")));
     }
     return found->second;
   }
@@ -60,18 +61,20 @@ class MapFile {
   template <typename Value>
   void require_finite(const std::vector<Value>& values, const std::string& name) const {
     for (const Value value : values) {
-      if (!std::isfinite(value)) refuse(fmt::format("array {} has numbers not finite", name));
+      if (!std::isfinite(value)) {
+        refuse(fmt::format("array {}: expected finite numbers, found {}", name, value));
+      }
     }
   }
 
-  /// No drive leads farther, and no map keeps what lies there.
+  /// Coordinates beyond kFarthest_m are outside of every map.
   template <typename Value>
   void require_within_reach(const std::vector<Value>& values, const std::string& name) const {
     require_finite(values, name);
     for (const Value value : values) {
       if (!(std::abs(value) <= kFarthest_m)) {
-        refuse(fmt::format("array {} has a coordinate of {} m, expected at most {} m", name, value,
-                           kFarthest_m));
+        refuse(fmt::format("array {}: expected coordinates up to {} m, found {} m", name,
+                           kFarthest_m, value));
       }
     }
   }
@@ -86,13 +89,13 @@ class MapFile {
     return points;
   }
 
-  /// Of so many points. Maps of recordings without intensities have none.
+  /// The intensities of an array of points; empty for recordings without.
   std::vector<float> intensity(const std::string& name, std::size_t points) const {
     if (!arrays_.contains(name)) return {};
     std::vector<float> values = float_values(at(name, {}), path_ + ": " + name);
     if (values.size() != points) {
-      refuse(fmt::format("array {} has {} numbers, expected one for each of {} points", name,
-                         values.size(), points));
+      refuse(fmt::format("array {}: expected one number for each of {} points, found {}", name,
+                         points, values.size()));
     }
     return values;
   }
@@ -106,7 +109,10 @@ class MapFile {
     require_within_reach(poses, "T_map_place");
     require_finite(contexts, "place_contexts");
     const std::size_t count = poses.size() / 12;
-    if (contexts.size() != count * kContextSize) refuse("has poses and contexts of other places");
+    if (contexts.size() != count * kContextSize) {
+      refuse(fmt::format("expected a context for each of {} places, found {}", count,
+                         contexts.size() / kContextSize));
+    }
     std::vector<SavedPlace> result(count);
     for (std::size_t i = 0; i < count; ++i) {
       result[i] = {pose(&poses[12 * i]), context(&contexts[i * kContextSize])};
@@ -121,7 +127,7 @@ class MapFile {
     const Eigen::Matrix3d rotation = result.linear();
     if (!(rotation * rotation.transpose()).isIdentity(kRotationTolerance) ||
         rotation.determinant() < 0.0) {
-      refuse("a place's pose is no rigid motion");
+      refuse("array T_map_place: expected rotations, found another matrix");
     }
     return result;
   }
@@ -132,7 +138,7 @@ class MapFile {
         Eigen::Matrix<float, ScanContext::kRings, ScanContext::kSectors, Eigen::RowMajor>::Map(
             rows);
     for (int sector = 0; sector < ScanContext::kSectors; ++sector) {
-      result.seen[sector] = result.unit_sectors.col(sector).norm() > 0.0F;
+      result.has_returns[sector] = result.unit_sectors.col(sector).norm() > 0.0F;
     }
     return result;
   }

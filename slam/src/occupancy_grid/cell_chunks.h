@@ -10,7 +10,7 @@
 
 namespace hqslam::slam {
 
-/// Cells of a plane, in squares of 64 x 64 that are there where anything was said of one.
+/// Cells of a plane, in squares of 64 x 64 that exist where a cell was added.
 template <typename Cell>
 class CellChunks {
  public:

@@ -9,15 +9,15 @@ namespace {
 
 constexpr double kReach_m = 3.0;
 constexpr double kSteepest = 0.25;
-/// Fewer in a cell may be a car's bumper, or a reflection below the street.
+/// Fewer points in a cell may be a car's bumper, or a reflection below the street.
 constexpr std::uint32_t kFewestPoints = 3;
 
 }  // namespace
 
 void GroundHeights::add(const Eigen::Vector3d& point_m) {
-  Seen& seen = seen_.find_or_add(cell_of(point_m.head<2>()));
-  seen.height_sum_mm += std::llround(1e3 * point_m.z());
-  ++seen.points;
+  Sum& sum = sums_.find_or_add(cell_of(point_m.head<2>()));
+  sum.height_sum_mm += std::llround(1e3 * point_m.z());
+  ++sum.points;
 }
 
 std::optional<double> GroundHeights::at(const Eigen::Vector2d& place_m) const {
@@ -36,9 +36,9 @@ void GroundHeights::lower(const Eigen::Vector2i& cell, double height_m) {
 
 void GroundHeights::settle() {
   constexpr int kReach = static_cast<int>(kReach_m / kCell_m);
-  seen_.for_each([&](const Eigen::Vector2i& cell, const Seen& seen) {
-    if (seen.points < kFewestPoints) return;
-    const double mean_m = 1e-3 * static_cast<double>(seen.height_sum_mm) / seen.points;
+  sums_.for_each([&](const Eigen::Vector2i& cell, const Sum& sum) {
+    if (sum.points < kFewestPoints) return;
+    const double mean_m = 1e-3 * static_cast<double>(sum.height_sum_mm) / sum.points;
     for (int dy = -kReach; dy <= kReach; ++dy) {
       for (int dx = -kReach; dx <= kReach; ++dx) {
         const double distance_m = kCell_m * std::hypot(dx, dy);
@@ -47,7 +47,7 @@ void GroundHeights::settle() {
       }
     }
   });
-  seen_ = {};
+  sums_ = {};
 }
 
 }  // namespace hqslam::slam

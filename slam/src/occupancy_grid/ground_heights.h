@@ -8,22 +8,22 @@
 
 namespace hqslam::slam {
 
-/// How high the ground is, from places where it was seen; see OccupancyGrid. Map frame.
+/// Heights of the ground in the map frame, from points on it (OccupancyGrid).
 class GroundHeights {
  public:
   static constexpr double kCell_m = 0.5;
 
-  /// Whether a point can be counted in cells at all: within 1,000 km, and finite.
+  /// Whether a point is finite and within 1,000 km, so that its cell has a number.
   static bool is_near(const Eigen::Vector3d& point_m) {
     return (point_m.cwiseAbs().array() < kFarthest_m).all();
   }
-  /// A point that is near.
+  /// In: a point that is near.
   void add(const Eigen::Vector3d& point_m);
-  /// Of a place, once all points are in and `settle` was called; nothing where none is near.
-  std::optional<double> at(const Eigen::Vector2d& place_m) const;
-  /// The lower envelope of what was added.
+  /// Computes the lower envelope of all points.
   void settle();
-  /// Calls visit(square) for each of kCell_m where `at` knows it.
+  /// The height at a place, after `settle`; nothing where no ground is within reach.
+  std::optional<double> at(const Eigen::Vector2d& place_m) const;
+  /// Calls visit(square) for each square of kCell_m with a height.
   template <typename Visit>
   void for_each_known(const Visit& visit) const {
     heights_.for_each([&](const Eigen::Vector2i& cell, const Height& height) {
@@ -34,8 +34,8 @@ class GroundHeights {
 
  private:
   static constexpr double kFarthest_m = 1e6;
-  /// Sums are whole numbers, so that the order of the points does not matter.
-  struct Seen {
+  /// Sums are integers, so that the order of the points does not matter.
+  struct Sum {
     std::int64_t height_sum_mm = 0;
     std::uint32_t points = 0;
   };
@@ -48,7 +48,7 @@ class GroundHeights {
   }
   void lower(const Eigen::Vector2i& cell, double height_m);
 
-  CellChunks<Seen> seen_;
+  CellChunks<Sum> sums_;
   CellChunks<Height> heights_;
 };
 

@@ -20,24 +20,24 @@ namespace hqslam::slam {
 namespace {
 
 constexpr double kMostCells = 4e8;
-/// Of its way a beam says nothing about what it met, or nearly met.
+/// The last cells of a beam are not crossed: they belong to the surface that it met.
 constexpr double kEnd_cells = 1.5;
 
-/// On its way to a surface that it meets at a grazing angle a beam passes cells of that surface:
-/// what is so much nearer to its end is not seen through (dense_map/see_through.h has the formula).
+/// The distance up to which a beam votes: nearer to its end it may run along the surface that it
+/// meets (the formula of dense_map/see_through.h).
 double seen_through_m(double range_m, double cell_m) {
   return range_m - 0.3 - cell_m * range_m / 1.5;
 }
 
 struct Cell {
-  std::uint32_t last_scan = 0;    ///< that said something, counted from 1
-  std::uint16_t times_empty = 0;  ///< scans that saw through it, or its ground; saturates
+  std::uint32_t last_scan = 0;    ///< the last that voted, counted from 1
+  std::uint16_t times_empty = 0;  ///< scans whose beams crossed it or met its ground; saturates
   std::uint8_t is_free = 0;
-  std::uint8_t top = 0;  ///< of what any scan has there, kTop_m each; over a bonnet one can look
+  std::uint8_t top = 0;  ///< height of the highest obstacle point above the ground, in kTop_m
 };
 constexpr double kTop_m = 0.1;
 
-/// One vote against it, unless this scan had its vote.
+/// One vote against a cell, unless this scan has voted.
 void vote_empty(Cell& cell, std::uint32_t scan) {
   if (std::atomic_ref(cell.last_scan).exchange(scan, std::memory_order_relaxed) == scan) return;
   if (cell.times_empty < std::numeric_limits<std::uint16_t>::max()) ++cell.times_empty;
@@ -52,7 +52,7 @@ DenseMapOptions obstacle_options(const OccupancyGridOptions& options) {
   return obstacles;
 }
 
-/// The points of a scan in the map's frame; not finite where there is none, or none so near.
+/// The points of a scan in the map's frame; NaN where there is no return within max_range_m.
 std::vector<Eigen::Vector3d> points_in_map_m(const OrganizedCloud& cloud, const MappedScan& scan,
                                              double max_range_m) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -81,7 +81,7 @@ struct OccupancyGrid::Implementation {
   OccupancyGridOptions options;
   GroundHeights ground;
   DenseMap obstacles;
-  CellChunks<Cell> cells;   ///< above known ground; none are added once it is settled
+  CellChunks<Cell> cells;   ///< above known ground; complete once that is settled
   std::uint32_t scans = 0;  ///< calls of see_through so far
   bool settled = false;
 
@@ -97,7 +97,7 @@ struct OccupancyGrid::Implementation {
   CellChunks<std::uint32_t> times_seen() const;
 };
 
-/// No more is said of the ground. Cells are made here, so that threads need not.
+/// Ends the collection of the ground and makes all cells, so that threads need not add any.
 void OccupancyGrid::Implementation::settle() {
   if (settled) return;
   settled = true;
@@ -110,7 +110,7 @@ void OccupancyGrid::Implementation::settle() {
   });
 }
 
-/// Obstacles that a scan has in a cell silence all that it says against it.
+/// A scan with an obstacle in a cell does not vote against it.
 void OccupancyGrid::Implementation::mark_ends(const std::vector<Eigen::Vector3d>& points_m) {
   std::vector<Cell*> grounds;
   for (const Eigen::Vector3d& point_m : points_m) {
@@ -132,7 +132,7 @@ void OccupancyGrid::Implementation::mark_ends(const std::vector<Eigen::Vector3d>
 /// May be called from many threads at once.
 void OccupancyGrid::Implementation::mark_passed(const Eigen::Vector3d& origin_m,
                                                 const Eigen::Vector3d& end_m, double near_m) {
-  const double length_m = (end_m - origin_m).head<2>().norm();  // seen from above, as all here
+  const double length_m = (end_m - origin_m).head<2>().norm();  // horizontal, as all lengths here
   const double passed_m = length_m - kEnd_cells * options.resolution_m;
   if (!(passed_m > 0.0 && GroundHeights::is_near(origin_m))) return;
   const double rise = (end_m.z() - origin_m.z()) / length_m;
@@ -161,7 +161,7 @@ void OccupancyGrid::Implementation::mark_passed(const Eigen::Vector3d& origin_m,
   });
 }
 
-/// Scans with a point in a voxel of an obstacle, those above each other together.
+/// Per cell the sum over its voxels of the scans with a point in each.
 CellChunks<std::uint32_t> OccupancyGrid::Implementation::times_seen() const {
   CellChunks<std::uint32_t> times_seen;
   for (const DenseMapPoint& point : obstacles.points()) {
@@ -180,8 +180,8 @@ void OccupancyGrid::add_ground(const OrganizedCloud& measured, const SensorModel
                                const SensorPath& path) {
   const MappedScan scan(measured, path);
   if (measured.rows != sensor.rows() || measured.columns != sensor.columns) {
-    throw Error("occupancy grid: a scan of {}x{} pixels, expected the sensor's {}x{}",
-                measured.rows, measured.columns, sensor.rows(), sensor.columns);
+    throw Error("occupancy grid: expected a scan of the sensor's {}x{} pixels, found {}x{}",
+                sensor.rows(), sensor.columns, measured.rows, measured.columns);
   }
   Implementation& self = *implementation_;
   const std::vector<Eigen::Vector3d> points_m =
@@ -229,7 +229,7 @@ void OccupancyGrid::see_through(const OrganizedCloud& measured, const SensorPath
   const std::vector<Eigen::Vector3d> points_m =
       points_in_map_m(measured, scan, self.options.max_range_m);
   self.mark_ends(points_m);
-  // Farther away beams have room for a post between them.
+  // Farther away a post fits between two beams.
   const double near_m = self.options.resolution_m * measured.columns / (2.0 * std::numbers::pi);
 #pragma omp parallel for schedule(dynamic, 64)
   for (std::size_t pixel = 0; pixel < points_m.size(); ++pixel) {
@@ -252,16 +252,17 @@ OccupancyMap OccupancyGrid::map() const {
   });
   if (known.isEmpty()) {
     throw Error(
-        "occupancy grid: no ground was seen; expected a sensor that sees it, and poses in a frame "
-        "whose z axis points up");
+        "occupancy grid: expected ground below the sensor, found none; give poses in a frame whose "
+        "z axis points up");
   }
   OccupancyMap map;
   map.resolution_m = self.options.resolution_m;
   map.origin_m = map.resolution_m * known.min().cast<double>();
   const Eigen::Vector2d size = (known.sizes().cast<double>().array() + 1.0);
   if (size.prod() > kMostCells) {
-    throw Error("occupancy grid: {} x {} cells of {} m, expected {} at most; give larger cells",
-                size.x(), size.y(), map.resolution_m, kMostCells);
+    throw Error(
+        "occupancy grid: expected at most {} cells, found {} x {} of {} m; give larger ones",
+        kMostCells, size.x(), size.y(), map.resolution_m);
   }
   map.columns = static_cast<int>(size.x());
   map.rows = static_cast<int>(size.y());
@@ -277,7 +278,7 @@ OccupancyMap OccupancyGrid::map() const {
 bool OccupancyGrid::is_full() const { return implementation_->obstacles.is_full(); }
 
 Occupancy OccupancyMap::at(const Eigen::Vector2d& place_m) const {
-  const Eigen::Vector2d cell = ((place_m - origin_m) / resolution_m).array().floor();
+  const Eigen::Array2d cell = ((place_m - origin_m) / resolution_m).array().floor();
   if (!(cell.x() >= 0.0 && cell.y() >= 0.0 && cell.x() < columns && cell.y() < rows)) {
     return Occupancy::kUnknown;
   }

@@ -20,10 +20,10 @@ constexpr std::array<std::uint8_t, 3> kShades = {205, 254, 0};  ///< by Occupanc
 
 /// "key: value" per line, comments from # on; nothing is nested in such a file.
 std::map<std::string, std::string> yaml_fields(const std::string& text) {
-  const auto trimmed = [](std::string part) {
-    part.erase(0, std::min(part.size(), part.find_first_not_of(" \t\r\"'")));
-    part.erase(part.find_last_not_of(" \t\r\"'") + 1);
-    return part;
+  const auto trimmed = [](std::string word) {
+    word.erase(0, std::min(word.size(), word.find_first_not_of(" \t\r\"'")));
+    word.erase(word.find_last_not_of(" \t\r\"'") + 1);
+    return word;
   };
   std::map<std::string, std::string> fields;
   for (std::size_t at = 0; at < text.size();) {
@@ -38,19 +38,19 @@ std::map<std::string, std::string> yaml_fields(const std::string& text) {
   return fields;
 }
 
-/// What a map's .yaml file says.
+/// The fields of a map's .yaml file.
 struct MapDescription {
   std::string path;
   std::map<std::string, std::string> fields;
 
   [[noreturn]] void fail(const std::string& field, const std::string& expected) const {
     const auto found = fields.find(field);
-    throw Error("{}: {} is {}, expected {}", path, field,
-                found == fields.end() ? "not there" : '"' + excerpt(found->second) + '"', expected);
+    throw Error("{}: {}: expected {}, found {}", path, field, expected,
+                found == fields.end() ? "nothing" : '"' + excerpt(found->second) + '"');
   }
   const std::string& text(const std::string& field) const {
     const auto found = fields.find(field);
-    if (found == fields.end() || found->second.empty()) fail(field, "one, as in a map of Nav2's");
+    if (found == fields.end() || found->second.empty()) fail(field, "a value, as in a map of Nav2");
     return found->second;
   }
   double number(const std::string& field, double low, double high) const {
@@ -63,7 +63,7 @@ struct MapDescription {
     }
     return number;
   }
-  /// Of [x, y, yaw], which must not be turned.
+  /// x and y of [x, y, yaw]; the yaw must be 0.
   Eigen::Vector2d origin_m() const {
     constexpr double kFarthestOrigin_m = 1e7;
     std::array<double, 3> values{};
@@ -90,7 +90,7 @@ struct GreyImage {
   std::string pixels;
 };
 
-/// The next number of a PGM's header; at moves behind it and the one character that follows.
+/// The next number of a PGM's header; `at` moves past it and the one character that follows.
 int pgm_number(const std::string& bytes, std::size_t& at, const std::string& path) {
   while (at < bytes.size() &&
          (bytes[at] == '#' || std::isspace(static_cast<unsigned char>(bytes[at])) != 0)) {
@@ -100,7 +100,7 @@ int pgm_number(const std::string& bytes, std::size_t& at, const std::string& pat
   const char* const begin = bytes.data() + at;
   const auto read = std::from_chars(begin, bytes.data() + bytes.size(), number);
   if (read.ec != std::errc() || number <= 0) {
-    throw Error("{}: expected an image of type P5 (PGM, binary) with a size, found neither", path);
+    throw Error("{}: expected a binary PGM image (P5) with its size, found another file", path);
   }
   at = std::min(at + static_cast<std::size_t>(read.ptr - begin) + 1, bytes.size());
   return number;

@@ -4,7 +4,9 @@
 
 #include "error_message.h"
 #include "golden.h"
+#include "golden_folder.h"
 #include "hqslam/core/error.h"
+#include "hqslam/nn/compare/compared_networks.h"
 #include "parameters.h"
 #include "small_network.h"
 #include "srae.h"
@@ -63,7 +65,7 @@ std::vector<TrainingSample> batch_of(const Golden& golden) {
 
 }  // namespace
 
-TEST_CASE("SRAE and TULIP say what their PyTorch modules say, with every instruction set") {
+TEST_CASE("SRAE and TULIP equal their PyTorch modules with every instruction set") {
   for (const NetworkCase& c : network_cases()) {
     const Golden golden("exported_" + c.name);
     for (const InstructionSet instruction_set : available_instruction_sets()) {
@@ -82,7 +84,7 @@ TEST_CASE("loss and gradients of a batch equal PyTorch's, dropout and batch norm
     CAPTURE(c.name);
     const Golden golden(c.name);
     const std::vector<ParameterShape> shapes = parameter_shapes(c.description);
-    const auto network = network_of(c);
+    const auto network = trainable(c.description, exported("exported_" + c.name, shapes));
     std::vector<float> d_parameters(elements(shapes));
     const double loss = network->add_gradients(batch_of(golden), {},
                                                std::vector<std::uint64_t>{5, 7000}, d_parameters);
@@ -165,9 +167,27 @@ TEST_CASE("rows and sizes that do not fit are refused with what would") {
   CHECK_THROWS_AS(make_network(tulip, 32, chosen_instruction_set(), 1), Error);  // half a window
 }
 
-TEST_CASE("an image of another size is refused") {
-  const auto network = network_of(small_tulip());
-  CHECK_THROWS_AS(network->upsample(RangeImage(4, 32), 0.5F), Error);
+TEST_CASE("the self-test of SRAE's weights finds a changed value in every array of the encoder") {
+  const std::string path = golden_folder() + "/../../weights/srae_4_os1_16to64.npz";
+  const Weights weights = read_weights(path, all_architectures());
+  const NetworkDescription& description = weights.description;
+  const auto network = made(description, weights.parameters, 2, chosen_instruction_set(), 1024);
+  const auto check = [&] {
+    return test::error_message(
+        [&] { check_self_test(*network, description, weights.self_test, path); });
+  };
+  CHECK(check() == "no Error");
+  std::size_t begin = 0;
+  for (const ParameterShape& shape : parameter_shapes(description)) {
+    const std::size_t middle = begin + static_cast<std::size_t>(shape.elements()) / 2;
+    begin += static_cast<std::size_t>(shape.elements());
+    if (!shape.name.starts_with("encoder.")) continue;
+    CAPTURE(shape.name);
+    std::vector<float> damaged = weights.parameters;
+    damaged[middle] += damaged[middle] > 0.0F ? -1.0F : 1.0F;
+    network->set_parameters(damaged);
+    CHECK(test::one_line_with(check(), path, "self-test", "damaged"));
+  }
 }
 
 }  // namespace hqslam::nn

@@ -79,6 +79,7 @@ std::vector<float> values_of(const std::vector<Tensor>& scans) {
 
 /// A batch and all that a layer makes of it.
 struct Batch {
+  Engine engine;
   std::unique_ptr<Layer> layer;
   std::vector<std::vector<Tensor>> inputs;  ///< input, scan
   std::vector<std::vector<Tensor>> d_inputs;
@@ -105,7 +106,13 @@ struct Batch {
           {.input = &inputs[0][scan], .d_output = &before[scan], .d_input = &d_inputs[0][scan]});
       if (inputs.size() > 1) all.back().d_second = &d_inputs[1][scan];
     }
-    layer->backward(all, d_parameters);
+    if (auto* convolution = dynamic_cast<ConvolutionLayer*>(layer.get())) {
+      ConvolutionBackward of_convolution(*convolution, engine);
+      of_convolution.set_parameters(parameters);
+      of_convolution.backward(all, d_parameters);
+    } else {
+      dynamic_cast<LayerBackward&>(*layer).backward(all, d_parameters);
+    }
   }
   /// The sum of outputs times d_output.
   double loss() {
@@ -113,7 +120,11 @@ struct Batch {
       for (Tensor& scan : input) scan.fill_borders();
     }
     layer->set_parameters(parameters);
-    layer->forward_batch(passes());
+    if (auto* trainable = dynamic_cast<TrainableLayer*>(layer.get())) {
+      trainable->forward_batch(passes());
+    } else {
+      for (const LayerPass& pass : passes()) layer->forward(pass);
+    }
     const std::vector<float> values = values_of(output);
     const std::vector<float> factors = values_of(d_output);
     double sum = 0.0;
@@ -126,6 +137,7 @@ struct Batch {
 
 Batch golden_batch(const Golden& golden, const LayerCase& c, const Engine& engine) {
   Batch batch;
+  batch.engine = engine;
   std::vector<TensorShape> shapes;
   for (int i = 0; golden.has(fmt::format("{}.input.{}", c.name, i)); ++i) {
     batch.inputs.push_back(scans_of(golden, fmt::format("{}.input.{}", c.name, i), c.padding));

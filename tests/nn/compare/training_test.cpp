@@ -85,7 +85,7 @@ TEST_CASE("weight decay pulls at the weights of convolutions and linear layers a
   CHECK(decaying > 5);
 }
 
-TEST_CASE("processes cannot share a batch whose scans see each other") {
+TEST_CASE("processes cannot share the batch of a network with batch norm") {
   CHECK(
       test::one_line_with(message_of_two_ranks(srae_to_train(2), 4), "batch norm", "2 processes"));
 }

@@ -25,7 +25,7 @@ slam::Drift sixteen_rows() { return slam::Drift(sensor_preset("os1-16")); }
 
 const MotionState kExact = known_to(0.0);
 
-/// Of the pose of a scan with this state.
+/// The covariance of the pose of a scan with this state.
 Matrix6 covariance_of(const slam::Drift& drift, const MotionState& state,
                       const Pose& motion = Pose::Identity()) {
   return drift.covariance(motion, drift.against_map(state));
@@ -68,7 +68,7 @@ TEST_CASE("a scan against the map: each axis by its factor, whatever the rows") 
   }
 }
 
-TEST_CASE("where little is seen of what stands x, y and yaw are less certain than they say") {
+TEST_CASE("with few upright objects x, y and yaw are less certain than their information") {
   const slam::Drift drift = sixteen_rows();
   const auto of_stated = [&](double sigma_m, int axis) {
     return covariance_of(drift, known_to(sigma_m))(axis, axis) / (sigma_m * sigma_m);
@@ -116,7 +116,7 @@ TEST_CASE("a sensor that is shaken from the first scan on is known to be from th
   CHECK(covariance_of(drift, kExact)(4, 4) == doctest::Approx(0.0097 * std::pow(0.1 * 1.0, 2)));
 }
 
-TEST_CASE("what the first scans are off by as they are shaken stays in the map for good") {
+TEST_CASE("errors of the first scans of a shaken sensor remain in the map") {
   slam::Drift drift = sixteen_rows();
   Twist velocity;
   for (int i = 0; i < 500; ++i) {
@@ -126,7 +126,7 @@ TEST_CASE("what the first scans are off by as they are shaken stays in the map f
   for (int i = 0; i < 1000; ++i) drift.grow(test::at_x(0.02), kExact, true);
   for (int i = 0; i < 500; ++i) drift.learn(velocity);
   const Matrix6 covariance = covariance_of(drift, kExact);
-  // Once, and 1.35 % a metre of what later ones are off by.
+  // Once, and 1.35 % a metre of the errors of later ones.
   CHECK(covariance(4, 4) - covariance(3, 3) ==
         doctest::Approx((1.0 + 0.0135 * 20.0) * 0.0097 * std::pow(0.1 * 1.0, 2)).epsilon(0.01));
 }
@@ -137,22 +137,22 @@ TEST_CASE("a start tilts the map within the first metres, by the spacing of the 
   for (int i = 0; i < 1000; ++i) drift.grow(test::at_x(kPath_m / 1000), kExact, true);
   const Matrix6 covariance = covariance_of(drift, kExact);
   const double tilt_rad = 0.019 * 0.0368;
-  const double lean_rad2_per_m = std::pow(1.2e-4, 2);  // what gravity leaves of beams that are off
+  const double lean_rad2_per_m = std::pow(1.2e-4, 2);  // rest of the lean after levelling
   const auto of_start = [&](int axis) {
     return covariance(axis, axis) - lean_rad2_per_m * kPath_m;
   };
   CHECK(std::sqrt(of_start(3)) / tilt_rad == doctest::Approx(1.0).epsilon(0.03));
   CHECK(std::sqrt(of_start(4)) / tilt_rad == doctest::Approx(1.0).epsilon(0.03));
   CHECK(covariance(5, 5) == 0.0);
-  // A pitch for 17 m or so leads up or down by that times the way, a lean that grows along it less.
+  // A pitch over 17 m raises or lowers the end by their product, a lean that grows along it by
+  // less.
   const double by_lean_m2 = lean_rad2_per_m * std::pow(kPath_m, 3) / 3.0;
   const double aside_m = std::sqrt(covariance(2, 2) - by_lean_m2);
   CHECK(aside_m > 16.0 * tilt_rad);
   CHECK(aside_m < 19.0 * tilt_rad);
 }
 
-TEST_CASE(
-    "beams that are off make it lean by the root of the path, less so where gravity levels it") {
+TEST_CASE("beam errors make it lean by the root of the path, less where gravity levels it") {
   const auto sigma_after = [](int steps_m, bool is_levelled, int at) {
     slam::Drift drift = sixteen_rows();
     for (int i = 0; i < steps_m; ++i) drift.grow(test::at_x(1.0), kExact, is_levelled);
@@ -166,7 +166,7 @@ TEST_CASE(
   CHECK(sigma_after(400, true, kAhead) == doctest::Approx(3.2e-3 * 20.0).epsilon(0.01));
 }
 
-TEST_CASE("what is known of the last scan is carried along to this one") {
+TEST_CASE("the covariance of the last scan is carried to this one") {
   slam::Drift drift = with_heading_lost();
   CHECK(covariance_of(drift, kExact, test::at_x(20.0))(1, 1) == doctest::Approx(4.0));
   slam::Drift moved = drift;
@@ -174,7 +174,7 @@ TEST_CASE("what is known of the last scan is carried along to this one") {
   CHECK(covariance_of(moved, kExact).isApprox(covariance_of(drift, kExact, test::at_x(20.0))));
 }
 
-TEST_CASE("a heading that is off leads aside") {
+TEST_CASE("an error of the heading becomes one across the path") {
   slam::Drift drift = with_heading_lost();
   const double before_m2 = covariance_of(drift, kExact)(1, 1);
   drift.grow(test::at_x(20.0), kExact);
@@ -182,7 +182,7 @@ TEST_CASE("a heading that is off leads aside") {
   CHECK(covariance_of(drift, kExact)(5, 5) >= doctest::Approx(0.01));
 }
 
-TEST_CASE("what nothing measured stays uncertain for good") {
+TEST_CASE("unmeasured motion stays uncertain") {
   slam::Drift drift = sixteen_rows();
   const double before_m2 = covariance_of(drift, kExact)(0, 0);
   drift.lose(9.0 * Matrix6::Identity(), false);
@@ -190,7 +190,7 @@ TEST_CASE("what nothing measured stays uncertain for good") {
   CHECK(covariance_of(drift, kExact)(0, 0) - before_m2 >= doctest::Approx(9.0));
 }
 
-TEST_CASE("a loop takes away what was not measured, but not what has come up since") {
+TEST_CASE("a loop removes the unmeasured covariance, but not the drift since") {
   for (const bool is_carried : {false, true}) {
     CAPTURE(is_carried);
     slam::Drift drift = sixteen_rows();
@@ -205,7 +205,7 @@ TEST_CASE("a loop takes away what was not measured, but not what has come up sin
     found.set(improved(drift.state(), {before, after}, test::at_x(5.0), true));
     const double of_drift_m2 = covariance_of(never_lost, kExact)(0, 0);
     CHECK(covariance_of(found, kExact)(0, 0) == doctest::Approx(of_drift_m2 + 1e-4));
-    // Where the way was lost again since, nothing follows for the pose now.
+    // If tracking was lost again since, nothing follows for the present pose.
     slam::Drift lost_again = drift;
     lost_again.lose(4.0 * Matrix6::Identity(), true);
     lost_again.set(improved(lost_again.state(), {before, after}, test::at_x(5.0), false));

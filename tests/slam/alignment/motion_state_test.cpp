@@ -69,9 +69,9 @@ TEST_CASE("covariance is carried as random errors of the start are") {
     Vector6 error = Vector6::Constant(0.3 * kError);
     error[i] = kError;
     state.covariance.topLeftCorner<6, 6>() += error * error.transpose();
-    test::SteadyDrive off = drive;
-    off.T_start = drive.T_start * exponential(slam::twist_of(error));
-    const Vector6 later = slam::vector_of(logarithm(drive.at(0.9).inverse() * off.at(0.9)));
+    test::SteadyDrive moved = drive;
+    moved.T_start = drive.T_start * exponential(slam::twist_of(error));
+    const Vector6 later = slam::vector_of(logarithm(drive.at(0.9).inverse() * moved.at(0.9)));
     expected += later * later.transpose();
   }
   const MotionState later = slam::predicted(state, 0.9, kLong_s, Vector6::Zero());

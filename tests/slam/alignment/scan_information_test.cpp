@@ -62,12 +62,12 @@ MotionState standing(double sigma_m, double sigma_mps) {
 TEST_CASE("the gradient and the information are those of the weighted squares") {
   const Eigen::Matrix3d R = pose_from_xyz_rpy({0, 0, 0}, 0.2, -0.4, 1.1).linear();
   const auto constraints = constraints_about(R, 60);
-  const ScanInformation told = slam::scan_information(constraints, R);
+  const ScanInformation found = slam::scan_information(constraints, R);
   constexpr double kStep = 1e-5;
   for (int i = 0; i < 6; ++i) {
     const Vector6 e = kStep * Vector6::Unit(i);
     const double slope = (cost(constraints, R, e) - cost(constraints, R, -e)) / (2 * kStep);
-    CHECK(told.gradient[i] == doctest::Approx(slope).epsilon(1e-5));
+    CHECK(found.gradient[i] == doctest::Approx(slope).epsilon(1e-5));
   }
   // Where all residuals are zero, information is curvature.
   auto exact = constraints;
@@ -78,7 +78,7 @@ TEST_CASE("the gradient and the information are those of the weighted squares") 
       doctest::Approx(0.5 * e.dot(slam::scan_information(exact, R).information * e)).epsilon(1e-3));
 }
 
-TEST_CASE("a pose between what is expected and what is seen lies by their variances") {
+TEST_CASE("the pose is between the expected and the measured one by their variances") {
   // A wall 0.3 m nearer than expected, known to 0.1 m; the place was expected to 0.2 m.
   const std::vector<PlaneConstraint> wall = {{{5.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, 5.3, 10.0}};
   const MotionState expected = standing(0.2, 0.0001);
@@ -86,13 +86,13 @@ TEST_CASE("a pose between what is expected and what is seen lies by their varian
       expected, slam::scan_information(wall, Eigen::Matrix3d::Identity()));
   CHECK(found.T_map_sensor.translation().x() == doctest::Approx(0.3 * 0.04 / (0.04 + 0.01)));
   CHECK(found.covariance(0, 0) == doctest::Approx(0.04 * 0.01 / (0.04 + 0.01)));
-  // Nothing was said about the side.
+  // Without information about the side.
   CHECK(found.T_map_sensor.translation().y() == doctest::Approx(0.0));
   CHECK(found.covariance(1, 1) == doctest::Approx(0.04));
 }
 
-TEST_CASE("a velocity that leads to where the sensor is seen is found with the pose") {
-  // One that moves by an unknown velocity for 0.1 s, and is seen 0.5 m ahead.
+TEST_CASE("the velocity that leads to the pose is found with it") {
+  // An unknown velocity over 0.1 s, and a measurement 0.5 m ahead.
   MotionState start;
   start.covariance.setZero();
   start.covariance.diagonal() << Vector6::Constant(1e-8), Vector6::Constant(100.0);

@@ -17,13 +17,13 @@ namespace {
 constexpr int kRows = 16;
 constexpr double kHeight_m = 1.7;  ///< of test::yard_pose
 
-/// A sensor whose beams look elsewhere than `sensor` says and measure too much or too little.
-struct LyingSensor {
+/// A sensor whose beams have errors of elevation and range against `sensor`.
+struct BiasedSensor {
   SensorModel sensor = test::small_sensor(kRows, 512);
-  std::vector<double> elevation_rad;  ///< truth minus what the model says
+  std::vector<double> elevation_rad;  ///< truth minus the model
   std::vector<double> range_m;        ///< truth minus what is measured
 
-  /// What it makes of its scan of a yard.
+  /// Its measured scan of a yard.
   OrganizedCloud scan(const test::Yard& yard, const Pose& T_yard_sensor) const {
     SensorModel true_sensor = sensor;
     for (int row = 0; row < kRows; ++row) true_sensor.beam_elevation_rad[row] += elevation_rad[row];
@@ -38,35 +38,35 @@ struct LyingSensor {
   }
 };
 
-LyingSensor lying_sensor(double elevation_deg, double range_m) {
-  LyingSensor result;
+BiasedSensor biased_sensor(double elevation_deg, double range_m) {
+  BiasedSensor result;
   for (int row = 0; row < kRows; ++row) {
-    // Mean zero, no trend from row to row: a pattern that no bent world looks like.
+    // Mean zero, no trend from row to row: no bent world has this pattern.
     result.elevation_rad.push_back(elevation_deg * kDegree_rad * (row % 2 == 0 ? 1.0 : -1.0));
     result.range_m.push_back(range_m * ((row / 2) % 2 == 0 ? 1.0 : -1.0));
   }
   return result;
 }
 
-/// Around the yard, with poses that are off by centimetres, as SLAM's are.
-std::vector<slam::LocatedScan> drive(const LyingSensor& sensor, double step_m = 1.0) {
+/// Scans around the yard, with errors of the poses of centimetres, as those of SLAM.
+std::vector<slam::LocatedScan> drive(const BiasedSensor& sensor, double step_m = 1.0) {
   test::Yard yard;
   yard.half_width_m = 10.0;
   std::vector<slam::LocatedScan> scans;
   for (int i = 0; i < 40.0 / step_m; ++i) {
     const Pose truth = test::yard_pose(-20.0 + step_m * i, 5.0 * std::sin(0.15 * i), 0.1 * i);
-    Pose believed = truth;
-    believed.translation() +=
+    Pose estimated = truth;
+    estimated.translation() +=
         Eigen::Vector3d(0.01 * std::sin(i), 0.01 * std::cos(2 * i), 0.01 * std::sin(3 * i));
-    scans.push_back({sensor.scan(yard, truth), believed, {}});
+    scans.push_back({sensor.scan(yard, truth), estimated, {}});
   }
   return scans;
 }
 
 }  // namespace
 
-TEST_CASE("a drive tells to millimetres what beams do to walls and to the ground") {
-  const LyingSensor sensor = lying_sensor(0.06, 0.02);
+TEST_CASE("the distances of beams from walls and ground are found to millimetres") {
+  const BiasedSensor sensor = biased_sensor(0.06, 0.02);
   const slam::BeamCalibration found = slam::calibrate_beams(sensor.sensor, drive(sensor));
   REQUIRE(found.beams.size() == kRows);
   int met_walls = 0;
@@ -78,7 +78,7 @@ TEST_CASE("a drive tells to millimetres what beams do to walls and to the ground
       ++met_walls;
       CHECK(std::abs(range_error_m) < 0.006);
     }
-    // A ring that only meets the ground tells its height, not what of it is range or elevation.
+    // A ring on the ground alone determines a height, not the shares of range and elevation in it.
     const double elevation_rad = sensor.sensor.beam_elevation_rad[row];
     if (elevation_rad > -0.08) continue;
     const double ground_m = kHeight_m / std::tan(-elevation_rad);
@@ -93,7 +93,7 @@ TEST_CASE("a drive tells to millimetres what beams do to walls and to the ground
 }
 
 TEST_CASE("beams that are right stay as they are") {
-  const LyingSensor sensor = lying_sensor(0.0, 0.0);
+  const BiasedSensor sensor = biased_sensor(0.0, 0.0);
   const slam::BeamCalibration found = slam::calibrate_beams(sensor.sensor, drive(sensor));
   for (const slam::BeamCorrection& beam : found.beams) {
     CHECK(std::abs(beam.elevation_rad) < 0.005 * kDegree_rad);
@@ -102,7 +102,7 @@ TEST_CASE("beams that are right stay as they are") {
 }
 
 TEST_CASE("the same scans give the same calibration, bit for bit, with any number of threads") {
-  const LyingSensor sensor = lying_sensor(0.06, 0.02);
+  const BiasedSensor sensor = biased_sensor(0.06, 0.02);
   // So many poses that Eigen would share its products among threads.
   const std::vector<slam::LocatedScan> scans = drive(sensor, 0.5);
   const int threads = omp_get_max_threads();
@@ -119,8 +119,8 @@ TEST_CASE("the same scans give the same calibration, bit for bit, with any numbe
   }
 }
 
-TEST_CASE("what no scan tells stays where the prior has it, and is not said to be known") {
-  const LyingSensor sensor = lying_sensor(0.06, 0.02);
+TEST_CASE("unobservable parameters keep their prior and its sigma") {
+  const BiasedSensor sensor = biased_sensor(0.06, 0.02);
   const OrganizedCloud empty(kRows, sensor.sensor.columns);
   for (const auto& scans : {std::vector<slam::LocatedScan>{},
                             std::vector<slam::LocatedScan>(3, {empty, Pose::Identity(), {}})}) {
@@ -138,7 +138,7 @@ TEST_CASE("what no scan tells stays where the prior has it, and is not said to b
 }
 
 TEST_CASE("scans of another sensor are refused") {
-  const LyingSensor sensor = lying_sensor(0.0, 0.0);
+  const BiasedSensor sensor = biased_sensor(0.0, 0.0);
   const std::vector<slam::LocatedScan> scans = {{OrganizedCloud(8, 512), Pose::Identity(), {}}};
   CHECK_THROWS_WITH_AS(slam::calibrate_beams(sensor.sensor, scans),
                        "scan of 8x512 pixels does not fit sensor 'small' of 16x512: name the "

@@ -143,12 +143,12 @@ TEST_CASE("a map of scans without intensities has none") {
   CHECK(intensity.empty());
 }
 
-TEST_CASE("points of a turning, driving sensor are put where it was when it measured them") {
+TEST_CASE("points of a turning, driving sensor are placed by its pose at their capture times") {
   Trajectory trajectory;
   for (int i = 0; i < 3; ++i) {
     trajectory.push_back({0.1 * i, pose_from_xyz_rpy({1.0 * i, 0.0, 0.0}, 0.0, 0.0, 0.2 * i)});
   }
-  // One thing, seen early and late.
+  // One object, measured early and late in the scan.
   const Eigen::Vector3d thing_m(4.05, 3.05, 0.05);
   std::vector<Eigen::Vector3f> seen_m;
   const SensorPath path(trajectory, 1);
@@ -164,7 +164,7 @@ TEST_CASE("points of a turning, driving sensor are put where it was when it meas
   CHECK((points[0].point_m.cast<double>() - thing_m).norm() < 2e-3);
 }
 
-TEST_CASE("a wall that other scans see through vanishes; one that they see stays") {
+TEST_CASE("a wall that beams of other scans cross vanishes; one that they meet stays") {
   DenseMap map({});
   // Something stands 5 m ahead in two scans and is gone in six.
   for (int i = 0; i < 2; ++i) insert(map, test::cloud_of(wall(5.05F)));
@@ -173,7 +173,7 @@ TEST_CASE("a wall that other scans see through vanishes; one that they see stays
   const std::size_t before = points_near_x(map.points(), 5.05F);
   CHECK(before == 200);
   for (int i = 0; i < 2; ++i) map.see_through(test::cloud_of(wall(5.05F)), kOrigin);
-  // The far wall fills half of the near one's angle; a dense one meets every voxel on the way.
+  // The far wall fills half of the near one's angle; a dense one crosses every voxel.
   for (int i = 0; i < 6; ++i) {
     std::vector<Eigen::Vector3f> dense_m;
     for (const Eigen::Vector3f& point_m : wall(5.05F)) dense_m.push_back(10.05F / 5.05F * point_m);
@@ -183,7 +183,7 @@ TEST_CASE("a wall that other scans see through vanishes; one that they see stays
   CHECK(points_near_x(map.points(), 10.05F) == 200);
 }
 
-TEST_CASE("a computed wall is believed when scans agree, a lone computed point is not") {
+TEST_CASE("a computed wall is in the map when scans agree, a lone computed point is not") {
   const OrganizedCloud lone = computed(test::cloud_of({{5.05F, 0.05F, 0.05F}}), 0.5F);
   DenseMap map({});
   insert(map, lone);
@@ -194,14 +194,14 @@ TEST_CASE("a computed wall is believed when scans agree, a lone computed point i
   CHECK(map.points()[0].times_seen == 2);
 }
 
-TEST_CASE("a computed point between measured ones is believed sooner than one in the open") {
+TEST_CASE("a computed point between measured ones needs less confidence than one in the open") {
   DenseMap map({});
   insert(map, test::cloud_of({{5.05F, -0.05F, 0.05F}, {5.05F, 0.15F, 0.05F}}));
   insert(map, computed(test::cloud_of({{5.05F, 0.05F, 0.05F}, {5.05F, 2.05F, 0.05F}}), 0.5F));
   CHECK(map.points().size() == 3);
 }
 
-TEST_CASE("rows between the measured ones are computed, and taken as half right if nobody says") {
+TEST_CASE("rows between the measured ones are computed, with the assumed confidence by default") {
   OrganizedCloud cloud(2, 1);
   cloud.points_m = {{5.05F, 0.05F, 0.05F}, {5.05F, 0.05F, 1.05F}};
   cloud.range_m = {5.05F, 5.16F};
@@ -229,7 +229,7 @@ TEST_CASE("the same scans give the same bytes, in any order, with one thread and
   }
 }
 
-TEST_CASE("memory is bounded: what is full takes no further voxels and says so") {
+TEST_CASE("memory is bounded: a full map adds no voxels and reports it") {
   DenseMapOptions options;
   options.max_voxels = 100;
   DenseMap map(options);
@@ -279,7 +279,7 @@ TEST_CASE("clouds, poses and options that cannot be are errors of one line") {
       [&] {
         map.insert(test::cloud_of({{5.0F, 0.0F, 0.0F}}), std::nullopt, SensorPath(nowhere));
       },
-      "pose", "not finite"));
+      "expected a finite pose"));
   DenseMapOptions options;
   options.voxel_m = 0.0;
   CHECK(refused_with([&] { DenseMap{options}; }, "voxel_m", "0.02"));

@@ -30,7 +30,7 @@ const Beam kThrough{{0.05, 0.05, 0.05}, {10.05, 0.05, 0.05}};
 
 }  // namespace
 
-TEST_CASE("a beam that goes on is one vote against what it went through") {
+TEST_CASE("a beam votes once against a voxel that it crosses") {
   CHECK(votes_against(kPoint, {kThrough}) == 1);
   CHECK(votes_against(kPoint, {}) == 0);
 }
@@ -43,7 +43,7 @@ TEST_CASE("many beams of one scan are one vote, those of two scans two") {
   CHECK(grid.find(*grid.voxel_of(kPoint))->times_seen_through == 2);
 }
 
-TEST_CASE("a beam that ends in the voxel, before it or just behind it says nothing against it") {
+TEST_CASE("a beam that ends in the voxel, before it or just behind it does not vote against it") {
   CHECK(votes_against(kPoint, {{kThrough.origin_m, kPoint}}) == 0);
   CHECK(votes_against(kPoint, {{kThrough.origin_m, {4.0, 0.05, 0.05}}}) == 0);
   // The gap for 5.4 m of range is 0.3 m + 0.1 m * 5.4 / 1.5 = 0.66 m; the voxel begins at 5.0 m.
@@ -55,13 +55,13 @@ TEST_CASE("a scan that has a point in the voxel does not vote against it") {
   CHECK(votes_against(kPoint, {kThrough, {kThrough.origin_m, kPoint}}) == 0);
 }
 
-TEST_CASE("a beam that misses the points in the voxel by more than half of it says nothing") {
+TEST_CASE("a beam that misses the points of a voxel by more than half of it does not vote") {
   const Beam corner{{0.05, 0.099, 0.099}, {10.05, 0.099, 0.099}};
   CHECK(votes_against({5.05, 0.05, 0.05}, {corner}) == 0);
   CHECK(votes_against({5.05, 0.09, 0.09}, {corner}) == 1);
 }
 
-TEST_CASE("no beam looks farther than it is told to") {
+TEST_CASE("no beam votes beyond the largest range") {
   CHECK(votes_against(kPoint, {kThrough}, 4.0) == 0);
 }
 

@@ -45,7 +45,7 @@ slam::Features yard_features(const SensorModel& sensor, const test::Yard& yard) 
 
 }  // namespace
 
-TEST_CASE("the ground's slope lies in the ground, across the row; nothing else has one") {
+TEST_CASE("the slope of the ground is in the ground, across the row; nothing else has one") {
   const SensorModel sensor = test::small_sensor(16, 512);
   const Pose tilted = pose_from_xyz_rpy({0.0, 0.0, 1.7}, 0.05, -0.03, 0.4);
   test::Yard floor;
@@ -63,7 +63,7 @@ TEST_CASE("the ground's slope lies in the ground, across the row; nothing else h
     CHECK(point.slope == Eigen::Vector3f::Zero());
 }
 
-TEST_CASE("of a scan with computed rows the measured ones have features, those they always have") {
+TEST_CASE("in a scan with computed rows the measured ones have features, the same as alone") {
   const SensorModel sensor = test::small_sensor(32, 512);
   const OrganizedCloud cloud = test::Yard().scan(sensor, test::yard_pose(0, 0, 0));
   slam::Segmenter segmenter(sensor, {}, {});
@@ -114,7 +114,7 @@ TEST_CASE("the far side of a depth jump is never an edge, the near side may be o
   for (const auto& edge : features.edges) CHECK(edge.point_m.norm() == doctest::Approx(5.0));
 }
 
-TEST_CASE("a point whose both neighbours are 2 % away lies along the beam and is no edge") {
+TEST_CASE("a point whose both neighbours are 2 % away is on a surface along the beam and no edge") {
   // From 2 to 9.8 m by steps below the depth jump of 0.3 m and above 2 % of the range. Their size
   // changes every six points: where it does, the row is bent enough for an edge.
   constexpr int kBegin = 100;
@@ -130,7 +130,7 @@ TEST_CASE("a point whose both neighbours are 2 % away lies along the beam and is
   }
 }
 
-TEST_CASE("the last point of a section takes part in the choice") {
+TEST_CASE("the last point of a section can be chosen") {
   // Sections of 60 points: 119 is the last of the second. A wedge there has its tip at 119.
   const OneRow row(wedge_at(119));
   bool found = false;
@@ -162,7 +162,7 @@ TEST_CASE("a row of fewer than eleven points has no edges and does not crash") {
 }
 
 TEST_CASE("the same relative shape is no edge when it is the curve of a distant wall") {
-  // A wall at 60 m seen at a slant: its curvature is small against its range.
+  // An oblique wall at 60 m: its curvature is small against its range.
   std::vector<float> range_m(1024);
   for (int i = 0; i < 1024; ++i) {
     const double angle_rad = (i - 512) * 2 * M_PI / 1024;
@@ -171,7 +171,7 @@ TEST_CASE("the same relative shape is no edge when it is the curve of a distant 
   CHECK(OneRow(range_m).features().edges.empty());
 }
 
-TEST_CASE("edges of a yard lie on its pillars and corners") {
+TEST_CASE("edges of a yard are on its pillars and corners") {
   const test::Yard yard;
   const SensorModel sensor = test::small_sensor(32, 1024);
   const auto features = yard_features(sensor, yard);

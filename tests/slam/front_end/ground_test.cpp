@@ -74,7 +74,7 @@ TEST_CASE("two beams without a return do not end the ground either, three do") {
   CHECK(slam::mark_ground(cloud, five, {}) == std::vector<std::uint8_t>(5 * 16, 0));
 }
 
-TEST_CASE("what beams above the horizon see is no ground, however level it is") {
+TEST_CASE("points of beams above the horizon are no ground, however level they are") {
   SensorModel sensor = downward_sensor();
   sensor.beam_elevation_rad = {0.04, 0.03, 0.02, -0.05};
   // A ceiling 1 m above the sensor.

@@ -21,7 +21,7 @@ Pose level_from_sensor(double roll_rad, double pitch_rad) {
   return pose_from_xyz_rpy(Eigen::Vector3d::Zero(), roll_rad, pitch_rad, 0.0);
 }
 
-/// What a sensor that leans so sees of the yard.
+/// A scan of the yard by a tilted sensor.
 OrganizedCloud leaning_scan(const SensorModel& sensor, double roll_rad, double pitch_rad) {
   return test::Yard().scan(sensor,
                            test::yard_pose(2.0, 1.0, 0.4) * level_from_sensor(roll_rad, pitch_rad));
@@ -43,7 +43,7 @@ TEST_CASE("a level sensor's scan is left as it is, and so are its poses, bit for
   CHECK(mounting.of_sensor(T).matrix() == T.matrix());
 }
 
-TEST_CASE("what a sensor sees that leans lies where it is, once it is level") {
+TEST_CASE("points of a tilted sensor are right in the level frame") {
   const SensorModel sensor = test::small_sensor(8, 64);
   const OrganizedCloud cloud = leaning_scan(sensor, 0.1, 0.3);
   const auto level = slam::Mounting(mounted(0.1, 0.3), sensor).level(cloud);
@@ -98,7 +98,7 @@ TEST_CASE("a covariance turns with the sensor, and an infinite one stays") {
   CHECK(mounting.of_sensor(unknown).diagonal() == unknown.diagonal());
 }
 
-TEST_CASE("the ground of one scan tells how a sensor leans, to 0.05 degrees") {
+TEST_CASE("the tilt of a sensor follows from the ground of one scan, to 0.05 degrees") {
   for (const char* name : {"vlp-16", "os1-16", "os1-64"}) {
     const SensorModel sensor = sensor_preset(name);
     for (const auto& [roll_deg, pitch_deg] :
@@ -117,7 +117,7 @@ TEST_CASE("the ground of one scan tells how a sensor leans, to 0.05 degrees") {
   }
 }
 
-TEST_CASE("upside down, too, if the user says so") {
+TEST_CASE("a sensor is located upside down, too, if the option is set") {
   const SensorModel sensor = sensor_preset("os1-16");
   const double hanging_rad = std::numbers::pi + 5.0 * kDegree_rad;
   slam::Mounting mounting(mounted(std::numbers::pi, 0.0), sensor);

@@ -53,7 +53,7 @@ TEST_CASE("the search covers all of the reference, however few features the scan
   CHECK(result.edge_correspondences >= 10);
 }
 
-TEST_CASE("ground alone tells height, roll and pitch, and says that it is not all") {
+TEST_CASE("ground alone gives height, roll and pitch, with status degenerate") {
   const Pose step = pose_from_xyz_rpy({0.0, 0.0, 0.1}, 0.01, -0.02, 0.0);
   const auto result = motion_found(step, [](slam::Features& features) {
     features.edges.clear();

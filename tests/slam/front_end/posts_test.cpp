@@ -12,7 +12,7 @@ using namespace hqslam;
 
 namespace {
 
-/// One row of a sensor that looks straight ahead at things 10 m away, 0.17 m from column to column.
+/// One level row with objects 10 m away, 0.17 m from column to column.
 struct RowWithPosts {
   SensorModel sensor;
   std::vector<float> range_m = std::vector<float>(360, 10.0F);
@@ -43,7 +43,7 @@ struct RowWithPosts {
 
 }  // namespace
 
-TEST_CASE("a post is a little behind the mean of what a row sees of it, when its middle was seen") {
+TEST_CASE("a post is a little behind the mean of its points, at the time of the middle one") {
   RowWithPosts row;
   row.put(100, 102, 5.0F);
   const OrganizedCloud cloud = row.cloud();
@@ -59,7 +59,7 @@ TEST_CASE("a post is a little behind the mean of what a row sees of it, when its
 }
 
 TEST_CASE("of a trunk that a row sees, the middle is found") {
-  // A circle of 0.3 m radius, 6 m away, seen with beams 0.25 degrees apart.
+  // A circle of 0.3 m radius, 6 m away, measured by beams 0.25 degrees apart.
   RowWithPosts row;
   row.sensor.columns = 1440;
   row.range_m.assign(1440, 50.0F);
@@ -87,7 +87,7 @@ TEST_CASE("a single pixel before nothing is a post, wherever clutter or clusters
   CHECK(row.posts().empty());
 }
 
-TEST_CASE("what is wider than a metre is no post") {
+TEST_CASE("an object wider than a metre is no post") {
   RowWithPosts row;
   row.put(100, 111, 5.0F);  // 11 steps of 0.087 m
   CHECK(row.posts().size() == 1);
@@ -95,7 +95,7 @@ TEST_CASE("what is wider than a metre is no post") {
   CHECK(row.posts().empty());
 }
 
-TEST_CASE("what something nearer cuts off, and what the seam of the image cuts, is no post") {
+TEST_CASE("an object that is occluded, or at the seam of the image, is no post") {
   RowWithPosts row;
   row.put(100, 102, 5.0F);
   row.put(103, 140, 3.0F);

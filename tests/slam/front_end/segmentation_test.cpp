@@ -72,11 +72,3 @@ TEST_CASE("every return of a yard is ground, cluster or outlier and they add up"
   CHECK(ground < 0.8 * returns);
   CHECK(result.clusters > 4);
 }
-
-TEST_CASE("an empty scan has no clusters") {
-  const SensorModel sensor = test::small_sensor();
-  slam::Segmenter segmenter(sensor, {}, {});
-  const auto result = segmenter.segment(OrganizedCloud(sensor.rows(), sensor.columns));
-  CHECK(result.returns == 0);
-  CHECK(result.clusters == 0);
-}

@@ -57,9 +57,7 @@ TEST_CASE("the intensities of a voxel become their mean, those that are not know
   CHECK(std::isnan(thinned[1].intensity));
 }
 
-TEST_CASE("thinning nothing gives nothing") { CHECK(hqslam::slam::thin({}, 0.2).empty()); }
-
-TEST_CASE("a stray point far away keeps no others from being thinned, nor changes them") {
+TEST_CASE("a stray point far away does not change the thinning of others") {
   std::vector<FeaturePoint> points = random_points(3000, 1.0F, 1);
   const std::vector<FeaturePoint> expected = thin(points, 0.2);
   CHECK(expected.size() < 0.8 * static_cast<double>(points.size()));

@@ -37,7 +37,7 @@ TEST_CASE("points of a sensor whose turn speeds up are put where an even turn wo
   const EvenTurning turning(measured(1.0), kHalf_s, kBias);
   // The mean over the scan is the rate in its middle.
   CHECK(turning.mean_rate_rad_per_s().isApprox(2.0 * kAxis, 1e-9));
-  const Eigen::Vector3d place_m(7.0, -3.0, 1.5);  // as seen at the stamp
+  const Eigen::Vector3d place_m(7.0, -3.0, 1.5);  // at the stamp
   Features features;
   for (int i = 0; i <= 20; ++i) {
     const double time_s = -kHalf_s + 0.005 * i;

@@ -46,7 +46,7 @@ std::vector<ImuStep> measured(const test::SteadyDrive& drive, const Eigen::Vecto
 
 }  // namespace
 
-TEST_CASE("gravity is felt as it is, less what the sensor accelerates") {
+TEST_CASE("gravity is measured without the acceleration of the sensor") {
   for (const test::SteadyDrive& drive : {kStraight, kRound}) {
     const auto felt = slam::felt_gravity(
         poses_of(drive), measured(drive, Eigen::Vector3d::Zero(), ImuErrors::Zero()));
@@ -57,7 +57,7 @@ TEST_CASE("gravity is felt as it is, less what the sensor accelerates") {
   }
 }
 
-TEST_CASE("what a bias and each error of the inertial sensor does to it is known") {
+TEST_CASE("the effects of a bias and of each inertial error are predicted") {
   const ImuErrors large = (ImuErrors() << 0.01, 0.01, 0.01, 0.01, 0.3, 0.3, 0.3, 0.01).finished();
   const auto check = [](const Eigen::Vector3d& bias_mps2, const ImuErrors& errors) {
     const auto felt = slam::felt_gravity(poses_of(kRound), measured(kRound, bias_mps2, errors));
@@ -73,7 +73,7 @@ TEST_CASE("what a bias and each error of the inertial sensor does to it is known
   for (int i = 0; i < large.size(); ++i) check({0, 0, 0}, large[i] * ImuErrors::Unit(i));
 }
 
-TEST_CASE("poses that the forces contradict say nothing of gravity") {
+TEST_CASE("poses that contradict the forces give no gravity") {
   Trajectory poses = poses_of(kStraight);
   const std::vector<ImuStep> steps =
       measured(kStraight, Eigen::Vector3d::Zero(), ImuErrors::Zero());

@@ -31,7 +31,7 @@ ImuBuffer buffer_of(const std::vector<ImuSample>& samples) {
 
 }  // namespace
 
-TEST_CASE("a sample counts from half way since the one before to half way to the next") {
+TEST_CASE("a sample holds from midway after the one before to midway before the next") {
   const std::vector<ImuStep> steps = buffer_of(samples(0, 10)).steps(0.02, 0.047, kLevel);
   REQUIRE(steps.size() == 4);
   const double durations_s[] = {0.005, 0.01, 0.01, 0.002};
@@ -82,7 +82,7 @@ TEST_CASE("samples that are no numbers, or come late, are left out") {
   CHECK(sum_s == doctest::Approx(0.07));
 }
 
-TEST_CASE("what is forgotten is not needed for what comes after") {
+TEST_CASE("samples that are dropped are not needed later") {
   ImuBuffer buffer = buffer_of(samples(0, 20));
   const std::vector<ImuStep> before = buffer.steps(0.103, 0.15, kLevel);
   buffer.forget_before(0.103);
@@ -94,7 +94,7 @@ TEST_CASE("what is forgotten is not needed for what comes after") {
   CHECK(buffer.steps(0.02, 0.05, kLevel).empty());
 }
 
-TEST_CASE("what no sensor can have measured is left out") {
+TEST_CASE("samples that no sensor can have measured are left out") {
   const std::vector<ImuSample> sound = samples(0, 10);
   for (const double value : {1e200, 2e3, -std::numeric_limits<double>::infinity()}) {
     std::vector<ImuSample> spiked = sound;
@@ -105,7 +105,7 @@ TEST_CASE("what no sensor can have measured is left out") {
   }
 }
 
-TEST_CASE("a stamp of the future does not keep out what comes after it") {
+TEST_CASE("a stamp of the future does not keep out later samples") {
   std::vector<ImuSample> later = samples(11, 20);
   later.front().stamp_s = 5e9;
   later[1].stamp_s = 5e9 + 0.01;

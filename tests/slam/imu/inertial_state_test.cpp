@@ -28,7 +28,7 @@ MotionState moving(const Pose& T_map_sensor, const Eigen::Vector3d& velocity_mps
   return state;
 }
 
-/// As MotionState and InertialState define the errors.
+/// The state with errors as MotionState and InertialState define them.
 InertialPrediction with_error(const MotionState& state, const InertialState& inertial,
                               const Vector18& e) {
   InertialPrediction result{state, inertial};
@@ -139,7 +139,7 @@ TEST_CASE("at first gravity is against the specific force, and the pose as sure 
   CHECK(inertial.covariance.diagonal().tail<9>().minCoeff() > 0.0);
 }
 
-TEST_CASE("a hand's turns tell the biases and gravity, scan by scan") {
+TEST_CASE("biases and gravity are estimated from a hand's turns, scan by scan") {
   const Eigen::Vector3d gyroscope(0.008, -0.006, 0.01);
   const Eigen::Vector3d accelerometer(0.08, -0.05, 0.06);
   const auto pose_at = [](double time_s) {
@@ -164,13 +164,13 @@ TEST_CASE("a hand's turns tell the biases and gravity, scan by scan") {
     }
     const InertialPrediction prediction =
         slam::predicted(state, inertial, steps, Eigen::Vector3d::Zero());
-    // As a registration that finds the pose exactly.
+    // A registration that finds the pose exactly.
     state = slam::ExpectedState(prediction.state).given(pose_at(0.1 * scan));
     state.covariance *= 1e-6;
     inertial = slam::corrected(prediction, state,
                                1e6 * prediction.state.covariance.topLeftCorner<6, 6>().inverse());
   }
-  // Slowly, for what scans of a room say is often wrong: a fifth is left after a minute.
+  // Slowly, since registrations in rooms are often wrong: a fifth is left after a minute.
   CHECK((inertial.gyroscope_bias_rad_per_s - gyroscope).norm() < 0.2 * gyroscope.norm());
   CHECK((inertial.accelerometer_bias_mps2 - accelerometer).norm() < 0.03);
   CHECK((inertial.gravity_map_mps2 - test::kGravity).norm() < 0.03);
@@ -178,19 +178,18 @@ TEST_CASE("a hand's turns tell the biases and gravity, scan by scan") {
   CHECK(inertial.covariance.diagonal().minCoeff() > 0.0);
 }
 
-TEST_CASE(
-    "a scan teaches as a Kalman update by what it alone says, and nothing where it is blind") {
+TEST_CASE("a scan corrects as a Kalman update by its own information, and not where it has none") {
   const MotionState state = moving(pose_from_xyz_rpy({1, 2, 3}, 0.4, -0.3, 0.9), {1.2, -0.4, 0.3});
   const InertialState inertial = slam::first_inertial_state(state, {0.1, 0.2, 9.7});
   const std::vector<ImuStep> steps(10, {0.01, {0.1, -0.2, 0.3}, {0.4, 0.1, 9.9}});
   const InertialPrediction prediction =
       slam::predicted(state, inertial, steps, Eigen::Vector3d::Zero());
   MotionState expected = prediction.state;
-  SUBCASE("as it was looked for") {}
-  SUBCASE("looked for farther about, since the odometry saw it elsewhere") {
+  SUBCASE("searched at the prediction") {}
+  SUBCASE("searched farther away, at the pose of the odometry") {
     expected = slam::with_innovation(expected, {{0.3, 0.1, 0.2}, {0.1, 0.1, 0.1}}, 0.1);
   }
-  Vector6 z;  // where the scan alone says that the pose is, seen from the prediction
+  Vector6 z;  // the pose by the scan alone, relative to the prediction
   z << 0.01, 0.0, 0.03, 1e-3, -2e-3, 1e-3;
   Vector6 information;  // nothing along y
   information << 2500.0, 0.0, 1e4, 2.5e5, 1e6, 1e5;
@@ -201,11 +200,11 @@ TEST_CASE(
   const InertialState found = slam::corrected(prediction, joined, scan.information);
 
   const Matrix18& P = prediction.inertial.covariance;
-  Vector6 off;
-  off << Eigen::Vector3d::Constant(0.02), Eigen::Vector3d::Constant(4e-3);
+  Vector6 sigma;
+  sigma << Eigen::Vector3d::Constant(0.02), Eigen::Vector3d::Constant(4e-3);
   information[1] = 1e-9;
   Matrix6 S = P.topLeftCorner<6, 6>();
-  S.diagonal() += information.cwiseInverse() + off.cwiseAbs2();
+  S.diagonal() += information.cwiseInverse() + sigma.cwiseAbs2();
   const Eigen::Matrix<double, 18, 6> K = P.leftCols<6>() * S.inverse();
   CHECK(found.covariance.isApprox(P - K * S * K.transpose(), 1e-6));
   const Eigen::Vector3d learnt =
@@ -213,7 +212,7 @@ TEST_CASE(
   CHECK(learnt.isApprox((K * z).segment<3>(9), 1e-3));
 }
 
-TEST_CASE("after a gap biases and gravity are what they were, and tell nothing of the pose") {
+TEST_CASE("after a gap biases and gravity are unchanged and uncorrelated with the pose") {
   const MotionState state = moving(pose_from_xyz_rpy({1, 2, 3}, 0.4, -0.3, 0.9), {1.2, -0.4, 0.3});
   const InertialPrediction before =
       slam::predicted(state, slam::first_inertial_state(state, {1, 2, 9}), some_steps(100),

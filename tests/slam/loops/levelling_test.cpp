@@ -72,7 +72,7 @@ TEST_CASE("an accelerometer's bias is not taken for a lean where the sensor turn
   CHECK(worst_lean_rad(slam::levelled(path.registered, path.gravity)) < 1e-3);
 }
 
-TEST_CASE("nor where it goes straight: what never changes is none") {
+TEST_CASE("a constant path direction adds no lean") {
   const Path path(false, 0.0, test::kBias_mps2);
   CHECK(worst_lean_rad(slam::levelled(path.registered, path.gravity)) < 1e-6);
 }

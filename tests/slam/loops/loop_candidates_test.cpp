@@ -15,7 +15,7 @@ using slam::PoseGraph;
 
 namespace {
 
-/// A straight way with a node every 4 m.
+/// A straight path with a node every 4 m.
 PoseGraph straight(int nodes) {
   PoseGraph graph;
   for (int i = 0; i < nodes; ++i) {
@@ -44,16 +44,16 @@ TEST_CASE("plausible drift grows along the path and is cut short by loops") {
   CHECK(tied[4].translation_m - tied[10].translation_m == doctest::Approx(0.5 + 0.2 + 1.5));
 }
 
-TEST_CASE("of a part that no way leads to anything is plausible") {
+TEST_CASE("for unconnected nodes any drift is plausible") {
   PoseGraph graph = straight(4);
-  graph.odometry.erase(graph.odometry.begin() + 1);  // the way was lost after node 1
+  graph.odometry.erase(graph.odometry.begin() + 1);  // tracking was lost after node 1
   const auto drift = slam::plausible_drift(graph, {0.5, 0.5});
   CHECK(std::isinf(drift[1].translation_m));
   CHECK(drift[1].rotation_rad == std::numbers::pi);
   CHECK(std::isfinite(drift[2].translation_m));
 }
 
-TEST_CASE("a place is a candidate if it looks alike and is within reach of plausible drift") {
+TEST_CASE("a place is a candidate if it is similar and within reach of plausible drift") {
   const test::Village village = test::street(1, -40.0, 200.0);
   PoseGraph graph = straight(30);
   std::vector<slam::ScanContext> contexts;
@@ -61,7 +61,7 @@ TEST_CASE("a place is a candidate if it looks alike and is within reach of plaus
     contexts.push_back(
         slam::scan_context(village.scan(test::yard_pose(pose.translation().x(), 0.0, 0.0))));
   }
-  // At the end the sensor is back at node 10, but believed to be 25 m beside it.
+  // At the end the sensor is back at node 10, but estimated 25 m beside it.
   graph.T_map_node.push_back(pose_from_xyz_rpy({40.0, 25.0, 0.0}, 0.0, 0.0, 0.1));
   contexts.push_back(slam::scan_context(village.scan(test::yard_pose(40.5, 0.3, 0.0))));
   const auto candidates_with = [&](double drift_m, std::size_t old_nodes) {

@@ -15,7 +15,7 @@ using slam::Status;
 
 namespace {
 
-/// A way as it was estimated, keyframe by keyframe, with what loop closing made of it.
+/// The estimated path of a drive, keyframe by keyframe, with the results of loop closing.
 struct DrivenCircuit {
   std::vector<Pose> T_map_sensor;
   std::vector<slam::LoopReport> reports;
@@ -31,9 +31,9 @@ struct Estimate {
   Pose error_per_step = Pose::Identity();
   Status status = Status::kOk;
   bool closes_loops = true;
-  Pose error_once = Pose::Identity();  ///< of the step in the middle of the way
+  Pose error_once = Pose::Identity();  ///< of the step in the middle of the path
   std::optional<std::size_t> gravity_from =
-      std::nullopt;  ///< the keyframe from which on gravity is felt
+      std::nullopt;  ///< the keyframe from which on gravity is measured
 };
 
 slam::FeltGravity felt_gravity(std::size_t keyframe, const Pose& T_level_sensor) {
@@ -82,7 +82,7 @@ DrivenCircuit drive(const test::Circuit& circuit, const Estimate& estimate) {
     const slam::LoopResult result = loop_closing.process(std::move(keyframes));
     driven.reports.push_back(result.report);
     if (!result.corrections.empty()) mapping.correct(result.corrections);
-    mapping.restore_to_window(result.recalled);
+    mapping.restore_to_window(result.restored);
     if (result.corrections.empty()) continue;
     for (std::size_t k = 0; k <= i; ++k) {
       driven.T_map_sensor[k] = result.corrections[k] * driven.T_map_sensor[k];
@@ -97,7 +97,7 @@ DrivenCircuit drive(const test::Circuit& circuit, const Estimate& estimate) {
 
 }  // namespace
 
-TEST_CASE("a way that drifts by metres is closed, and path and map become right") {
+TEST_CASE("a path that drifts by metres is closed, and path and map become right") {
   const test::Circuit circuit = test::circuit();
   const Pose error = pose_from_xyz_rpy({0.0, 0.0, 0.004}, 0.0, 0.0, 0.0003);
   const DrivenCircuit open = drive(circuit, {error, Status::kOk, false});
@@ -105,9 +105,9 @@ TEST_CASE("a way that drifts by metres is closed, and path and map become right"
   CHECK(test::worst_error_m(open.T_map_sensor, circuit.T_village_sensor) > 2.5);
   CHECK(closed.count(LoopStatus::kClosed) >= 1);
   CHECK(test::worst_error_m(closed.T_map_sensor, circuit.T_village_sensor) < 1.0);
-  // The second pass lies on the first again: fewer voxels are taken.
+  // The second pass coincides with the first: fewer voxels are taken.
   CHECK(20 * closed.map_points_m.size() < 19 * open.map_points_m.size());
-  // Where the way ends it was before: both passes are at one place now.
+  // The path ends where it was before: both passes are at one place now.
   CHECK(test::closing_error_m(open.T_map_sensor, circuit.T_village_sensor) > 2.0);
   CHECK(test::closing_error_m(closed.T_map_sensor, circuit.T_village_sensor) < 0.3);
   CHECK(closed.count(LoopStatus::kImplausible) == 0);
@@ -115,7 +115,7 @@ TEST_CASE("a way that drifts by metres is closed, and path and map become right"
   CHECK(again.map_points_m == closed.map_points_m);
 }
 
-TEST_CASE("a way without drift is left exactly as it is where it meets itself") {
+TEST_CASE("a path without drift is left exactly as it is where it meets itself") {
   const test::Circuit circuit = test::circuit();
   const DrivenCircuit without = drive(circuit, {Pose::Identity(), Status::kOk, false});
   const DrivenCircuit with = drive(circuit, {Pose::Identity(), Status::kOk, true});
@@ -124,10 +124,9 @@ TEST_CASE("a way without drift is left exactly as it is where it meets itself") 
   CHECK(test::are_same(with.T_map_sensor, without.T_map_sensor));
 }
 
-TEST_CASE("a place that looks exactly like one passed before is not taken for it") {
-  // Two stretches of 50 m with the same houses, 60 m apart on one street. The way begins before the
-  // second and comes to the first at the end; it was so hard to follow that it could have drifted
-  // by the 60 m.
+TEST_CASE("a place identical to one passed before is not taken for it") {
+  // Two stretches of 50 m with the same houses, 60 m apart on one street. The path begins before
+  // the second and comes to the first at the end, with a plausible drift of more than 60 m.
   test::Circuit circuit;
   circuit.village.add_street(14.0, 0.0, 50.0, 21);
   circuit.village.add_street(74.0, 0.0, 50.0, 21);
@@ -135,22 +134,22 @@ TEST_CASE("a place that looks exactly like one passed before is not taken for it
   circuit.village.add_street(0.0, 14.0, 32.0, 23, test::Village::Along::kY);
   circuit.village.add_street(140.0, 14.0, 32.0, 24, test::Village::Along::kY);
   circuit.T_village_sensor =
-      test::way_through({{72, 0}, {140, 0}, {140, 60}, {0, 60}, {0, 0}, {62, 0}}, 1.5);
+      test::path_through({{72, 0}, {140, 0}, {140, 60}, {0, 60}, {0, 0}, {62, 0}}, 1.5);
   const DrivenCircuit without = drive(circuit, {Pose::Identity(), Status::kDegenerate, false});
   const DrivenCircuit with = drive(circuit, {Pose::Identity(), Status::kDegenerate, true});
-  CHECK(with.count(LoopStatus::kAwaitsOthers) >= 2);  // it does look like it
+  CHECK(with.count(LoopStatus::kAwaitsOthers) >= 2);  // it is similar
   CHECK(with.count(LoopStatus::kClosed) == 0);
   CHECK(with.map_points_m == without.map_points_m);
 }
 
 TEST_CASE("loops that would bend the path more than it bears leave nothing behind") {
-  // Around a small block and on, with one step of the odometry that is off by 4 m: of the few edges
-  // of the path each would have to bear decimetres.
+  // Around a small block and on, with an error of 4 m in one step of the odometry: each of
+  // the few edges of the path would be strained by decimetres.
   test::Circuit circuit;
   circuit.village.add_street(-4.0, 0.0, 40.0, 11);
   circuit.village.add_street(-4.0, 24.0, 40.0, 12);
   circuit.T_village_sensor =
-      test::way_through({{0, 0}, {24, 0}, {24, 24}, {0, 24}, {0, 0}, {24, 0}, {24, 24}}, 1.0);
+      test::path_through({{0, 0}, {24, 0}, {24, 24}, {0, 24}, {0, 0}, {24, 0}, {24, 24}}, 1.0);
   const Pose jump = pose_from_xyz_rpy({0.0, 4.0, 0.0}, 0.0, 0.0, 0.0);
   const DrivenCircuit without = drive(circuit, {Pose::Identity(), Status::kOk, false, jump});
   const DrivenCircuit with = drive(circuit, {Pose::Identity(), Status::kOk, true, jump});
@@ -160,7 +159,7 @@ TEST_CASE("loops that would bend the path more than it bears leave nothing behin
   CHECK(with.map_points_m == without.map_points_m);
 }
 
-TEST_CASE("what is recalled to a path that stands upright now lies where that path is") {
+TEST_CASE("points restored to a levelled path move with it") {
   const test::Circuit circuit = test::circuit();
   const std::vector<Pose>& truth = circuit.T_village_sensor;
   const SensorModel sensor = test::small_sensor(16, 256);
@@ -184,9 +183,9 @@ TEST_CASE("what is recalled to a path that stands upright now lies where that pa
   const slam::LoopResult result = loop_closing.process(std::move(keyframes));
   REQUIRE(result.report.status == LoopStatus::kAgrees);
   REQUIRE_FALSE(result.corrections.empty());
-  REQUIRE(result.recalled.planes.size() > 1000);
+  REQUIRE(result.restored.planes.size() > 1000);
   CHECK(result.report.correction_m > 0.0);
-  for (const slam::MapPoint& point : result.recalled.planes) {
+  for (const slam::MapPoint& point : result.restored.planes) {
     const Pose T_village_map =
         truth[point.keyframe] *
         (result.corrections[point.keyframe] * T_map_sensor[point.keyframe]).inverse();

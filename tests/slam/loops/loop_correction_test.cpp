@@ -21,7 +21,7 @@ TEST_CASE("keyframes between two nodes are moved by their share of the path betw
   CHECK(result[0].matrix() == keyframes[0].matrix());
   CHECK(result[3].isApprox(moved, 1e-12));
   CHECK(result[4].isApprox(moved * test::at_x(1), 1e-12));
-  // A quarter of the way: between where the first node leaves it and where the second puts it.
+  // At a quarter of the path: interpolated between the poses by the first and the second node.
   // Between them a turn by 0.1 rad about a fixed point c, of which a quarter is made:
   // c = p + (d / 2 + z x d / (2 tan 0.05)) for a displacement d from p.
   const Eigen::Vector3d p_m = test::at_x(1).translation();
@@ -33,7 +33,7 @@ TEST_CASE("keyframes between two nodes are moved by their share of the path betw
   CHECK(rotation_angle_rad(result[1]) == doctest::Approx(0.025));
 }
 
-TEST_CASE("what would hardly move stays exactly where it is") {
+TEST_CASE("keyframes that would hardly move stay exactly") {
   const std::vector<Pose> keyframes = {test::at_x(0), test::at_x(4), test::at_x(8)};
   const auto result = slam::corrected_keyframes(
       keyframes, {0, 1, 2},
@@ -42,7 +42,7 @@ TEST_CASE("what would hardly move stays exactly where it is") {
   CHECK(result[2].translation().y() == doctest::Approx(0.5));
 }
 
-TEST_CASE("a correction is plausible as long as no edge is bent beyond what it can bear") {
+TEST_CASE("a correction is plausible if no edge is strained too much") {
   PoseGraph graph;
   graph.T_map_node = {test::at_x(0), test::at_x(4), test::at_x(8)};
   graph.odometry = {{0, 1, test::at_x(4), 0.1, 0.01}, {1, 2, test::at_x(4), 0.1, 0.01}};

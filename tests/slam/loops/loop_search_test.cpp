@@ -23,7 +23,7 @@ struct DrivenStreet {
   std::vector<slam::ScanContext> last_contexts;
   slam::MapFeatures features;
 
-  /// What the last node saw is not in the map yet.
+  /// The scan of the last node is not in the map yet.
   void add_node(const OrganizedCloud& cloud, const Pose& T_map_sensor) {
     if (!contexts.empty()) mapping.insert(features, graph.T_map_node.back(), {});
     graph.T_map_node.push_back(T_map_sensor);
@@ -43,16 +43,16 @@ struct DrivenStreet {
   }
 };
 
-/// Nodes from x = -20 to 100 m of a street, then one, at x = 20 m if nothing else is said, that is
-/// believed to be elsewhere.
-DrivenStreet drive(const test::Village& village, const Pose& T_map_believed,
+/// Nodes from x = -20 to 100 m of a street, then one, at x = 20 m by default, that is
+/// estimated elsewhere.
+DrivenStreet drive(const test::Village& village, const Pose& T_map_estimated,
                    const Pose& T_map_last = test::yard_pose(20.0, 1.0, 0.1)) {
   DrivenStreet street;
   for (double x_m = -20.0; x_m <= 100.0; x_m += 4.0) {
     const Pose pose = test::yard_pose(x_m, 0.0, 0.0);
     street.add_node(village.scan(pose), pose);
   }
-  street.add_node(village.scan(T_map_last), T_map_believed);
+  street.add_node(village.scan(T_map_last), T_map_estimated);
   return street;
 }
 
@@ -71,7 +71,8 @@ TEST_CASE("a place is found from far away, and the pose with it") {
   CHECK(!street.search(50.0).loop);
 }
 
-TEST_CASE("who comes back the other way in the other lane is recognized, by that lane alone") {
+TEST_CASE(
+    "a return in the other direction and lane is recognized, by the context of that lane alone") {
   const Pose truth = test::yard_pose(21.0, 3.8, std::numbers::pi);
   auto street = drive(test::street(31, -60.0, 200.0), test::yard_pose(35.0, 40.0, 3.0), truth);
   const auto result = street.search(100.0);
@@ -83,7 +84,7 @@ TEST_CASE("who comes back the other way in the other lane is recognized, by that
   CHECK(own_lane.candidates < result.candidates);
 }
 
-TEST_CASE("of two places that look the same none is taken") {
+TEST_CASE("of two places that are alike none is taken") {
   const auto street = drive(test::street_of_two_equal_halves(), test::yard_pose(50.0, 60.0, 0.1));
   const auto result = street.search(100.0);
   CHECK(result.status == LoopStatus::kAmbiguous);
@@ -91,7 +92,7 @@ TEST_CASE("of two places that look the same none is taken") {
   CHECK(!result.loop);
 }
 
-TEST_CASE("where the estimate itself fits no other place is asked") {
+TEST_CASE("where the estimated pose fits no other place is searched") {
   const Pose near_truth = test::yard_pose(20.2, 0.9, 0.1);
   const auto street = drive(test::street_of_two_equal_halves(), near_truth);
   const auto result = street.search(100.0);

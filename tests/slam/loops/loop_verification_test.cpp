@@ -58,7 +58,7 @@ TEST_CASE("a place that fits but could slide is refused") {
   corridor.half_width_m = 4.0;
   corridor.pillars = false;
   corridor.end_walls = false;
-  // With 16 rows the registration itself says so, with 64 it settles at a place of chance.
+  // With 16 rows the registration is degenerate, with 64 it converges at a random place.
   for (const auto& size : {std::pair{16, 512}, {16, 1024}, {64, 1024}}) {
     const int rows = size.first;
     const SensorModel sensor = test::small_sensor(rows, size.second);
@@ -91,15 +91,15 @@ TEST_CASE("the fit counts edges and surfaces, by hand") {
     }
   }
   map.insert(wall, Pose::Identity(), {});
-  slam::MapFeatures seen;
-  seen.surfaces_to_register = {
+  slam::MapFeatures features;
+  features.surfaces_to_register = {
       {{4.9F, 2.2F, 2.2F}, 0.0F, 0}, {{5.0F, 2.2F, 3.2F}, 0.0F, 0}, {{3.0F, 2.2F, 2.2F}, 0.0F, 0}};
-  const slam::Fit fit = slam::fit_of(seen, map.map(), {});
+  const slam::Fit fit = slam::fit_of(features, map.map(), {});
   CHECK(fit.overlap == doctest::Approx(2.0 / 3.0));
   CHECK(fit.residual_m == doctest::Approx(0.1 / std::sqrt(2.0)).epsilon(1e-3));
   // Seen 0.1 s after and before the stamp, when the sensor was a metre nearer and farther away.
-  seen.surfaces_to_register = {{{4.0F, 2.2F, 2.2F}, 0.1F, 0}, {{6.0F, 2.2F, 3.2F}, -0.1F, 0}};
+  features.surfaces_to_register = {{{4.0F, 2.2F, 2.2F}, 0.1F, 0}, {{6.0F, 2.2F, 3.2F}, -0.1F, 0}};
   slam::MotionState driving;
   driving.velocity.linear.x() = 10.0;
-  CHECK(slam::fit_of(seen, map.map(), driving).overlap == 1.0);
+  CHECK(slam::fit_of(features, map.map(), driving).overlap == 1.0);
 }

@@ -68,7 +68,7 @@ TEST_CASE("where nothing stands nothing is found") {
   CHECK(search_place(points_of(posts(1), Pose::Identity()), {}, {}).empty());
 }
 
-TEST_CASE("upright structure is what reaches up, not ground, however steep") {
+TEST_CASE("upright structure has height; ground, however steep, has none") {
   std::vector<Eigen::Vector3f> points_m;
   for (float x_m = -10.0F; x_m <= 10.0F; x_m += 0.25F) {
     for (float y_m = -10.0F; y_m <= 10.0F; y_m += 0.25F) {

@@ -33,7 +33,7 @@ TEST_CASE("a bin of a scan context holds how high its highest point reaches") {
   CHECK(context.unit_sectors.sum() == doctest::Approx(0.8 + 0.6 + 1.0));
 }
 
-TEST_CASE("a place is recognised whichever way the sensor looks, and the turn is found") {
+TEST_CASE("a place is recognized at any heading, and the rotation is found") {
   const test::Village village = test::street(1, -60.0, 120.0);
   for (const int rows : {16, 64}) {
     const SensorModel sensor = test::small_sensor(rows, 360);
@@ -53,7 +53,7 @@ TEST_CASE("a place is recognised whichever way the sensor looks, and the turn is
   }
 }
 
-TEST_CASE("other places look different, whatever the turn") {
+TEST_CASE("other places differ at any rotation") {
   const test::Village village = test::street(1, -60.0, 120.0);
   const ScanContext here = scan_context(village.scan(test::yard_pose(0.0, 0.0, 0.0)));
   const double again =
@@ -73,10 +73,10 @@ TEST_CASE("a point farther away than an integer counts rings changes nothing") {
   cloud.range_m.back() = 1.0F;
   const ScanContext context = scan_context(cloud);
   CHECK(context.unit_sectors == scan_context(test::cloud_of(points_m)).unit_sectors);
-  CHECK(context.seen == scan_context(test::cloud_of(points_m)).seen);
+  CHECK(context.has_returns == scan_context(test::cloud_of(points_m)).has_returns);
 }
 
-TEST_CASE("an empty scan looks like nothing") {
+TEST_CASE("the context of an empty scan matches nothing") {
   const ScanContext empty = scan_context(OrganizedCloud(16, 360));
   const ScanContext something = scan_context(test::cloud_of({{10.0F, 0.5F, 0.0F}}));
   CHECK(compare(empty, something, 0.0, kPi).distance == 1.0);

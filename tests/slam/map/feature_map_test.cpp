@@ -59,7 +59,7 @@ TEST_CASE("a voxel keeps one point, the mean of those that fell in it") {
   CHECK((map.points_m()[0] - Eigen::Vector3f(0.2F, 0.1F, 0.1F)).norm() < 1e-6F);
 }
 
-TEST_CASE("a voxel seen often enough is no longer moved by later points") {
+TEST_CASE("a voxel with enough points is not moved by later ones") {
   FeatureMap map(0.4, 1.0);
   map.insert(std::vector<Eigen::Vector3f>(100, {0.1F, 0.1F, 0.1F}));
   map.insert(std::vector<Eigen::Vector3f>(1000, {0.3F, 0.3F, 0.3F}));
@@ -104,8 +104,8 @@ TEST_CASE("points near a place are those within the radius, and can be taken out
   CHECK(map.points_near_m(place).empty());
 }
 
-TEST_CASE("a corrected map holds every point where its keyframe belongs") {
-  // Keyframe 1 saw the same corner as keyframe 0, but 5 m too far along x.
+TEST_CASE("a corrected map moves every point with its keyframe") {
+  // Keyframe 1 has the same corner as keyframe 0, but 5 m too far along x.
   FeatureMap map(0.4, 1.0);
   map.insert({{0.1F, 0.1F, 0.1F}, {1.1F, 0.1F, 0.1F}}, 0);
   map.insert({{5.3F, 0.1F, 0.1F}, {7.1F, 0.1F, 0.1F}}, 1);
@@ -117,7 +117,7 @@ TEST_CASE("a corrected map holds every point where its keyframe belongs") {
   CHECK((points[1] - Eigen::Vector3f(1.1F, 0.1F, 0.1F)).norm() < 1e-5F);
   CHECK((points[0] - Eigen::Vector3f(0.2F, 0.1F, 0.1F)).norm() < 1e-5F);
   CHECK((points[2] - Eigen::Vector3f(2.1F, 0.1F, 0.1F)).norm() < 1e-5F);
-  // A search finds what moved, nothing is left; where two met, the older keyframe is remembered.
+  // A search finds what moved, nothing is left; where two met, the older keyframe is kept.
   CHECK(map.nearest({2.1F, 0.1F, 0.1F}).squared_distance_m2[0] < 1e-6F);
   CHECK(map.nearest({7.1F, 0.1F, 0.1F}).count == 0);
   CHECK(map.take_near({{0, 0, 0}, 0.5F}).front().keyframe == 0);
@@ -131,7 +131,7 @@ TEST_CASE("a voxel keeps the mean intensity of its points, merged and moved ones
   map.insert({{1.7F, 0.1F, 0.1F}}, 1, {100.0F});
   map.correct({Pose::Identity(), Pose(Eigen::Translation3d(-1.5, 0.0, 0.0))});
   CHECK(map.intensity() == std::vector<float>{50.0F, 7.0F});
-  // One that is not known says nothing, and is known from the first that is.
+  // Unknown intensities do not count; the first known one is taken.
   map.insert({{0.2F, 0.1F, 0.1F}, {3.1F, 0.1F, 0.1F}}, 0);
   REQUIRE(map.intensity().size() == 3);
   CHECK(map.intensity()[0] == 50.0F);
@@ -140,13 +140,7 @@ TEST_CASE("a voxel keeps the mean intensity of its points, merged and moved ones
   CHECK(map.intensity()[2] == 3.0F);
 }
 
-TEST_CASE("a map of points without intensities has none") {
-  FeatureMap map(0.4, 1.0);
-  map.insert({{0.1F, 0.1F, 0.1F}});
-  CHECK(map.intensity().empty());
-}
-
-TEST_CASE("a correction that moves nothing leaves the same bytes") {
+TEST_CASE("a correction by the identity leaves the same bytes") {
   FeatureMap map(0.4, 1.0);
   map.insert(random_points_m(5000, 10.0F, 4), 0);
   map.insert(random_points_m(5000, 10.0F, 5), 1);
@@ -156,14 +150,15 @@ TEST_CASE("a correction that moves nothing leaves the same bytes") {
 }
 
 TEST_CASE(
-    "what was not seen lately is taken out, and what is seen there becomes points of its own") {
+    "points without recent observations are taken out, and later ones there become points of their "
+    "own") {
   FeatureMap map(0.4, 1.0);
   map.insert({{0.1F, 0.1F, 0.1F}, {1.1F, 0.1F, 0.1F}}, 0);
   map.insert({{1.15F, 0.1F, 0.1F}}, 5);
-  const std::vector<MapPoint> taken = map.take_not_seen_since(5);
+  const std::vector<MapPoint> taken = map.take_not_observed_since(5);
   REQUIRE(taken.size() == 1);
   CHECK(taken[0].mean_m == Eigen::Vector3f(0.1F, 0.1F, 0.1F));
-  // Keyframe 5 saw the second point again: it stays.
+  // Keyframe 5 observed the second point again: it stays.
   CHECK(map.nearest({0.1F, 0.1F, 0.1F}).count == 0);
   CHECK(map.nearest({1.1F, 0.1F, 0.1F}).count == 1);
   map.insert({{0.3F, 0.1F, 0.1F}}, 6);
@@ -180,7 +175,7 @@ TEST_CASE("a map out of which most was taken finds what a search through all doe
   FeatureMap map(0.4, 1.0);
   map.insert(random_points_m(8000, 12.0F, 6), 0);
   map.insert(random_points_m(1500, 4.0F, 7), 1);
-  CHECK(map.take_not_seen_since(1).size() > 1000);
+  CHECK(map.take_not_observed_since(1).size() > 1000);
   map.insert(random_points_m(500, 12.0F, 9), 2);
   const auto all = map.points_m();
   CHECK(all.size() == map.size());
@@ -193,7 +188,7 @@ TEST_CASE("a map out of which most was taken finds what a search through all doe
   }
 }
 
-TEST_CASE("a place that is far away, or larger than the map, is looked at as fast as any other") {
+TEST_CASE("a region that is far away, or larger than the map, is searched as any other") {
   FeatureMap map(0.4, 1.0);
   map.insert({{0.0F, 0.0F, 0.0F}, {5.0F, 0.0F, 0.0F}, {90.0F, -70.0F, 3.0F}});
   for (const float far_m : {1e7F, 1e20F, std::numeric_limits<float>::infinity()}) {
@@ -203,14 +198,14 @@ TEST_CASE("a place that is far away, or larger than the map, is looked at as fas
   }
 }
 
-TEST_CASE("a point that was taken out and put in again on thousands of laps stays in its voxel") {
+TEST_CASE("a point taken out and reinserted thousands of times stays in its voxel") {
   FeatureMap map(0.4, 1.0);
   std::vector<MapPoint> point;
   for (int lap = 0; lap < 4000; ++lap) {
     const Eigen::Vector3f seen_m(lap % 2 == 0 ? 0.1F : 0.3F, 0.1F, 0.1F);
     map.insert(std::vector<Eigen::Vector3f>(19, seen_m));
     map.insert(point);
-    point = map.take_not_seen_since(1);
+    point = map.take_not_observed_since(1);
     REQUIRE(point.size() == 1);
     REQUIRE((point[0].mean_m - Eigen::Vector3f(0.2F, 0.1F, 0.1F)).norm() < 0.11F);
   }

@@ -23,13 +23,13 @@ TEST_CASE("five points of a patch are no line") {
       five({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0.5F, 0.5F, 0}}})));
 }
 
-TEST_CASE("five points along a ring are no plane: any plane goes through a line") {
+TEST_CASE("five points along a ring are no plane") {
   CHECK(!hqslam::slam::fit_plane(
       five({{{0, 0, 0}, {0.4F, 0, 0.01F}, {0.8F, 0.01F, 0}, {1.2F, 0, 0}, {1.6F, 0, 0.01F}}}),
       0.2));
 }
 
-TEST_CASE("what neighbours on a surface make is a plane, or of one row the line it drew there") {
+TEST_CASE("neighbours on a surface make a plane, those of one row a line") {
   using namespace hqslam::slam;
   const auto patch =
       fit_surface(five({{{0, 0, 2}, {1, 0, 2}, {0, 1, 2}, {1, 1, 2}, {2, 1, 2}}}), 0.2);
@@ -51,7 +51,7 @@ TEST_CASE("a plane through the origin of the map is found like any other") {
   CHECK(std::abs(plane->normal.z()) == doctest::Approx(1.0));
 }
 
-TEST_CASE("a point off the plane by more than the limit spoils it") {
+TEST_CASE("a point beyond the largest distance spoils the plane") {
   const auto points = five({{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {2, 2, 0}, {1, 1, 0.9F}}});
   CHECK(!hqslam::slam::fit_plane(points, 0.2));
   CHECK(hqslam::slam::fit_plane(points, 0.8));

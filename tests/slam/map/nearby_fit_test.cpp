@@ -22,7 +22,7 @@ FeatureMap random_map(std::mt19937& generator) {
   return map;
 }
 
-/// A fit that tells its five points apart from any others.
+/// A fit that is different for any other five points.
 std::optional<MapPlane> mean_of(const Neighbours& neighbours) {
   MapPlane result{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   for (const auto& point_m : neighbours.points_m) result.point_m += point_m.cast<double>();
@@ -40,7 +40,7 @@ std::optional<MapPlane> searched_anew(const FeatureMap& map, const Eigen::Vector
 
 }  // namespace
 
-TEST_CASE("what is remembered of a feature that moves is what a new search would find") {
+TEST_CASE("the stored fit of a moving feature is that of a new search") {
   std::mt19937 generator(1);
   const FeatureMap map = random_map(generator);
   int fits = 0;
@@ -69,7 +69,7 @@ TEST_CASE("what is remembered of a feature that moves is what a new search would
   CHECK(searches < fits);
 }
 
-TEST_CASE("the nearest point alone is remembered as well as five are") {
+TEST_CASE("a fit of the nearest point alone is stored likewise") {
   std::mt19937 generator(3);
   const FeatureMap map = random_map(generator);
   const auto first = [](const Neighbours& near) {
@@ -93,7 +93,7 @@ TEST_CASE("the nearest point alone is remembered as well as five are") {
   CHECK(found > 500);
 }
 
-TEST_CASE("a feature that stays where it is is searched once") {
+TEST_CASE("a feature that does not move is searched once") {
   std::mt19937 generator(2);
   const FeatureMap map = random_map(generator);
   NearbyFit<MapPlane> nearby;

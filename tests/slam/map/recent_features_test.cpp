@@ -28,17 +28,17 @@ std::vector<float> sorted_x_m(const slam::MapFeatures& features) {
 
 TEST_CASE("features of the last scans come together in the frame of the last one") {
   slam::RecentFeatures recent(2);
-  recent.add(one_edge_at(1.0F), test::at_x(0.0), {});  // forgotten
+  recent.add(one_edge_at(1.0F), test::at_x(0.0), {});  // dropped
   recent.add(one_edge_at(2.0F), test::at_x(10.0), {});
   recent.add(one_edge_at(3.0F), test::at_x(14.0), {});
   CHECK(sorted_x_m(recent.about_last()) == std::vector<float>{-2.0F, 3.0F});
-  // A correction of the map does not change what was seen.
+  // A correction of the map does not change the features.
   recent.correct(pose_from_xyz_rpy({5.0, -3.0, 1.0}, 0.0, 0.0, 0.5));
   CHECK(recent.about_last().edges.size() == 2);
   CHECK(sorted_x_m(recent.about_last())[0] == doctest::Approx(-2.0));
 }
 
-TEST_CASE("what is far from the last scan is left out, and of many points some are taken") {
+TEST_CASE("points far from the last scan are left out, and many points are thinned") {
   slam::RecentFeatures recent(2);
   slam::MapFeatures features = one_edge_at(36.0F);
   recent.add(features, test::at_x(0.0), {});

@@ -24,7 +24,7 @@ slam::SavedMap small_saved_map() {
     place.T_map_sensor = pose_from_xyz_rpy({x_m, 1.0, 2.0}, 0.1, -0.2, 3.0);
     place.context.unit_sectors.setZero();
     place.context.unit_sectors(3, 17) = 1.0F;
-    place.context.seen[17] = true;
+    place.context.has_returns[17] = true;
     map.places.push_back(place);
   }
   return map;
@@ -59,7 +59,7 @@ TEST_CASE("intensities are saved with their points, and a map of before them is 
   CHECK(read.planes_intensity.empty());
 }
 
-TEST_CASE("a map that was saved is read as it was") {
+TEST_CASE("a saved map is read back unchanged") {
   const test::TemporaryDirectory folder;
   const slam::SavedMap map = small_saved_map();
   slam::write_saved_map(folder.file("map.npz"), map);
@@ -71,7 +71,7 @@ TEST_CASE("a map that was saved is read as it was") {
   for (std::size_t i = 0; i < map.places.size(); ++i) {
     CHECK(read.places[i].T_map_sensor.matrix() == map.places[i].T_map_sensor.matrix());
     CHECK(read.places[i].context.unit_sectors == map.places[i].context.unit_sectors);
-    CHECK(read.places[i].context.seen == map.places[i].context.seen);
+    CHECK(read.places[i].context.has_returns == map.places[i].context.has_returns);
   }
 }
 
@@ -82,13 +82,13 @@ TEST_CASE("a file that is no saved map is refused in one line") {
     const char* says;
   };
   const Case cases[] = {
-      {[](NpzArrays& a) { a.erase("format"); }, "no map saved by"},
-      {[](NpzArrays& a) { a["format"] = npz_text("hqslam map 2"); }, "no map saved by"},
-      {[](NpzArrays& a) { a.erase("posts_m"); }, "has no array posts_m"},
+      {[](NpzArrays& a) { a.erase("format"); }, "expected a map saved by"},
+      {[](NpzArrays& a) { a["format"] = npz_text("hqslam map 2"); }, "expected a map saved by"},
+      {[](NpzArrays& a) { a.erase("posts_m"); }, "expected an array posts_m, found none"},
       {[](NpzArrays& a) {
          a["edges_m"] = npz_array(std::vector<float>(6), {3, 2});
        },
-       "edges_m has another shape"},
+       "edges_m: expected rows of 3, found another shape"},
       {[](NpzArrays& a) {
          a["edges_m"] = npz_array(std::vector<double>(6), {2, 3});
        },
@@ -96,26 +96,26 @@ TEST_CASE("a file that is no saved map is refused in one line") {
       {[](NpzArrays& a) {
          a["planes_m"] = npz_array(std::vector<float>{0, kNan, 0}, {1, 3});
        },
-       "planes_m has numbers not finite"},
+       "planes_m: expected finite numbers, found nan"},
       {[](NpzArrays& a) {
          a["posts_m"] = npz_array(std::vector<float>{0, 0, -1e10F}, {1, 3});
        },
-       "posts_m has a coordinate of -10000000000 m"},
+       "posts_m: expected coordinates up to 1000000 m, found -10000000000 m"},
       {[](NpzArrays& a) { a["edges_intensity"] = npz_array(std::vector<float>(3), {3}); },
-       "edges_intensity has 3 numbers"},
+       "edges_intensity: expected one number for each of 2 points, found 3"},
       {[](NpzArrays& a) {
          std::vector<double> pose = {1, 0, 0, 1e10, 0, 1, 0, 0, 0, 0, 1, 0};
          a["T_map_place"] = npz_array(pose, {1, 3, 4});
        },
-       "T_map_place has a coordinate"},
+       "T_map_place: expected coordinates"},
       {[](NpzArrays& a) {
          a["T_map_place"] = npz_array(std::vector<double>(24), {2, 3, 4});
        },
-       "no rigid motion"},
+       "expected rotations"},
       {[](NpzArrays& a) {
          a["T_map_place"] = npz_array(std::vector<double>(12), {1, 3, 4});
        },
-       "other places"},
+       "a context for each of 1 places, found 2"},
   };
   for (const Case& c : cases) {
     CAPTURE(c.says);

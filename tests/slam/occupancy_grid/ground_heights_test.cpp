@@ -30,7 +30,7 @@ TEST_CASE("beside the ground it may rise by a quarter, and beyond 3 m nothing is
   CHECK_FALSE(ground.at({1e30, 0.25}));
 }
 
-TEST_CASE("a flat roof is no ground where the street beside it is seen") {
+TEST_CASE("a flat roof is no ground where the street beside it is measured") {
   GroundHeights ground;
   for (int i = -8; i <= 8; ++i) {
     for (int k = -8; k <= 8; ++k) {

@@ -20,7 +20,7 @@ const std::string kYaml =
     "image: map.pgm\nmode: trinary\nresolution: 0.05\norigin: [-1.25, 3.5, 0.0]\nnegate: 0\n"
     "occupied_thresh: 0.65\nfree_thresh: 0.196\n";
 
-/// What reading says of a map with these files.
+/// The error of reading a map with these files.
 std::string error_of(const std::string& yaml, const std::string& image) {
   const TemporaryDirectory folder;
   write_file(folder.file("map.yaml"), yaml);
@@ -46,7 +46,7 @@ TEST_CASE("the image is as map_server reads it: the top row first, 254 free, 0 o
         "free_thresh: 0.196\n");
 }
 
-TEST_CASE("a map that was written is read back, and its cells lie where they were") {
+TEST_CASE("a map that was written is read back with its cells in place") {
   const TemporaryDirectory folder;
   write_occupancy_image(small_occupancy_map(), folder.file("map.pgm"));
   write_occupancy_yaml(small_occupancy_map(), "map.pgm", folder.file("map.yaml"));
@@ -64,7 +64,7 @@ TEST_CASE("a map as other programs write it is read: comments, quotes, negated, 
                  std::string("P5 1 1 255\n\x10", 12)) == "no Error");
 }
 
-TEST_CASE("a broken map is one line that says what was expected") {
+TEST_CASE("a broken map is refused in one line with what was expected") {
   const std::string image("P5\n3 2\n255\n\xFE\x00\xCD\xCD\xFE\xFE", 17);
   REQUIRE(error_of(kYaml, image) == "no Error");
   for (const auto& [what, by] :

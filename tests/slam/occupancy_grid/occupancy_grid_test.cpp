@@ -27,7 +27,7 @@ Trajectory true_poses() {
   return trajectory;
 }
 
-/// A box of a car's size that stands in the yard during some scans, as the sensor sees it.
+/// A box of a car's size that is in the yard during some scans.
 struct Car {
   Eigen::Vector3d low_m, high_m;
   int from_scan = 0, to_scan = kScans;
@@ -54,9 +54,9 @@ void put_in(const Car& car, const SensorModel& sensor, const SensorPath& path,
   }
 }
 
-/// Of a drive round the yard, in the yard's frame.
+/// The grid of a drive round the yard, in the yard's frame.
 OccupancyMap yard_map(const std::optional<Car>& car = std::nullopt, bool backwards = false) {
-  // Where there is a car, columns close enough to tell that it left.
+  // With a car, columns dense enough to detect that it left.
   const SensorModel sensor = small_sensor(16, car ? 1024 : 512);
   const Trajectory trajectory = true_poses();
   OccupancyGrid grid({});
@@ -109,7 +109,7 @@ TEST_CASE("the floor of a yard is free, its walls and pillars are occupied, beyo
   CHECK(map.at({1e9, 0.0}) == Occupancy::kUnknown);
 }
 
-TEST_CASE("a car that stands is in the map, one that drove away is not") {
+TEST_CASE("a parked car is in the map, one that drove away is not") {
   const Car car{{6.0, -7.0, 0.0}, {10.0, -5.2, 1.5}};
   const OccupancyMap standing = yard_map(car);
   CHECK(share(standing, {6.0, -5.3}, {10.0, -5.1}, Occupancy::kOccupied) > 0.3);
@@ -209,5 +209,5 @@ TEST_CASE("a map as large as a country is refused before it is made") {
       grid.see_through(scan, SensorPath(Pose(Eigen::Translation3d(x_m, y_m, 0.0))));
     }
   }
-  CHECK(refused_with([&] { static_cast<void>(grid.map()); }, "larger cells"));
+  CHECK(refused_with([&] { static_cast<void>(grid.map()); }, "give larger ones"));
 }

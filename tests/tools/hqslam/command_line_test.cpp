@@ -1,11 +1,10 @@
-#include "product.h"
-
 #include <doctest/doctest.h>
 
 #include <string>
 #include <vector>
 
-#include "tools/parsed_options.h"
+#include "product.h"
+#include "tools/command_line/parsed_options.h"
 #include "tools/parts_of_text.h"
 
 namespace hqslam::tools {
@@ -132,8 +131,8 @@ TEST_CASE("the help names every subcommand, evaluate's its errors, calibrate's r
     return help_of<ProductCommands>(product_text(), command);
   };
   CHECK(missing(help(""), {"run", "live", "evaluate", "upsample", "info", "view"}) == "");
-  CHECK(missing(help("evaluate"), {"APE", "RPE", "MAE", "Chamfer", "IoU", "F1", "outlier", "TULIP",
-                                   "evo"}) == "");
+  CHECK(missing(help("evaluate"),
+                {"APE", "RPE", "MAE", "Chamfer", "IoU", "F1", "outlier", "TULIP", "evo"}) == "");
   CHECK(missing(help("calibrate"), {".pcap", ".mcap", ".bin", ".pcd", ".ply", ".csv", ".txt"}) ==
         "");
 }

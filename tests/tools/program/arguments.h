@@ -10,7 +10,10 @@
 
 namespace hqslam::test {
 
-inline const std::string kProgram = fmt::format("'{}'", HQSLAM_PROGRAM);
+/// A command line for the shell: the program that has the subcommand, with these arguments.
+inline std::string command_line(const std::string& arguments) {
+  return fmt::format("'{}' {}", program_of(arguments), arguments);
+}
 
 /// As short as does: most of these tests run every command several times.
 inline constexpr int kShortDriveScans = 4;

@@ -21,7 +21,8 @@ class Child {
     if (pid_ != 0) return;
     // A test that runs in the background ignores it, and would hand that on.
     ::signal(SIGINT, SIG_DFL);
-    const std::string command = fmt::format("exec '{}' {} {}", program_of(arguments), arguments, streams);
+    const std::string command =
+        fmt::format("exec '{}' {} {}", program_of(arguments), arguments, streams);
     execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
     _exit(127);
   }

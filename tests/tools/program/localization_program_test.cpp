@@ -88,46 +88,4 @@ TEST_CASE("a map in the folder whose results would be replaced is refused, and s
   CHECK(file_contents(map) == file_contents(saved_map()));
 }
 
-TEST_CASE("a drive is located in a cloud of the place, as its dense map is one") {
-  const TemporaryDirectory folder;
-  const std::string& drive = simulated_drive("--sensor os1-16 --scans 40");
-  succeeds("run '{}' --dense-map --out '{}'", drive, folder.file("dense"));
-  for (const std::string ending : {".pcd", ".ply"}) {
-    CAPTURE(ending);
-    const std::string map = folder.file("dense/dense_map") + ending;
-    CHECK(holds(succeeds("run '{}' --map '{}' --out '{}'", drive, map, folder.file("located")).out,
-                "located in the map of " + map));
-    const Trajectory path = read_tum(folder.file("located/trajectory.tum"));
-    const Trajectory truth = read_tum(drive + "/truth.tum");
-    CHECK(
-        (path.back().T_map_sensor.translation() - truth.back().T_map_sensor.translation()).norm() <
-        0.1);
-  }
-  write_file(folder.file("few.txt"), "0 0 0\n1 0 0\n0 1 0\n");
-  const ProgramResult few =
-      refused("run '{}' --map '{}' --out '{}'", drive, folder.file("few.txt"), folder.file("none"));
-  CHECK(holds(few.error, folder.file("few.txt") + ": expected a cloud with at least"));
-  CHECK_FALSE(fs::exists(folder.file("none")));
-}
-
-TEST_CASE("a map is not extended by a drive elsewhere, nor over itself, and stays as it was") {
-  const TemporaryDirectory folder;
-  const std::string map = folder.file("mapped/saved_map.npz");
-  fs::create_directory(folder.file("mapped"));
-  fs::copy(saved_map(), map);
-  write_file(folder.file("mapped/timings.json"), "{\n  \"written_by\": \"hqslam run\",\n}");
-  const ProgramResult over = refused("run '{}' --map '{}' --extend --out '{}'", simulated_drive(),
-                                     map, folder.file("mapped"));
-  CHECK(holds(over.error, map + ": is read by this command and would be replaced"));
-  const std::string other = folder.file("elsewhere");
-  run_hqslam("simulate --drive town --seed 3 --sensor os1-16 --scans 6 --out '{}'", other);
-  const ProgramResult elsewhere =
-      run_hqslam("run '{}' --map '{}' --extend --out '{}'", other, map, folder.file("out"));
-  CHECK(elsewhere.status == 2);
-  CHECK(holds(elsewhere.error, "not extended"));
-  CHECK(fs::exists(folder.file("out/trajectory.tum")));
-  CHECK_FALSE(fs::exists(folder.file("out/saved_map.npz")));
-  CHECK(file_contents(map) == file_contents(saved_map()));
-}
-
 }  // namespace hqslam::test

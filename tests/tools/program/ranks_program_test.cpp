@@ -60,7 +60,7 @@ TEST_CASE("two processes train the same bytes as one, and one of them speaks") {
     CHECK(two.status == 0);
     CHECK(count(two.out, "from step 0") == 1);
     CHECK(count(two.out, "step       6/6") == 1);
-    for (const char* name : {"/weights.npz", "/checkpoint.npz", "/curve.svg"}) {
+    for (const char* name : {"/weights.npz", "/checkpoint.npz", "/curve.json"}) {
       CAPTURE(name);
       CHECK(file_contents(folder.file("two") + name) == file_contents(folder.file("one") + name));
     }
@@ -87,9 +87,9 @@ TEST_CASE("a training that two processes began and one ended has the bytes of on
                             "kill -TERM $pid; wait $pid",
                             on_ranks(2), arguments, folder.file("parts/checkpoint.npz")));
   CHECK(stopped.status != 0);
-  CHECK(holds(stopped.error, "the same command goes on from there"));
+  CHECK(holds(stopped.error, "the same command continues"));
   succeeds(arguments + "parts'");
-  for (const char* name : {"/weights.npz", "/checkpoint.npz", "/curve.svg"}) {
+  for (const char* name : {"/weights.npz", "/checkpoint.npz", "/curve.json"}) {
     CAPTURE(name);
     CHECK(file_contents(folder.file("parts") + name) == file_contents(folder.file("whole") + name));
   }
@@ -108,7 +108,7 @@ TEST_CASE("what processes cannot share is refused in one line") {
   write_file(folder.file("recipe.json"), "{");
   const ProgramResult broken = run_on_ranks(2, arguments);
   CHECK(broken.status == 2);
-  CHECK(count(broken.error, "hqslam: ") == 1);  // rank 0 alone has looked at it
+  CHECK(count(broken.error, "hqslam-lab: ") == 1);  // rank 0 alone has looked at it
 }
 
 TEST_CASE("two processes make the table that one makes, and one shows what they left") {

@@ -32,9 +32,9 @@ TEST_CASE("a closed or full stderr costs nothing, and nothing is written into th
 
 TEST_CASE("a reader that goes away stops no training and is not complained about") {
   const TemporaryDirectory folder;
-  const ProgramResult result =
-      run_shell(fmt::format("{{ sleep 0.2; {} {}; echo $? >'{}'; }} | true", kProgram,
-                            train_arguments(folder, folder.file("out")), folder.file("status")));
+  const ProgramResult result = run_shell(fmt::format(
+      "{{ sleep 0.2; {}; echo $? >'{}'; }} | true",
+      command_line(train_arguments(folder, folder.file("out"))), folder.file("status")));
   CHECK(file_contents(folder.file("status")) == "1\n");
   CHECK_FALSE(holds(result.error, "printed"));
   CHECK_NOTHROW(nn::read_weights(folder.file("out/weights.npz")));
@@ -56,8 +56,8 @@ TEST_CASE("a program that was told to ignore hang-ups ignores them") {
   const TemporaryDirectory folder;
   const std::string out = folder.file("out");
   const ProgramResult result =
-      run_shell(fmt::format("trap '' HUP; {} {} & pid=$!; sleep 0.3; kill -HUP $pid; wait $pid",
-                            kProgram, train_arguments(folder, out, 30)));
+      run_shell(fmt::format("trap '' HUP; {} & pid=$!; sleep 0.3; kill -HUP $pid; wait $pid",
+                            command_line(train_arguments(folder, out, 30))));
   CHECK(result.status == 0);
 }
 

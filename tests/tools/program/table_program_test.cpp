@@ -73,15 +73,12 @@ TEST_CASE("a table is interrupted, finished, repeated and repaired, always with 
   CAPTURE(finished.error);
   REQUIRE(finished.status == 0);
   CHECK(file_contents(results + "rows-64.json") == first);  // with its times: it was not run again
-  for (const char* row : {"| LiDAR-16 |", "| linear |", "| DU-OR |", "| LiDAR-64 |"}) {
+  for (const char* row : {"LiDAR-16 ", "linear ", "DU-OR ", "LiDAR-64 "}) {
     CAPTURE(row);
-    CHECK(holds(finished.out, row));
-    CHECK(holds(file_contents(out + "/table.md"), row));
+    CHECK(holds(finished.out, fmt::format("\n{}", row)));
+    CHECK(holds(file_contents(out + "/table.md"), fmt::format("| {}|", row)));
   }
-  for (const char* file :
-       {"table.html", "block-typical-loop-closing-off.svg", "block-typical-loop-closing-on.svg"}) {
-    CHECK(fs::file_size(out + "/" + file) > 1000);
-  }
+  CHECK(fs::file_size(out + "/table.html") > 1000);
   const nlohmann::json table = json_of(out + "/table.json");
   const nlohmann::json& methods = table["drives"][0]["methods"];
   REQUIRE(methods.size() == 4);
@@ -154,7 +151,7 @@ TEST_CASE("a drive that was simulated once serves shorter tables too") {
   CHECK(json_of(folder.file("long/table.json"))["drives"][0]["scans"] == 6);
 }
 
-TEST_CASE("a simulated drive that was damaged is simulated anew, and said to be") {
+TEST_CASE("a simulated drive that was damaged is simulated again with a warning") {
   const TemporaryDirectory folder;
   const std::string out = folder.file("out");
   const std::string arguments =
@@ -171,7 +168,7 @@ TEST_CASE("a simulated drive that was damaged is simulated anew, and said to be"
     CAPTURE(file);
     write_file(out + "/drives/block-typical/" + file, damaged);
     const ProgramResult result = succeeds(arguments);
-    CHECK(missing(result.error, {"drives/block-typical: ", "it is simulated anew"}) == "");
+    CHECK(missing(result.error, {"drives/block-typical: ", "the drive is simulated again"}) == "");
     CHECK(file_contents(out + "/drives/block-typical/scans.npy") == scans);
   }
 }
@@ -243,7 +240,7 @@ TEST_CASE(
   for (const char* time : {"computed", "there already"}) {
     CAPTURE(time);
     const ProgramResult result = succeeds(arguments);
-    CHECK(missing(result.error, {"hqslam: bin: 2 scans were left out, the first of them: ",
+    CHECK(missing(result.error, {"hqslam-lab: bin: 2 scans were left out, the first of them: ",
                                  files[2].filename().string()}) == "");
   }
   for (const char* page : {"table.md", "table.html"}) {
@@ -264,7 +261,8 @@ TEST_CASE("stamps that fall are named before the work of a table, which could no
       "table --drives '{1}/bin' --sensor os1-64 --methods rows-16 --stamps '{0}/stamps.txt' --out "
       "'{0}/out'",
       folder.path().string(), simulated_drive("--sensor os1-64 --scans 4"));
-  CHECK(missing(result.error, {"000003.bin: has the stamp 0.150000 s", "--stamps"}) == "");
+  CHECK(missing(result.error,
+                {"000003.bin: expected a stamp after", "found 0.150000 s", "--stamps"}) == "");
 }
 
 TEST_CASE("a wrong table is one line on stderr and status 2, and writes nothing") {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "hqslam/core/sensor_model.h"
+#include "hqslam/nn/network.h"
 #include "hqslam/nn/network_json.h"
 #include "hqslam/nn/weights_file.h"
 
@@ -33,7 +34,10 @@ inline nn::Weights untrained_weights(const SensorModel& sensor, const std::strin
           4.0F + static_cast<float>(row) + 0.01F * static_cast<float>(column);
     }
   }
-  weights.self_test = make_self_test(weights.description, weights.parameters, measured);
+  const auto network =
+      nn::make_network(weights.description, sensor.columns, nn::chosen_instruction_set(), 1);
+  network->set_parameters(weights.parameters);
+  weights.self_test = make_self_test(*network, measured);
   return weights;
 }
 

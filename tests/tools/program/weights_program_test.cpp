@@ -7,7 +7,7 @@
 
 #include "hqslam/core/npz.h"
 #include "hqslam/nn/network_json.h"
-#include "hqslam/nn/weights_file.h"
+#include "hqslam/nn/super_resolver.h"
 #include "tools/program/program.h"
 #include "tools/program/untrained_weights.h"
 
@@ -60,7 +60,7 @@ TEST_CASE("weights pack makes weights that load, with a self-test of its own") {
   CHECK(missing(result.out, {"du-mix", "no self-test beside them"}) == "");
   const nn::Weights packed = nn::read_weights(foreign.packed);
   CHECK(packed.parameters == foreign.weights.parameters);
-  CHECK_NOTHROW(nn::check_self_test(packed, "packed"));
+  CHECK_NOTHROW(nn::SuperResolver::checked(packed, "packed"));
   const ProgramResult shown = succeeds("weights show '{}'", foreign.packed);
   CHECK(missing(shown.out, {fmt::format("{} parameters", packed.parameters.size()),
                             "layers.0.encoder.0.weight", "arrays.npz"}) == "");

@@ -97,7 +97,7 @@ void guard_output_file(const std::string& path, const Paths& inputs,
   require_writable(folder);
 }
 
-void guard_output_file(const std::string& path, const Paths& inputs, const char* marker) {
+void guard_output_file(const std::string& path, const Paths& inputs, const std::string& marker) {
   guard_output_file(path, inputs,
                     [&](const std::string& there) { return has_marker(there, marker); });
 }
@@ -208,8 +208,8 @@ std::optional<std::int64_t> scans_of_simulated_drive(const std::string& drive_js
   constexpr std::size_t kMostBytes = 1U << 16U;
   try {
     JsonFields fields(whole_file(drive_json, "a drive.json", kMostBytes), drive_json);
-    static_cast<void>(fields.integer("revision"));
-    static_cast<void>(fields.text("sensor"));
+    static_cast<void>(fields.text("name"));
+    static_cast<void>(fields.unsigned_integer("seed"));
     return fields.integer("scans");
   } catch (const Error&) {
     return std::nullopt;

@@ -34,7 +34,7 @@ void guard_output_file(const std::string& path, const Paths& inputs,
                        const std::function<bool(const std::string&)>& is_own);
 
 /// The same of one that has a marker: has_marker.
-void guard_output_file(const std::string& path, const Paths& inputs, const char* marker);
+void guard_output_file(const std::string& path, const Paths& inputs, const std::string& marker);
 
 /// Whether there is a file at `path` that holds `marker` among its first 4096 bytes: the command
 /// that puts the marker there wrote it.

@@ -6,8 +6,10 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <memory>
 
 #include "hqslam/core/error.h"
+#include "program/help_formatter.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {
@@ -53,7 +55,7 @@ void declare_program(CLI::App& app, const ProgramText& text) {
   app.description(text.description);
   app.set_version_flag("--version", text.name + " " HQSLAM_VERSION);
   app.set_help_flag("-h,--help", "Print this help and exit");
-  app.get_formatter()->column_width(34);
+  app.formatter(std::make_shared<HelpFormatter>());
   app.require_subcommand(1);
   app.footer(
       "Exit status: 0 done, 2 wrong input (one line on stderr says what and how to mend it),\n"

@@ -21,13 +21,13 @@ namespace hqslam::tools {
 void declare_input(Command& command, InputChoice& choice, const std::string& what,
                    const std::string& sensor) {
   constexpr const char* kUsual =
-      "Capture (.pcap, .pcapng) or bag (.db3, .mcap, .bag) of a sensor, folder of KITTI .bin files "
-      "or of .pcd, .ply, .csv or .txt files, .npy stack of range images (N x H x W, float32 "
-      "metres), or folder written by hqslam-lab simulate";
+      "Recording: a capture (.pcap, .pcapng) or bag (.db3, .mcap, .bag) of a sensor, a folder of "
+      "KITTI .bin files or of .pcd, .ply, .csv or .txt files, a .npy stack of range images (N x H "
+      "x W, float32 metres), or a folder written by hqslam-lab simulate";
   const std::string usual_sensor = fmt::format(
-      "{}, or a .json file with the beam angles (Ouster's metadata files too) or, for "
-      "packets of a Hesai, its .csv of angles; not needed where the "
-      "recording or its points tell",
+      "Sensor: {}, or a .json file with the beam angles (Ouster's metadata files too), or a "
+      "Hesai's "
+      ".csv of angles; default: determined from the recording or its points",
       fmt::join(sensor_preset_names(), ", "));
   command
       .option("INPUT", &choice.input, what.empty() ? kUsual : what,
@@ -38,9 +38,9 @@ void declare_input(Command& command, InputChoice& choice, const std::string& wha
 
 void declare_imu(Command& command, InputChoice& choice) {
   command.option("--imu", &choice.imu,
-                 "Inertial data by the clock of the scans, in the LiDAR's frame: lines of stamp, "
-                 "angular rate x,y,z (rad/s), specific force x,y,z (m/s^2); by default those of "
-                 "the recording",
+                 "File of inertial data by the clock of the scans, in the LiDAR's frame: lines of "
+                 "stamp, angular rate x,y,z (rad/s), specific force x,y,z (m/s^2); default: those "
+                 "of the recording",
                  {.given = Given::kFile});
 }
 
@@ -49,10 +49,10 @@ void declare_reading(Command& command, InputChoice& choice) {
     return std::string(text.empty() ? "expected a file or 'names', found nothing" : "");
   };
   command.option("--stream", &choice.stream,
-                 "Which stream of a capture or a bag: a topic, or a port or sender:port");
+                 "Stream of a capture or a bag: a topic, a port, or sender:port");
   declare_return(command, choice.kept_return);
   command
-      .option("--row-order", &choice.row_order, "Where row 0 of the images of a .npy stack looks",
+      .option("--row-order", &choice.row_order, "Order of the rows of a .npy stack's images",
               {.shows_default = true, .one_of = {"highest-first", "lowest-first"}})
       .option("--motion-corrected", &choice.motion_corrected,
               "The scans of a .npy stack are already corrected for the sensor's motion")
@@ -61,15 +61,15 @@ void declare_reading(Command& command, InputChoice& choice) {
               "(each has the time of its azimuth), or corrected for motion (default)",
               {.one_of = {"rolling", "corrected"}})
       .option("--stamps", &choice.stamps,
-              "File with the stamp of each scan (seconds, or dates as KITTI's timestamps.txt), or "
-              "'names' for the numbers in the files' names; not of a capture or a bag, which have "
-              "their own",
+              "File with the stamp of each scan (seconds, or dates as in KITTI's timestamps.txt), "
+              "or 'names' for the numbers in the files' names; not for captures and bags, which "
+              "have their own",
               {.complaint = nothing});
 }
 
 void declare_return(Command& command, std::string& kept_return) {
   command.option("--return", &kept_return,
-                 "Which one is kept where a sensor sends two returns of a pulse",
+                 "Return that is kept where a sensor sends two for each pulse",
                  {.shows_default = true, .one_of = {"strongest", "last"}});
 }
 
@@ -78,15 +78,18 @@ recordings::KeptReturn kept_return_named(const std::string& kept_return) {
 }
 
 void declare_upsampling_method(Command& command, UpsamplingChoice& choice) {
+  std::vector<std::string> methods = nn::interpolation_names();
+  const std::vector<std::string> weights = pipeline::installed_weights_names();
+  methods.insert(methods.end(), weights.begin(), weights.end());
   command
       .option("--rows", &choice.rows, "Use only this many of the sensor's rows, evenly spread",
               {.within = kAnyCount})
-      .option(
-          "--upsample", &choice.upsample,
-          fmt::format("Fill the rows between the measured ones first: a trained network (.npz), or "
-                      "interpolation ({})",
-                      fmt::join(nn::interpolation_names(), ", ")),
-          {.given = Given::kFile, .one_of = nn::interpolation_names()});
+      .option("--upsample", &choice.upsample,
+              fmt::format("Fill the rows between the measured ones first: a weights file (.npz), "
+                          "weights that come with hqslam and are chosen by the sensor ({}), or an "
+                          "interpolation ({})",
+                          fmt::join(weights, ", "), fmt::join(nn::interpolation_names(), ", ")),
+              {.given = Given::kFile, .one_of = methods});
 }
 
 void declare_upsampling(Command& command, UpsamplingChoice& choice) {
@@ -97,17 +100,15 @@ void declare_upsampling(Command& command, UpsamplingChoice& choice) {
 void declare_confidence(Command& command, UpsamplingChoice& choice,
                         const std::vector<const char*>& needs) {
   command
-      .option(
-          "--confidence", &choice.least_confidence,
-          "Leave computed pixels empty of which the network (du-mix) is less sure; default: as the "
-          "weights say",
-          {.within = std::pair(0.0, 1.0), .needs = needs})
-      .option(
-          "--tolerance", &choice.tolerance_m,
-          fmt::format("Sure of what: that the range is right within so many metres (default: {}); "
-                      "with 100 m and more, that there is a return at all",
-                      nn::SuperResolverOptions{}.tolerance_m),
-          {.within = kTolerance_m, .needs = needs});
+      .option("--confidence", &choice.least_confidence,
+              "Least confidence of a computed pixel (du-mix); others are left empty; default: "
+              "that of the weights",
+              {.within = std::pair(0.0, 1.0), .needs = needs})
+      .option("--tolerance", &choice.tolerance_m,
+              fmt::format("Range tolerance in metres to which the confidence refers (default: {}); "
+                          "with 100 m and more it is the probability of a return at all",
+                          nn::SuperResolverOptions{}.tolerance_m),
+              {.within = kTolerance_m, .needs = needs});
 }
 
 void declare_threads(Command& command, int& threads) {
@@ -122,21 +123,6 @@ void use_threads(int threads) {
 namespace fs = std::filesystem;
 
 namespace {
-
-recordings::OpenOptions open_options(const InputChoice& choice) {
-  recordings::OpenOptions options;
-  options.sensor = choice.sensor;
-  options.stream = choice.stream;
-  options.kept_return = kept_return_named(choice.kept_return);
-  if (choice.row_order == "lowest-first") options.files.row_order = RowOrder::kLowestFirst;
-  if (choice.motion_corrected) options.files.capture_time = CaptureTime::kMotionCorrected;
-  if (choice.capture == "rolling") options.files.without_times = CaptureTime::kRolling;
-  if (choice.capture == "corrected") {
-    options.files.without_times = CaptureTime::kMotionCorrected;
-  }
-  options.files.stamps = choice.stamps;
-  return options;
-}
 
 /// Of a simulated drive that may have been stopped; 0 where a folder is none.
 std::int64_t planned_scans(const std::string& input) {
@@ -166,73 +152,44 @@ std::string file_of_drive(const std::string& input, const char* name) {
   return fs::is_directory(input) && fs::is_regular_file(path) ? path.string() : "";
 }
 
-void refuse_idle_options(const InputChoice& choice) {
-  const bool is_stream = recordings::is_capture_or_bag(choice.input);
-  const bool is_stack = fs::path(choice.input).extension() == ".npy" ||
-                        (!file_of_drive(choice.input, "scans.npy").empty() &&
-                         !file_of_drive(choice.input, "sensor.json").empty());
-  struct Option {
-    const char* name;
-    bool is_given;
-    bool is_used;
-  };
-  const InputChoice usual;
-  for (const Option& option : std::initializer_list<Option>{
-           {"--stream", choice.stream != usual.stream, is_stream},
-           {"--return", choice.kept_return != usual.kept_return, is_stream},
-           {"--row-order", choice.row_order != usual.row_order, is_stack},
-           {"--motion-corrected", choice.motion_corrected, is_stack},
-           {"--capture", choice.capture != usual.capture, !is_stream && !is_stack},
-           {"--stamps", choice.stamps != usual.stamps, !is_stream}}) {
-    if (!option.is_given || option.is_used) continue;
-    throw Error("{}: {} says nothing of {}; leave {} out", choice.input, option.name,
-                is_stream  ? "a capture or a bag"
-                : is_stack ? "a stack of range images"
-                           : "files of points",
-                option.name);
+recordings::OpenOptions open_options(const InputChoice& choice) {
+  recordings::OpenOptions options;
+  options.sensor = choice.sensor;
+  options.stream = choice.stream;
+  options.kept_return = kept_return_named(choice.kept_return);
+  if (choice.row_order == "lowest-first") options.files.row_order = RowOrder::kLowestFirst;
+  if (choice.motion_corrected) options.files.capture_time = CaptureTime::kMotionCorrected;
+  if (choice.capture == "rolling") options.files.without_times = CaptureTime::kRolling;
+  if (choice.capture == "corrected") {
+    options.files.without_times = CaptureTime::kMotionCorrected;
   }
+  options.files.stamps = choice.stamps;
+  options.imu = choice.imu;
+  return options;
 }
 
-std::optional<SensorModel> recording_sensor(const InputChoice& choice) {
-  if (const auto stream = open_stream(choice)) return stream->sensor();
-  const std::string path =
-      choice.sensor.empty() ? file_of_drive(choice.input, "sensor.json") : choice.sensor;
-  return path.empty() ? std::nullopt : std::optional(load_sensor(path));
+pipeline::UpsamplingOptions upsampling_options(const UpsamplingChoice& choice) {
+  pipeline::UpsamplingOptions options{choice.upsample, choice.rows};
+  options.network.least_confidence = choice.least_confidence;
+  if (choice.tolerance_m) options.network.tolerance_m = *choice.tolerance_m;
+  return options;
 }
 
-SensorModel required_recording_sensor(const InputChoice& choice) {
-  std::optional<SensorModel> known = recording_sensor(choice);
-  if (known) return *known;
-  const auto source = open_as_points_tell(choice);
-  print_later_warnings(*source, 0);  // which sensor was found in the points
-  return source->sensor();
+void check_confidence(const UpsamplingChoice& choice, const pipeline::Upsampler& upsampler) {
+  if (!choice.least_confidence && !choice.tolerance_m) return;
+  if (upsampler.has_confidence()) return;
+  throw Error(
+      "{}: gives no confidence; leave --confidence and --tolerance out, or give weights of kind "
+      "du-mix",
+      choice.upsample);
 }
 
-std::unique_ptr<ScanSource> open_as_points_tell(const InputChoice& choice) {
-  recordings::OpenOptions options = open_options(choice);
-  options.sensor.clear();
-  return recordings::open_recording(choice.input, options);
-}
-
-std::unique_ptr<recordings::StreamSource> open_stream(const InputChoice& choice) {
-  refuse_idle_options(choice);
-  if (!recordings::is_capture_or_bag(choice.input)) return nullptr;
-  return recordings::open_stream(choice.input, open_options(choice));
-}
-
-std::unique_ptr<ScanSource> with_imu_of(const InputChoice& choice,
-                                        std::unique_ptr<ScanSource> source) {
-  if (choice.imu.empty()) return recordings::with_imu_of_drive(std::move(source), choice.input);
-  return with_imu(std::move(source), read_imu_csv(choice.imu), choice.imu);
-}
-
-std::unique_ptr<ScanSource> open_input(const InputChoice& choice, const SensorModel& sensor) {
-  recordings::OpenOptions options = open_options(choice);
-  if (!recordings::is_capture_or_bag(choice.input)) {
-    return open_scan_files(choice.input, sensor, options.files);
-  }
-  options.columns = sensor.columns;
-  return recordings::open_stream(choice.input, options);
+pipeline::UpsampledRecording upsampled_recording(const InputChoice& recording,
+                                                 const UpsamplingChoice& upsampling) {
+  pipeline::UpsampledRecording opened = pipeline::open_upsampled(
+      recording.input, open_options(recording), upsampling_options(upsampling));
+  check_confidence(upsampling, opened.upsampler);
+  return opened;
 }
 
 std::int64_t scans_in(const InputChoice& choice, const ScanSource& source) {
@@ -253,9 +210,9 @@ std::size_t print_warnings(const ScanSource& source, const std::string& input) {
   return source.warnings().size();
 }
 
-void print_later_warnings(const ScanSource& source, std::size_t told) {
+void print_later_warnings(const ScanSource& source, std::size_t printed) {
   const std::vector<std::string> warnings = source.warnings();
-  for (std::size_t i = told; i < warnings.size(); ++i) to_stderr("hqslam: {}\n", warnings[i]);
+  for (std::size_t i = printed; i < warnings.size(); ++i) to_stderr("hqslam: {}\n", warnings[i]);
 }
 
 void refuse_to_write_into_recording(const std::string& input, const std::string& out) {

@@ -1,22 +1,20 @@
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "hqslam/core/scan_source.h"
-#include "hqslam/core/sensor_model.h"
-#include "hqslam/recordings/recording.h"
+#include "hqslam/pipeline/upsampled_recording.h"
 #include "terminal/command_options.h"
 
 namespace hqslam::tools {
 
-/// What a user says of a recording; every command that opens one asks in the same words.
+/// The options about a recording, the same in every command that opens one.
 struct InputChoice {
   std::string input;
-  std::string sensor = {};  ///< empty: what the recording says
+  std::string sensor = {};  ///< empty: the recording's own
   std::string stream = {};  ///< of a capture or a bag; empty: the only one with scans
   std::string kept_return = "strongest";
   std::string row_order = "highest-first";
@@ -37,18 +35,18 @@ void declare_imu(Command& command, InputChoice& choice);
 void declare_return(Command& command, std::string& kept_return);
 recordings::KeptReturn kept_return_named(const std::string& kept_return);
 
-/// What is made of scans before they are used.
+/// The options about upsampling.
 struct UpsamplingChoice {
   std::string upsample = {};  ///< weights file or interpolation; empty: nothing
   int rows = 0;  ///< measured ones; 0: all, or, of an upsampling, its own or every fourth
-  std::optional<float> least_confidence = {};  ///< of pixels that are kept; nothing: the weights'
+  std::optional<float> least_confidence = {};  ///< nothing: the weights'
   std::optional<float> tolerance_m = {};       ///< nothing: SuperResolverOptions' own
 };
 /// --rows and --upsample.
 void declare_upsampling_method(Command& command, UpsamplingChoice& choice);
 /// These and what declare_confidence declares.
 void declare_upsampling(Command& command, UpsamplingChoice& choice);
-/// --confidence and --tolerance. needs: options without which they say nothing.
+/// --confidence and --tolerance. needs: options without which they have no effect.
 void declare_confidence(Command& command, UpsamplingChoice& choice,
                         const std::vector<const char*>& needs = {});
 
@@ -63,45 +61,24 @@ void use_threads(int threads);
 /// a folder and has it; otherwise "".
 std::string file_of_drive(const std::string& input, const char* name);
 
-/// Throws Error for an option that says nothing of this kind of recording. Whatever opens one here
-/// begins with it.
-void refuse_idle_options(const InputChoice& choice);
+recordings::OpenOptions open_options(const InputChoice& choice);
+pipeline::UpsamplingOptions upsampling_options(const UpsamplingChoice& choice);
+/// Throws Error where a confidence is asked for of a method that gives none.
+void check_confidence(const UpsamplingChoice& choice, const pipeline::Upsampler& upsampler);
+/// The recording with what upsamples its scans. Throws Error.
+pipeline::UpsampledRecording upsampled_recording(const InputChoice& recording,
+                                                 const UpsamplingChoice& upsampling);
 
-/// The sensor of a recording: the one that is named (a preset or a .json file) or, if none is, the
-/// sensor.json in the recording's folder. Of a capture or a bag: as the recording says, or as is
-/// said, at the rate at which it turned. Nothing where neither says. Throws Error.
-std::optional<SensorModel> recording_sensor(const InputChoice& choice);
-
-/// The same where one is needed: else the one that its points tell of, which is said on stderr.
-/// Throws Error where they do not.
-SensorModel required_recording_sensor(const InputChoice& choice);
-
-/// Files of points, opened with the sensor that they tell of, whichever is named; its first warning
-/// says which that is. Throws Error.
-std::unique_ptr<ScanSource> open_as_points_tell(const InputChoice& choice);
-
-/// A capture or a bag, opened just as far as it takes to know its sensor; nullptr for other
-/// recordings. Throws Error.
-std::unique_ptr<recordings::StreamSource> open_stream(const InputChoice& choice);
-
-/// Opens any recording with the sensor that recording_sensor gave, or with the rows or columns of
-/// it that a network wants. Throws Error.
-std::unique_ptr<ScanSource> open_input(const InputChoice& choice, const SensorModel& sensor);
-
-/// The same with inertial data: those that are named, or a simulated drive's own. Throws Error.
-std::unique_ptr<ScanSource> with_imu_of(const InputChoice& choice,
-                                        std::unique_ptr<ScanSource> source);
-
-/// How many scans there are: as the source says, or by reading the capture or bag to its end.
+/// The number of scans: the source's, or counted by reading a capture or bag to its end.
 std::int64_t scans_in(const InputChoice& choice, const ScanSource& source);
 
-/// Prints what a user should know of the recording to stderr, a line each. `input` is its path.
-/// Returns how many of the source's warnings there are so far.
+/// Prints warnings about the recording to stderr, a line each. input: its path. Returns how many of
+/// the source's warnings were printed.
 std::size_t print_warnings(const ScanSource& source, const std::string& input);
-/// The same of what was found since the first `told` warnings, as it was read.
-void print_later_warnings(const ScanSource& source, std::size_t told);
+/// Prints the source's warnings after the first `printed` ones.
+void print_later_warnings(const ScanSource& source, std::size_t printed);
 
-/// Throws Error if `out` is where the scans of the recording lie: results among them would be read
+/// Throws Error if `out` is the folder of the recording's scans: results among them would be read
 /// as scans by the next command.
 void refuse_to_write_into_recording(const std::string& input, const std::string& out);
 

@@ -7,11 +7,11 @@
 
 #include "hqslam/core/trajectory.h"
 #include "hqslam/evaluation/trajectory_error.h"
+#include "hqslam/pipeline/scan_poses.h"
 
 namespace hqslam::tools {
 
-/// Of poses that are taken for those of one time.
-inline constexpr double kMaxStampDifference_s = 0.02;
+using pipeline::kMaxStampDifference_s;
 
 /// The poses of `file` with stamps that can be compared with those of `other`: where `file` has
 /// none, pose i gets the stamp of pose i of `other`. Throws Error where those are not as many.

@@ -2,61 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "hqslam/core/error.h"
-#include "recording/reading.h"
 #include "recording/reference.h"
 
 namespace hqslam::tools {
-namespace {
-
-/// The pose whose stamp is nearest, nothing if it is too far.
-std::optional<std::size_t> pose_at(const Trajectory& trajectory, double stamp_s) {
-  const auto first = std::ranges::lower_bound(trajectory, stamp_s - kMaxStampDifference_s, {},
-                                              &StampedPose::stamp_s);
-  const auto end = std::ranges::upper_bound(
-      first, trajectory.end(), stamp_s + kMaxStampDifference_s, {}, &StampedPose::stamp_s);
-  const auto off_s = [&](const StampedPose& pose) { return std::abs(pose.stamp_s - stamp_s); };
-  const auto nearest = std::ranges::min_element(first, end, {}, off_s);
-  if (nearest == end || off_s(*nearest) > kMaxStampDifference_s) return std::nullopt;
-  return static_cast<std::size_t>(nearest - trajectory.begin());
-}
-
-/// The pose of a scan of the recording, nothing if it has none.
-std::optional<std::size_t> pose_of_scan(const std::vector<std::int64_t>& scan_of_pose,
-                                        std::int64_t scan) {
-  const auto found = std::ranges::lower_bound(scan_of_pose, scan);
-  if (found == scan_of_pose.end() || *found != scan) return std::nullopt;
-  return static_cast<std::size_t>(found - scan_of_pose.begin());
-}
-
-}  // namespace
-
-std::optional<slam::SensorPath> ScanPoses::path_of(std::int64_t scan, double stamp_s,
-                                                   double scan_period_s) const {
-  const auto pose = scan_of_pose ? pose_of_scan(*scan_of_pose, scan) : pose_at(trajectory, stamp_s);
-  if (!pose || (!is_located.empty() && !is_located[*pose])) return std::nullopt;
-  const auto is_apart = [&](std::size_t other) {
-    return std::abs(trajectory[other].stamp_s - trajectory[*pose].stamp_s) >= 0.5 * scan_period_s;
-  };
-  std::size_t before = *pose;
-  while (before > 0 && knows_way(before - 1) && !is_apart(before)) --before;
-  std::size_t after = *pose;
-  while (after + 1 < trajectory.size() && knows_way(after) && !is_apart(after)) ++after;
-  Trajectory about;
-  if (before < *pose) about.push_back(trajectory[before]);
-  const std::size_t here = about.size();
-  about.push_back(trajectory[*pose]);
-  if (after > *pose) about.push_back(trajectory[after]);
-  if (!scan_of_pose && stamp_s != about[here].stamp_s) {
-    const slam::SensorPath nearby(about, here);
-    about[here] = {stamp_s, nearby.at(stamp_s - about[here].stamp_s)};
-  }
-  return slam::SensorPath(about, here);
-}
-
 ScanPoses read_scan_poses(const std::string& path, const InterruptGuard& interrupt,
                           const std::function<std::unique_ptr<ScanSource>()>& open_recording) {
   if (path.empty()) return {};
@@ -92,6 +41,30 @@ std::string no_pose_message(const std::string& poses, std::int64_t scans,
       "{}: none of its poses is within {} s of one of {} scans of {}; give poses with the stamps "
       "of the scans, as the trajectory.tum of hqslam run with the same options has them",
       poses, kMaxStampDifference_s, scans, recording);
+}
+
+LookAhead look_ahead_of(pipeline::LookAheadMemory& memory, const pipeline::Upsampler& upsampler) {
+  if (memory.look_ahead_scans() == 0) return {};
+  return {memory.look_ahead_scans(), [&](const ReadScan& read) {
+            memory.insert(upsampler.measured(read.scan.cloud), read.index, read.scan.stamp_s);
+          }};
+}
+
+void require_memory(const std::string& poses, bool has_memory) {
+  if (poses.empty() || has_memory) return;
+  throw Error(
+      "--poses {}: expected weights with a memory, which alone use poses, found none; leave "
+      "it out",
+      poses);
+}
+
+void report_scans_without_pose(const pipeline::LookAheadMemory& memory, const std::string& poses,
+                               const std::string& recording) {
+  const std::int64_t without = memory.scans_without_pose();
+  if (poses.empty() || without == 0) return;
+  if (memory.scans_with_pose() == 0) throw Error(no_pose_message(poses, without, recording));
+  to_stderr("hqslam: {}: {} of {} scans have no pose; they recalled no other scan\n", poses,
+            without, without + memory.scans_with_pose());
 }
 
 }  // namespace hqslam::tools

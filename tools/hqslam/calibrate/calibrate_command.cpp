@@ -1,3 +1,5 @@
+#include "calibrate/calibrate_command.h"
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -7,16 +9,15 @@
 #include <vector>
 
 #include "calibrate/calibration_page.h"
-#include "commands.h"
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
+#include "hqslam/pipeline/pipeline.h"
 #include "hqslam/slam/beam_calibration.h"
-#include "hqslam/slam/slam.h"
+#include "pages/page.h"
 #include "recording/reading.h"
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
-#include "upsample/upsampled_input.h"
 
 namespace hqslam::tools {
 namespace {
@@ -34,61 +35,57 @@ Twist velocity_at(const Trajectory& trajectory, std::size_t pose) {
   return (1.0 / duration_s) * logarithm(before.T_map_sensor.inverse() * after.T_map_sensor);
 }
 
-/// Follows the sensor until it has come as far as asked for, or the way is lost, and keeps what is
-/// calibrated from.
+/// The scans that the beams are calibrated from.
 struct FollowedDrive : Reading {
-  std::vector<slam::LocatedScan> scans;  ///< of every metre of path
+  std::vector<slam::LocatedScan> scans;  ///< one per metre of path
   double path_m = 0.0;
   bool is_lost = false;
 };
-FollowedDrive follow(UpsampledInput& input, double wanted_m) {
-  slam::SlamOptions options;
-  options.loop_closing.enabled = false;
-  slam::Slam slam(input.seen(), options);
-  const auto source = input.open();
-  print_warnings(*source, input.recording.input);
+/// Follows the sensor until it has come as far as asked for, or tracking is lost.
+FollowedDrive follow(const std::string& input, ScanSource& source, pipeline::Pipeline& pipeline,
+                     double wanted_m) {
+  print_warnings(source, input);
   FollowedDrive drive;
   std::vector<std::size_t> pose_of_scan;
   std::optional<Eigen::Vector3d> last_kept_m;
   std::optional<Eigen::Vector3d> last_m;
   const InterruptGuard interrupt;
-  Progress progress("calibrate", source->size());
-  read_scans(*source, interrupt, drive, [&](const ReadScan& read) {
-    const OrganizedCloud cloud = input.measured(read.scan.cloud);
-    slam.add_imu(read.scan.imu);
-    const slam::ScanReport report = slam.process(cloud, read.scan.stamp_s);
-    drive.is_lost = slam.segment_of_scan().back() > 0;
+  Progress progress("calibrate", source.size());
+  read_scans(source, interrupt, drive, [&](const ReadScan& read) {
+    pipeline::LocatedScan located = pipeline.process(read.scan);
+    drive.is_lost = pipeline.segment_of_scan().back() > 0;
     if (drive.is_lost) return false;
-    if (!is_registered(report.mapping_status)) return true;
-    const Eigen::Vector3d position_m = report.T_map_sensor.translation();
+    if (!is_registered(located.report.mapping_status)) return true;
+    const Eigen::Vector3d position_m = located.report.T_map_sensor.translation();
     if (last_m) drive.path_m += (position_m - *last_m).norm();
     last_m = position_m;
     if (!last_kept_m || (position_m - *last_kept_m).norm() >= kStep_m) {
-      drive.scans.emplace_back().cloud = cloud;
-      pose_of_scan.push_back(slam.trajectory().size() - 1);
+      drive.scans.emplace_back().cloud = std::move(located.cloud);
+      pose_of_scan.push_back(pipeline.trajectory().size() - 1);
       last_kept_m = position_m;
     }
     progress.update(read.index + 1);
     return drive.path_m < wanted_m;
   });
   progress.finish();
+  const Trajectory& trajectory = pipeline.trajectory();
   for (std::size_t i = 0; i < pose_of_scan.size(); ++i) {
-    drive.scans[i].T_map_sensor = slam.trajectory()[pose_of_scan[i]].T_map_sensor;
-    drive.scans[i].velocity = velocity_at(slam.trajectory(), pose_of_scan[i]);
+    drive.scans[i].T_map_sensor = trajectory[pose_of_scan[i]].T_map_sensor;
+    drive.scans[i].velocity = velocity_at(trajectory, pose_of_scan[i]);
   }
   return drive;
 }
 
-/// The sensor with corrections for all its rows: those of a row that was not looked at are the
-/// nearest one's. What the sensor's file said before counts too.
+/// The sensor with corrections for all its rows, added to those that it has: a row that was not
+/// used gets the nearest one's.
 SensorModel corrected(SensorModel sensor, const std::optional<RowSelection>& rows,
                       const slam::BeamCalibration& found) {
   const auto count = static_cast<std::size_t>(sensor.rows());
   sensor.elevation_correction_rad.resize(count, 0.0);
   sensor.range_correction_m.resize(count, 0.0);
-  const RowSelection looked_at = rows.value_or(RowSelection{});
+  const RowSelection used = rows.value_or(RowSelection{});
   for (int row = 0; row < sensor.rows(); ++row) {
-    const auto beam = std::lround(static_cast<double>(row - looked_at.offset) / looked_at.stride);
+    const auto beam = std::lround(static_cast<double>(row - used.offset) / used.stride);
     const slam::BeamCorrection& correction = found.beams[static_cast<std::size_t>(
         std::clamp(beam, 0L, static_cast<long>(found.beams.size()) - 1))];
     sensor.elevation_correction_rad[static_cast<std::size_t>(row)] += correction.elevation_rad;
@@ -117,21 +114,22 @@ bool is_calibrated_sensor(const std::string& path) {
 
 void declare(CLI::App& app, CalibrateOptions& options) {
   Command command = add_command(
-      app, "calibrate", "What each beam of a sensor is off by, from a recording of it driving",
-      "Surfaces that several beams see from several places tell what each beam's elevation and\n"
-      "range are off by. Beams that meet no ground, and errors that all beams share, stay as they\n"
-      "are: the page says how well each is known.");
+      app, "calibrate", "Corrections of each beam of a sensor, from a recording of a drive",
+      "Surfaces that several beams measure from several places determine the error of\n"
+      "each beam's elevation and range. Beams that meet no ground, and errors that all\n"
+      "beams share, are not corrected: the page shows how well each is known.");
   declare_input(command, options);
-  command.option("--rows", &options.rows,
-                 "Look at so many rows of the recording, evenly spaced (default: all)",
-                 {.within = std::pair(1, 1024)});
-  command.option("--path", &options.path_m,
-                 "Metres of path from the recording's beginning that are looked at",
-                 {.shows_default = true, .within = std::pair(kLeastPath_m, 1000.0)});
-  command.option("--out", &options.out,
-                 "Sensor file to write, for --sensor of every other command; a page with the same "
-                 "name and .html shows what was found",
-                 {.required = true});
+  command
+      .option("--rows", &options.rows,
+              "Use only this many rows of the recording, evenly spread (default: all)",
+              {.within = std::pair(1, 1024)})
+      .option("--path", &options.path_m,
+              "Path from the beginning of the recording that is used, metres",
+              {.shows_default = true, .within = std::pair(kLeastPath_m, 1000.0)})
+      .option("--out", &options.out,
+              "Sensor file (.json) to write, for --sensor of every other command; a page with the "
+              "same name and .html shows what was found",
+              {.required = true});
 }
 
 int run(const CalibrateOptions& options) {
@@ -140,19 +138,22 @@ int run(const CalibrateOptions& options) {
   }
   const std::string page = page_path(options.out);
   guard_output_file(options.out, {options.input, options.sensor}, is_calibrated_sensor);
-  guard_output_file(page, {options.input}, kCalibrationPageMarker);
+  guard_output_file(page, {options.input}, page_marker("hqslam calibrate"));
   UpsamplingChoice rows;
   rows.rows = options.rows;
-  UpsampledInput input = upsampled_input(options, rows);
-  if (input.recorded.measured_rows) {
+  pipeline::UpsampledRecording input = upsampled_recording(options, rows);
+  if (input.upsampler.recorded().measured_rows) {
     throw Error(
-        "{}: computed rows tell nothing of beams, expected a recording of measured ones; give the "
-        "one that was upsampled",
+        "{}: expected a recording of measured rows, found computed ones; give the recording that "
+        "was upsampled",
         options.input);
   }
-  FollowedDrive drive = follow(input, options.path_m);
+  pipeline::PipelineOptions without_loops;
+  without_loops.slam_options.loop_closing.enabled = false;
+  pipeline::Pipeline pipeline(std::move(input.upsampler), without_loops);
+  FollowedDrive drive = follow(options.input, input.recording, pipeline, options.path_m);
   if (drive.is_lost) {
-    to_stderr("hqslam: {}: the way was lost after {:.1f} m; only the scans before are looked at\n",
+    to_stderr("hqslam: {}: tracking was lost after {:.1f} m; only the scans before are used\n",
               options.input, drive.path_m);
   }
   if (!(drive.path_m >= kLeastPath_m)) {
@@ -160,16 +161,17 @@ int run(const CalibrateOptions& options) {
       return exit_status_of(drive, std::ssize(drive.scans), std::nullopt);
     }
     throw Error(
-        "{}: the sensor moved by {:.1f} m, expected at least {} m; give a recording in which it is "
-        "driven about",
-        options.input, drive.path_m, kLeastPath_m);
+        "{}: expected at least {} m of path, found {:.1f} m; give a recording in which the sensor "
+        "is driven about",
+        options.input, kLeastPath_m, drive.path_m);
   }
-  const slam::BeamCalibration found = slam::calibrate_beams(input.seen(), drive.scans);
-  const SensorModel sensor = corrected(input.recorded, input.rows, found);
-  validate(sensor);  // what is too far off to be a calibration no other command would take
+  const slam::BeamCalibration found = slam::calibrate_beams(pipeline.sensor(), drive.scans);
+  const pipeline::Upsampler& rows_used = pipeline.upsampler();
+  const SensorModel sensor = corrected(rows_used.recorded(), rows_used.selected_rows(), found);
+  validate(sensor);  // no other command would take corrections that are too large
   write_sensor_json(sensor, options.out);
-  const CalibrationReport report{options.input, input.seen(), drive.path_m, std::ssize(drive.scans),
-                                 found};
+  const CalibrationReport report{options.input, pipeline.sensor(), drive.path_m,
+                                 std::ssize(drive.scans), found};
   write_text_file(calibration_html(report), page);
   to_stdout("{}\n{}", aligned_text(beam_table(report)), calibration_summary(report));
   to_stdout("results: {}, {}\n", options.out, page);

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <vector>
 
 #include "hqslam/core/angles.h"
-#include "report/chart.h"
+#include "pages/page.h"
 
 namespace hqslam::tools {
 namespace {
@@ -17,49 +17,36 @@ using slam::BeamCorrection;
 
 constexpr double kMillimetres = 1000.0;
 
-std::vector<double> of_beams(const CalibrationReport& report,
-                             const std::function<double(const BeamCorrection&)>& value) {
-  // Rows fall, and a chart's x rises.
+/// A value per beam. Rows fall in elevation, and the axis of a chart rises: the last row is first.
+PageJson of_beams(const CalibrationReport& report,
+                  const std::function<double(const BeamCorrection&)>& value) {
   std::vector<double> values;
   for (auto beam = report.found.beams.rbegin(); beam != report.found.beams.rend(); ++beam) {
     values.push_back(value(*beam));
   }
-  return values;
+  return f32_block(values);
 }
 
-std::string chart_of(const CalibrationReport& report, const char* y_label,
-                     std::vector<Series> series) {
-  Chart chart;
-  chart.x_label = "elevation of the beam, degrees";
-  chart.y_label = y_label;
-  for (int row = report.sensor.rows() - 1; row >= 0; --row) {
-    chart.x.push_back(report.sensor.beam_elevation_rad[row] * kDegreesPerRadian);
-  }
-  chart.series = std::move(series);
-  return chart_html(chart);
-}
-
-/// A value between two lines, one standard deviation to either side.
-std::vector<Series> with_sigma(const CalibrationReport& report, const char* name, double scale,
-                               double BeamCorrection::*value, double BeamCorrection::*sigma) {
-  return {{name, "mapping", of_beams(report, [&](const auto& b) { return scale * b.*value; })},
-          {"one standard deviation more", "reading",
-           of_beams(report, [&](const auto& b) { return scale * (b.*value + b.*sigma); })},
-          {"one less", "reading",
-           of_beams(report, [&](const auto& b) { return scale * (b.*value - b.*sigma); })}};
+/// A correction with one standard deviation to either side.
+PageJson with_sigma(const CalibrationReport& report, double scale, double BeamCorrection::*value,
+                    double BeamCorrection::*sigma) {
+  const auto moved = [&](double sigmas) {
+    return of_beams(report,
+                    [=](const auto& b) { return scale * (b.*value + sigmas * (b.*sigma)); });
+  };
+  return {{"value", moved(0.0)}, {"low", moved(-1.0)}, {"high", moved(1.0)}};
 }
 
 /// Before and after the corrections.
-std::string distances_chart(const CalibrationReport& report, const char* y_label,
-                            std::optional<double> slam::BeamDistance::*distance) {
+PageJson distances_mm(const CalibrationReport& report,
+                      std::optional<double> slam::BeamDistance::*distance) {
   const auto of = [&](slam::BeamDistance BeamCorrection::*when) {
     return of_beams(report, [=](const auto& b) {
-      return kMillimetres * ((b.*when).*distance).value_or(std::nan(""));
+      constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+      return kMillimetres * ((b.*when).*distance).value_or(kNone);
     });
   };
-  return chart_of(report, y_label,
-                  {{"as measured", "upsampling", of(&BeamCorrection::before)},
-                   {"corrected", "features", of(&BeamCorrection::after)}});
+  return {{"before", of(&BeamCorrection::before)}, {"after", of(&BeamCorrection::after)}};
 }
 
 }  // namespace
@@ -88,39 +75,31 @@ TextTable beam_table(const CalibrationReport& report) {
 
 std::string calibration_summary(const CalibrationReport& report) {
   return fmt::format(
-      "{} scans along {:.0f} m; points lie {:.1f} mm off their surfaces, {:.1f} mm after it\n",
+      "{} scans along {:.0f} m; points are {:.1f} mm off their surfaces in the mean, {:.1f} mm "
+      "after the corrections\n",
       report.scans, report.path_m, kMillimetres * report.found.residual_before_m,
       kMillimetres * report.found.residual_after_m);
 }
 
 std::string calibration_html(const CalibrationReport& report) {
-  Page page("Calibration of " + report.recording);
-  page.head_html(kCalibrationPageMarker);
-  page.heading(1, "Where the beams really look");
-  page.paragraph(fmt::format("{}, {} of {} beams. {}", report.recording, report.sensor.name,
-                             report.sensor.rows(), calibration_summary(report)));
-  page.heading(2, "Rings against the ground");
-  page.paragraph(
-      "How far each beam's points lie above the ground that all beams see, in the mean. A beam "
-      "without a value met none.");
-  page.html(distances_chart(report, "above the ground, mm", &slam::BeamDistance::ground_m));
-  page.heading(2, "Rings against walls");
-  page.paragraph("How far they lie this side of upright surfaces.");
-  page.html(distances_chart(report, "this side of walls, mm", &slam::BeamDistance::walls_m));
-  page.heading(2, "Corrections");
-  page.paragraph(
-      "What is added to each beam's elevation and range. A beam that meets no ground says nothing "
-      "about its elevation, and no drive tells errors apart that bend the whole world like a bowl: "
-      "there the correction stays near zero.");
-  page.html(
-      chart_of(report, "elevation, degrees",
-               with_sigma(report, "added to the elevation", kDegreesPerRadian,
-                          &BeamCorrection::elevation_rad, &BeamCorrection::elevation_sigma_rad)));
-  page.html(chart_of(report, "range, mm",
-                     with_sigma(report, "added to the range", kMillimetres,
-                                &BeamCorrection::range_m, &BeamCorrection::range_sigma_m)));
-  page.table(beam_table(report));
-  return page.text();
+  std::vector<double> elevation_deg;
+  for (int row = report.sensor.rows() - 1; row >= 0; --row) {
+    elevation_deg.push_back(report.sensor.beam_elevation_rad[row] * kDegreesPerRadian);
+  }
+  return page_html(
+      "calibration",
+      {{"title", "Calibration of " + report.recording},
+       {"subtitle", fmt::format("{}, {} beams. {}", report.sensor.name, report.sensor.rows(),
+                                calibration_summary(report))},
+       {"elevation_deg", f32_block(elevation_deg)},
+       {"ground_mm", distances_mm(report, &slam::BeamDistance::ground_m)},
+       {"walls_mm", distances_mm(report, &slam::BeamDistance::walls_m)},
+       {"elevation_correction_deg",
+        with_sigma(report, kDegreesPerRadian, &BeamCorrection::elevation_rad,
+                   &BeamCorrection::elevation_sigma_rad)},
+       {"range_correction_mm",
+        with_sigma(report, kMillimetres, &BeamCorrection::range_m, &BeamCorrection::range_sigma_m)},
+       {"table", json_of(beam_table(report))}});
 }
 
 }  // namespace hqslam::tools

@@ -5,13 +5,9 @@
 
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/slam/beam_calibration.h"
-#include "report/page.h"
+#include "pages/text_table.h"
 
 namespace hqslam::tools {
-
-/// In the head of a page of hqslam calibrate.
-inline constexpr const char* kCalibrationPageMarker =
-    "<meta name=\"generator\" content=\"hqslam calibrate\">";
 
 /// What hqslam calibrate found, and from what.
 struct CalibrationReport {
@@ -26,7 +22,7 @@ struct CalibrationReport {
 TextTable beam_table(const CalibrationReport& report);
 /// One line.
 std::string calibration_summary(const CalibrationReport& report);
-/// The page: rings against their surfaces, before and after.
+/// tools/web/calibration.html: distances of rings from their surfaces, before and after.
 std::string calibration_html(const CalibrationReport& report);
 
 }  // namespace hqslam::tools

@@ -1,3 +1,5 @@
+#include "evaluate/evaluate_command.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -5,7 +7,6 @@
 #include <filesystem>
 #include <optional>
 
-#include "commands.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/error.h"
@@ -174,7 +175,7 @@ Kind kind_of(const EvaluateOptions& options) {
   if (kind == kind_of(options.reference)) return kind;
   throw Error(
       "{} and {}: expected two files of one kind; give two trajectories (TUM or KITTI), two clouds "
-      "(.pcd, .ply, .las or .bin) or two .npy stacks",
+      "(.pcd, .ply or .bin) or two .npy stacks",
       options.estimate, options.reference);
 }
 
@@ -186,7 +187,7 @@ void declare(CLI::App& app, EvaluateOptions& options) {
               kDefinitions)
       .option(
           "ESTIMATE", &options.estimate,
-          "Trajectory (TUM or KITTI), cloud (.pcd, .ply, .las, .bin) or .npy stack of range images",
+          "Trajectory (TUM or KITTI), cloud (.pcd, .ply, .bin) or .npy stack of range images",
           read)
       .option("REFERENCE", &options.reference, "What it should be, in the same kind of file", read)
       .option("--align", &options.alignment, "Alignment of a trajectory before its APE is taken",

@@ -1,3 +1,5 @@
+#include "info/info_command.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -5,7 +7,6 @@
 #include <filesystem>
 #include <utility>
 
-#include "commands.h"
 #include "files/result_files.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
@@ -107,22 +108,23 @@ std::string command_for(const InfoOptions& options, const std::string& capture) 
 }  // namespace
 
 void declare(CLI::App& app, InfoOptions& options) {
-  add_command(app, "info", "Say what a recording is and which command to run on it",
+  add_command(app, "info", "What a recording holds, and which command to run on it",
               "Captures and bags are read to their end, of other recordings the first 100 scans.")
       .option("INPUT", &options.input, "Recording (as for hqslam run)",
               {.required = true, .given = Given::kFileOrFolder})
-      .option("--sensor", &options.sensor,
-              fmt::format("{}, or a .json file; not needed where the recording or its points tell",
-                          fmt::join(sensor_preset_names(), ", ")))
+      .option(
+          "--sensor", &options.sensor,
+          fmt::format(
+              "Sensor: {}, or a .json file; default: determined from the recording or its points",
+              fmt::join(sensor_preset_names(), ", ")))
       .option("--stream", &options.stream,
-              "Which stream, if there are several: a bag's topic, or a port or sender:port of a "
+              "Stream, if there are several: a topic of a bag, or a port or sender:port of a "
               "capture")
       .option("--write-sensor", &options.write_sensor,
-              "Sensor file to write, to be looked at, changed and named with --sensor");
+              "Sensor file (.json) to write, for --sensor of every other command");
 }
 
 int run(const InfoOptions& options) {
-  refuse_idle_options({options.input, options.sensor, options.stream});
   if (!options.write_sensor.empty()) {
     guard_output_file(options.write_sensor, {options.input, options.sensor},
                       [](const std::string&) { return false; });  // users change them
@@ -130,7 +132,11 @@ int run(const InfoOptions& options) {
   recordings::OpenOptions open;
   open.sensor = options.sensor;
   open.stream = options.stream;
-  open.files.without_times = CaptureTime::kMotionCorrected;  // and looked at below
+  const bool is_stack = fs::path(options.input).extension() == ".npy";
+  const bool is_stream = recordings::is_capture_or_bag(options.input);
+  if (!is_stream && !is_stack && file_of_drive(options.input, "scans.npy").empty()) {
+    open.files.without_times = CaptureTime::kMotionCorrected;  // no warning: it is checked below
+  }
   recordings::RecordingInfo info = recordings::inspect(options.input, open);
   print_line("file", fmt::format("{}: {}", options.input, info.kind));
   for (const recordings::Stream& stream : info.streams) {
@@ -152,7 +158,6 @@ int run(const InfoOptions& options) {
   print_line("points", info.has_point_times ? "each with its own time: corrected for motion by SLAM"
                                             : "without times: taken as corrected for motion");
   std::string capture;
-  const bool is_stack = fs::path(options.input).extension() == ".npy";
   const bool is_untimed = !info.sensor.motion_corrected &&  // else a folder's sensor.json says so
                           (is_stack || (info.streams.empty() && !info.has_point_times));
   if (complaint.empty() && is_untimed) {

@@ -1,23 +1,21 @@
+#include "inspect/inspect_command.h"
 
 #include <functional>
 #include <optional>
 
-#include "commands.h"
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
-#include "inspect/layers_report.h"
+#include "inspect/layers_page.h"
 #include "inspect/slam_scan_page.h"
+#include "pages/page.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
 #include "recording/scan_poses.h"
-#include "run/slam_run.h"
-#include "run/slam_settings.h"
+#include "run/slam_session.h"
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
-#include "upsample/drive_memory.h"
-#include "upsample/upsampled_input.h"
 
 namespace hqslam::tools {
 namespace {
@@ -50,27 +48,29 @@ struct SeenScan {
   nn::RecalledImage recalled;
 };
 
-SeenScan scan_of(const InspectOptions& options, UpsampledInput& input) {
-  require_memory(options.poses, input.upsampler_or_null());
-  const ScanPoses poses =
-      read_scan_poses(options.poses, InterruptGuard(), [&] { return input.open(); });
-  LookAheadMemory memory(input.upsampler_or_null(), poses,
-                         [&](const RecordedScan& scan) { return input.measured(scan.cloud); });
+SeenScan scan_of(const InspectOptions& options, pipeline::UpsampledRecording& input) {
+  const pipeline::Upsampler& upsampler = input.upsampler;
+  require_memory(options.poses, upsampler.has_scan_memory());
+  const ScanPoses poses = read_scan_poses(options.poses, InterruptGuard(), [&] {
+    return std::make_unique<recordings::Recording>(input.reopened());
+  });
+  pipeline::LookAheadMemory memory(upsampler.method(), poses);
   SeenScan seen;
   const auto look = [&](const ReadScan& read) {
-    seen.recalled = memory.recall(read, input.measured(read.scan.cloud));
+    seen.recalled =
+        memory.recall(upsampler.measured(read.scan.cloud), read.index, read.scan.stamp_s);
     if (read.index != options.scan) return;
-    seen.image = range_image(calibrated(read.scan.cloud, input.recorded));
+    seen.image = range_image(calibrated(read.scan.cloud, upsampler.recorded()));
   };
-  for_scans_up_to(options, *input.open(), look, memory.look_ahead());
-  memory.tell_of_scans_without_pose(options.poses, options.input);
+  for_scans_up_to(options, input.recording, look, look_ahead_of(memory, upsampler));
+  report_scans_without_pose(memory, options.poses, options.input);
   return seen;
 }
 
 void print_names(const nn::Trace& trace) {
   for (const nn::TracedTensor& tensor : trace.tensors()) {
-    to_stdout("{}  {} x {} x {}  {}\n", tensor.name, tensor.channels, tensor.rows, tensor.columns,
-              tensor.unit);
+    to_stdout("{}  {} x {} x {}  {}\n", tensor.name, tensor.channels(), tensor.rows(),
+              tensor.columns(), tensor.unit);
   }
 }
 
@@ -84,22 +84,26 @@ void print_differences(const std::vector<nn::ReferenceDifference>& differences) 
 
 /// SLAM up to one scan of the recording, and the page of that scan.
 int inspect_slam(const InspectOptions& options) {
-  guard_output_file(options.out, {options.input, options.weights}, kSlamScanPageMarker);
-  UpsampledInput input = upsampled_input(options, {options.weights, options.rows});
-  SlamSession session(input, slam_options(options.slam_settings));
+  guard_output_file(options.out, {options.input, options.weights},
+                    page_marker("hqslam inspect --slam"));
+  pipeline::UpsampledRecording input =
+      upsampled_recording(options, {options.weights, options.rows});
+  ScanSource& source = input.recording;
+  pipeline::PipelineOptions pipeline;
+  pipeline.slam_options = slam_options(options.slam_settings);
+  SlamSession session(std::move(input.upsampler), pipeline, options.input);
   SlamScanReport page;
   page.recording = options.input;
   page.scan = options.scan;
   Progress progress("slam", options.scan + 1);
-  const std::unique_ptr<ScanSource> source = input.open();
-  const std::size_t told = source->warnings().size();
-  for_scans_up_to(options, *source, [&](const ReadScan& read) {
+  const std::size_t printed = source.warnings().size();
+  for_scans_up_to(options, source, [&](const ReadScan& read) {
     slam::ScanTrace* trace = read.index == options.scan ? &page.trace : nullptr;
     page.report = session.process(read.scan, read.index, read.reading_s, trace).report;
     progress.update(read.index + 1);
   });
   progress.finish();
-  print_later_warnings(*source, told);
+  print_later_warnings(source, printed);
   write_text_file(slam_scan_html(page), options.out);
   to_stdout("results: {}\n", options.out);
   return kOk;
@@ -109,33 +113,33 @@ int inspect_slam(const InspectOptions& options) {
 
 void declare(CLI::App& app, InspectOptions& options) {
   Command command = add_command(
-      app, "inspect", "Show what a network, or SLAM, makes of one scan",
-      R"(Writes one page with H, Z, the filter's mask and Y of every layer, the terms of the objective
-and, if the recording has all rows, the error of every layer.
-With --slam: the class of every pixel, features, what each was matched with in the map, its
-residual and weight, the expected, the odometry's and the found pose, and how much is known
-about each direction of motion.)");
+      app, "inspect", "Show what each layer of a network, or each stage of SLAM, makes of a scan",
+      "Writes one page with H, Z, the filter's mask and Y of every layer, the terms of the "
+      "objective and, if the recording has all rows, the error of every layer. With --slam: the "
+      "class of every pixel, features with their correspondences in the map, residuals and "
+      "weights, the predicted, the odometry's and the final pose, and how well each direction of "
+      "motion is determined.");
   declare_input(command, options, "Recording (as for hqslam upsample)");
   declare_imu(command, options);
   command.option("--weights", &options.weights, "Weights file")
       .option("--slam", &options.slam,
-              "Show instead what every stage of SLAM makes of the scan, after all scans before it; "
-              "with --weights the scans are upsampled first")
+              "Show every stage of SLAM on the scan, after all scans before it; with --weights the "
+              "scans are upsampled first")
       .option("--rows", &options.rows, "Use only this many of the sensor's rows",
               {.within = kAnyCount, .needs = {"--slam"}})
       .option("--set", &options.slam_settings.set, "One option of SLAM, NAME=NUMBER",
               {.needs = {"--slam"}})
       .option("--poses", &options.poses, kMemoryPosesHelp,
               {.given = Given::kFile, .excludes = {"--slam"}})
-      .option("--scan", &options.scan, "Which scan, counted from 0 (default: the first)",
+      .option("--scan", &options.scan, "Index of the scan, from 0 (default: 0)",
               {.given = Given::kNotNegative})
       .option("--tensor", &options.tensors,
               "Show an inner tensor too, such as layers.2.encoder.0 (may be repeated)",
               {.excludes = {"--slam"}})
-      .option("--list", &options.list, "Print the names of all inner tensors, no page")
+      .option("--list", &options.list, "Print the names of all inner tensors and write no page")
       .option("--reference", &options.reference,
-              "How far every tensor is from the network in double precision (seconds; of a large "
-              "one a minute)",
+              "Compare every tensor with the network in double precision (takes seconds; a minute "
+              "for a large network)",
               {.excludes = {"--slam"}})
       .option("--out", &options.out, "Page to write (.html)", {.excludes = {"--list"}});
 }
@@ -148,19 +152,19 @@ int run(const InspectOptions& options) {
   if (options.weights.empty()) throw Error("inspect: expected --weights, or --slam");
   if (!options.list) {
     if (options.out.empty()) throw Error("inspect: no --out, expected a page to write or --list");
-    guard_output_file(options.out, {options.input, options.weights}, kLayersPageMarker);
+    guard_output_file(options.out, {options.input, options.weights}, page_marker("hqslam inspect"));
   }
-  UpsampledInput input = upsampled_input(options, {options.weights});
-  nn::SuperResolver network = nn::SuperResolver::load(options.weights);
+  pipeline::UpsampledRecording input = upsampled_recording(options, {options.weights});
+  const nn::Weights weights = nn::read_weights(options.weights);
+  nn::SuperResolver network = nn::SuperResolver::checked(weights, options.weights);
   const auto [scan, recalled] = scan_of(options, input);
   LayersReport report;
   report.recording = options.input;
   report.weights = options.weights;
   report.scan = options.scan;
-  report.min_range_m = network.sensor().min_range_m;
-  report.max_range_m = network.sensor().max_range_m;
   report.network = network.description();
-  report.measured = input.rows ? select_rows(scan, *input.rows) : scan;
+  const auto& measured_rows = input.upsampler.selected_rows();
+  report.measured = measured_rows ? select_rows(scan, *measured_rows) : scan;
   if (scan.rows == network.sensor().rows()) report.truth = scan;
   nn::UpsampledImage upsampled = network.run(report.measured, recalled, &report.trace);
   if (options.list) {
@@ -170,7 +174,6 @@ int run(const InspectOptions& options) {
   for (const std::string& name : options.tensors) report.trace.tensor(name);  // is there
   report.tensors = options.tensors;
   if (options.reference) {
-    const nn::Weights weights = nn::read_weights(options.weights);
     report.differences =
         differences_from_reference(weights.description, weights.parameters, report.trace);
     print_differences(report.differences);

@@ -3,100 +3,124 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <numeric>
+#include <utility>
+#include <vector>
 
 #include "hqslam/core/angles.h"
-#include "hqslam/core/median.h"
 #include "hqslam/slam/status.h"
-#include "report/page.h"
+#include "pages/page.h"
 
 namespace hqslam::tools {
 namespace {
 
+using Json = PageJson;
 using slam::FeatureKind;
 using slam::TracedFeature;
 
-constexpr const char* kStyle = R"css(
-figure img { image-rendering: pixelated; background: #000; }
-figure svg { width: 100%; display: block; background: var(--panel); border-radius: 8px; }
-.bar { height: .6rem; background: var(--estimate); border-radius: 2px; min-width: 1px; }
-.weak .bar { background: #c9564a; }
-.numbers { grid-template-columns: repeat(auto-fit, minmax(15rem, 1fr)); }
-.two { display: grid; grid-template-columns: repeat(auto-fit, minmax(20rem, 1fr)); gap: 1rem; }
-)css";
+/// The picture from above reaches so far; points beyond it stand at its edge.
+constexpr float kReach_m = 160.0F;
 
-std::vector<PageNumber> numbers_of(const SlamScanReport& page) {
+Json numbers_json(const SlamScanReport& page) {
   const slam::ScanReport& report = page.report;
   const slam::ScanTrace& trace = page.trace;
   const Eigen::Matrix<double, 6, 1> variance = report.covariance.diagonal();
-  return {{"mapping", std::string(name(report.mapping_status)), "",
-           fmt::format("{} → {}", trace.state_before, trace.state)},
-          {"odometry", std::string(name(report.odometry_status)), "",
-           fmt::format("{} edges, {} flat points", trace.sharp_edges, trace.flat_points)},
-          {"returns", fmt::format("{}", report.returns), "",
-           fmt::format("{} on the ground, {} clusters", report.ground_points, report.clusters)},
-          {"inlier ratio", fmt::format("{:.2f}", trace.inlier_ratio), "",
-           fmt::format("{:.2f} in the last registered scan", trace.last_inlier_ratio)},
-          {"known within", fmt::format("{:.3f}", std::sqrt(variance.head<3>().sum())), "m",
-           fmt::format("and {:.3f}° (one sigma)",
-                       kDegreesPerRadian * std::sqrt(variance.tail<3>().sum()))},
-          {"keyframe", report.keyframe ? "yes" : "no", "",
-           fmt::format("loop: {}", name(report.loop.status))}};
+  const auto number = [](const char* label, std::string value, const char* unit, std::string note) {
+    return Json{{"label", label}, {"value", value}, {"unit", unit}, {"note", note}};
+  };
+  return {
+      number("mapping", std::string(name(report.mapping_status)), "",
+             fmt::format("state: {} → {}", trace.state_before, trace.state)),
+      number("odometry", std::string(name(report.odometry_status)), "",
+             fmt::format("{} edges, {} flat points", trace.sharp_edges, trace.flat_points)),
+      number("returns", fmt::format("{}", report.returns), "",
+             fmt::format("{} on the ground, {} clusters", report.ground_points, report.clusters)),
+      number("inlier ratio", fmt::format("{:.2f}", trace.inlier_ratio), "",
+             fmt::format("{:.2f} in the last registered scan", trace.last_inlier_ratio)),
+      number("standard deviation", fmt::format("{:.3f}", std::sqrt(variance.head<3>().sum())), "m",
+             fmt::format("and {:.3f}° of the pose",
+                         kDegreesPerRadian * std::sqrt(variance.tail<3>().sum()))),
+      number("keyframe", report.keyframe ? "yes" : "no", "",
+             fmt::format("loop: {}", name(report.loop.status)))};
 }
 
-void add_poses(Page& page, const slam::ScanTrace& trace) {
-  page.heading(2, "Expected and found");
-  page.paragraph("Relative to the pose that was found, in the level frame of the sensor.");
-  TextTable table{.columns = {"", "x, cm", "y, cm", "z, cm", "roll, °", "pitch, °", "yaw, °"}};
+/// Per pixel: range, class (slam::PixelClass) and place in the level frame.
+Json pixels_json(const slam::ScanTrace& trace) {
+  RangeImage ranges(trace.cloud.rows, trace.cloud.columns);
+  ranges.range_m = trace.cloud.range_m;
+  std::vector<std::uint8_t> classes;
+  for (const slam::PixelClass pixel_class : trace.pixel_class) {
+    classes.push_back(static_cast<std::uint8_t>(pixel_class));
+  }
+  const auto coordinate = [&](int axis) {
+    std::vector<float> values_m;
+    for (const Eigen::Vector3f& point_m : trace.cloud.points_m) values_m.push_back(point_m[axis]);
+    return u16_block(values_m, -kReach_m, kReach_m);
+  };
+  return {
+      {"rows", ranges.rows},          {"columns", ranges.columns}, {"ranges", range_block(ranges)},
+      {"classes", u8_block(classes)}, {"x", coordinate(0)},        {"y", coordinate(1)}};
+}
+
+/// Of each feature: pixel, place in the level frame, and if it was matched the step to its line or
+/// plane of the map, its residual and its weight.
+Json features_json(const slam::ScanTrace& trace) {
+  const Pose T_level_map = trace.T_map_level.inverse();
+  std::vector<std::uint8_t> kind, matched;
+  std::vector<float> x, y, z, step_x, step_y, residual_mm, weight_per_m;
+  Json row = Json::array(), column = Json::array();
+  for (const TracedFeature& feature : trace.features) {
+    kind.push_back(static_cast<std::uint8_t>(feature.kind));
+    matched.push_back(feature.is_matched ? 1 : 0);
+    row.push_back(feature.row);
+    column.push_back(feature.column);
+    x.push_back(feature.point_m.x());
+    y.push_back(feature.point_m.y());
+    z.push_back(feature.point_m.z());
+    const Eigen::Vector3d step_m =
+        feature.is_matched ? Eigen::Vector3d(T_level_map * feature.on_map_m.cast<double>() -
+                                             feature.point_m.cast<double>())
+                           : Eigen::Vector3d::Zero();
+    step_x.push_back(static_cast<float>(step_m.x()));
+    step_y.push_back(static_cast<float>(step_m.y()));
+    residual_mm.push_back(static_cast<float>(1e3 * feature.residual_m));
+    weight_per_m.push_back(static_cast<float>(feature.weight_per_m));
+  }
+  Json kinds = Json::array();
+  for (const FeatureKind each :
+       {FeatureKind::kEdge, FeatureKind::kPost, FeatureKind::kGround, FeatureKind::kSurface}) {
+    kinds.push_back(name(each));
+  }
+  return {{"kinds", std::move(kinds)},
+          {"kind", u8_block(kind)},
+          {"matched", u8_block(matched)},
+          {"row", std::move(row)},
+          {"column", std::move(column)},
+          {"x", f32_block(x)},
+          {"y", f32_block(y)},
+          {"z", f32_block(z)},
+          {"step_x", f32_block(step_x)},
+          {"step_y", f32_block(step_y)},
+          {"residual_mm", f32_block(residual_mm)},
+          {"weight_per_m", f32_block(weight_per_m)}};
+}
+
+/// The expected pose, the odometry's and the found one, in the frame of the found one.
+Json poses_json(const slam::ScanTrace& trace) {
+  Json poses = Json::array();
   for (const auto& [name, pose] :
        {std::pair{"expected, with the velocity of the scan before", &trace.T_map_expected},
-        std::pair{"by the odometry", &trace.T_map_odometry}}) {
+        std::pair{"by the odometry", &trace.T_map_odometry},
+        std::pair{"found", &trace.T_map_level}}) {
     const Pose T_found_other = trace.T_map_level.inverse() * *pose;
     const Eigen::Vector3d shift_cm = 100.0 * T_found_other.translation();
     const Eigen::Vector3d turn_deg = kDegreesPerRadian * roll_pitch_yaw_rad(T_found_other);
-    std::vector<std::string>& cells = table.rows.emplace_back();
-    cells.emplace_back(name);
-    for (const double value : shift_cm) cells.push_back(figure_text(value, 2));
-    for (const double value : turn_deg) cells.push_back(figure_text(value, 3));
+    poses.push_back({{"name", name},
+                     {"shift_cm", {shift_cm.x(), shift_cm.y(), shift_cm.z()}},
+                     {"turn_deg", {turn_deg.x(), turn_deg.y(), turn_deg.z()}}});
   }
-  page.table(table);
-  page.html(poses_picture(trace));
-}
-
-void add_matches(Page& page, const slam::ScanTrace& trace) {
-  const auto information = [](const TracedFeature& feature) {
-    return feature.is_matched ? feature.weight_per_m * feature.weight_per_m : 0.0;
-  };
-  const auto middle = [](const std::vector<double>& values) {
-    return values.empty() ? 0.0 : median(values);
-  };
-  const double all = std::accumulate(
-      trace.features.begin(), trace.features.end(), 0.0,
-      [&](double sum, const TracedFeature& feature) { return sum + information(feature); });
-  TextTable table{.columns = {"feature", "in the scan", "matched", "median residual, mm",
-                              "median weight, 1/m", "share of the weight"}};
-  for (const FeatureKind kind : kFeatureKinds) {
-    std::vector<double> residuals_m;
-    std::vector<double> weights_per_m;
-    double sum = 0.0;
-    int features = 0;
-    for (const TracedFeature& feature : trace.features) {
-      if (feature.kind != kind) continue;
-      ++features;
-      sum += information(feature);
-      if (!feature.is_matched) continue;
-      residuals_m.push_back(feature.residual_m);
-      weights_per_m.push_back(feature.weight_per_m);
-    }
-    table.rows.push_back({std::string(name(kind)), fmt::format("{}", features),
-                          fmt::format("{}", residuals_m.size()),
-                          figure_text(1e3 * middle(residuals_m), 1),
-                          figure_text(middle(weights_per_m), 1),
-                          fmt::format("{:.0f} %", all > 0.0 ? 100.0 * sum / all : 0.0)});
-  }
-  page.heading(2, "Matches with the map");
-  page.table(table);
+  return poses;
 }
 
 /// A direction in words: its components of a tenth and more.
@@ -114,54 +138,32 @@ std::string direction_text(const Eigen::Matrix<double, 6, 1>& direction) {
   return text;
 }
 
-std::string directions_html(const slam::ScanTrace& trace) {
-  std::string html =
-      "<h2>Directions of motion</h2>\n<p class=\"quiet\">How much of the matches' weight each "
-      "direction moves, the least known first; in axes of the map about the sensor, rotations "
-      "times 10 m: a match 20 m away they move twice as far, and it counts four times, so that "
-      "they can exceed 100 %. Below 0.3 % a direction is degenerate (red): there the prediction "
-      "stands.</p>\n"
-      "<table><tr><th>direction</th><th>of the weight</th><th></th></tr>\n";
-  if (trace.direction_share.sum() <= 0.0) return "<p>Nothing was matched with a map.</p>\n";
-  const double longest = std::max(1.0, trace.direction_share.maxCoeff());
+/// The least known direction first; none where nothing was matched with a map.
+Json directions_json(const slam::ScanTrace& trace) {
+  Json directions = Json::array();
+  if (trace.direction_share.sum() <= 0.0) return directions;
   for (int i = 0; i < 6; ++i) {
-    html += fmt::format(
-        "<tr{}><td>{}</td><td>{:.2f} %</td><td style=\"width:40%\"><div class=\"bar\" "
-        "style=\"width:{:.1f}%\"></div></td></tr>\n",
-        i < trace.degenerate_directions ? " class=\"weak\"" : "",
-        direction_text(trace.direction.col(i)), 100.0 * trace.direction_share[i],
-        100.0 * std::max(trace.direction_share[i], 0.0) / longest);
+    directions.push_back({{"text", direction_text(trace.direction.col(i))},
+                          {"share", trace.direction_share[i]},
+                          {"degenerate", i < trace.degenerate_directions}});
   }
-  return html + "</table>\n";
+  return directions;
 }
 
 }  // namespace
 
+Json slam_scan_json(const SlamScanReport& report) {
+  return {{"title", fmt::format("Scan {}, stage by stage", report.scan)},
+          {"subtitle", fmt::format("{}, at {:.3f} s", report.recording, report.report.stamp_s)},
+          {"numbers", numbers_json(report)},
+          {"pixels", pixels_json(report.trace)},
+          {"features", features_json(report.trace)},
+          {"poses", poses_json(report.trace)},
+          {"directions", directions_json(report.trace)}};
+}
+
 std::string slam_scan_html(const SlamScanReport& report) {
-  const slam::ScanTrace& trace = report.trace;
-  Page page(fmt::format("SLAM of scan {}", report.scan));
-  page.style(kStyle);
-  page.head_html(kSlamScanPageMarker);
-  page.heading(1, fmt::format("Scan {}, stage by stage", report.scan));
-  page.paragraph(fmt::format("{}, at {:.3f} s", report.recording, report.report.stamp_s));
-  page.numbers(numbers_of(report));
-  page.heading(2, "Segmentation and features");
-  page.html(legend_html(
-      {{kGroundColour, "ground"}, {kClusterColour, "cluster"}, {kClutterColour, "clutter"}}));
-  page.picture(class_image(trace), "Each pixel by its class; dark is far", true);
-  page.html(legend_html({{colour_of(FeatureKind::kEdge), "edge"},
-                         {colour_of(FeatureKind::kPost), "post"},
-                         {colour_of(FeatureKind::kGround), "ground"},
-                         {colour_of(FeatureKind::kSurface), "surface"}}));
-  page.picture(feature_image(trace), "The features that are matched with the map", true);
-  page.heading(2, "From above");
-  page.html("<div class=\"two\">");
-  page.picture(class_from_above(trace), "Points by class, 40 m about the sensor; it looks upwards");
-  page.html(residuals_picture(trace) + "</div>\n");
-  add_poses(page, trace);
-  add_matches(page, trace);
-  page.html(directions_html(trace));
-  return page.text();
+  return page_html("slam_scan", slam_scan_json(report));
 }
 
 }  // namespace hqslam::tools

@@ -1,15 +1,17 @@
+#include "live/live_command.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <vector>
 
-#include "commands.h"
 #include "hqslam/core/error.h"
 #include "hqslam/live/live.h"
 #include "live/live_run.h"
 #include "live/live_view.h"
 #include "live/view_server.h"
-#include "run/slam_run.h"
+#include "run/run_summary.h"
+#include "run/slam_session.h"
 #include "terminal/command_options.h"
 #include "terminal/terminal.h"
 #include "timing/timing.h"
@@ -28,23 +30,44 @@ live::LiveOptions sensor_options(const LiveOptions& options) {
   return sensor;
 }
 
-/// What the sensor cannot be upsampled by is said before its packets come, as far as it is known
-/// then.
-void require_possible(const LiveOptions& options) {
-  const auto [sensor, knows_beams, knows_columns] = live::named_sensor(options.sensor);
-  const UpsampledInput input = upsampled_sender(
-      Sender{fmt::format("--sensor {}", options.sensor), sensor, knows_beams}, options);
-  const int columns = input.recorded.columns;
-  if (!knows_columns || columns == sensor.columns) return;
-  throw Error("{}: the sensor sends {} columns a turn, {} takes {}; set it to another mode",
-              options.sensor, sensor.columns, options.upsample, columns);
+/// Two units of one type may differ from their data sheet by more than weights can bear: for a
+/// sensor whose own beams are still unknown, those of the weights are assumed.
+void assume_beams(SensorModel& sensor, const pipeline::UpsamplingMethod& method) {
+  std::optional<SensorModel> full = pipeline::sensor_of(method);
+  if (!full) return;
+  const RowSelection rows = *std::exchange(full->measured_rows, std::nullopt);
+  for (const SensorModel& expected : {*full, select_rows(*full, rows)}) {
+    if (sensor.rows() == expected.rows()) sensor.beam_elevation_rad = expected.beam_elevation_rad;
+  }
 }
 
-void print_sensor(const live::LiveSensor& sensor, const UpsampledInput& input) {
+pipeline::Upsampler upsampler_of(const live::NamedSensor& named, const LiveOptions& options,
+                                 const std::string& name) {
+  const pipeline::UpsamplingOptions upsampling = upsampling_options(options);
+  SensorModel sensor = named.sensor;
+  pipeline::UpsamplingMethod method = pipeline::load_method(upsampling, sensor);
+  if (!named.knows_beams) assume_beams(sensor, method);
+  pipeline::Upsampler upsampler(sensor, std::move(method), upsampling, name);
+  check_confidence(options, upsampler);
+  return upsampler;
+}
+
+/// Refuses weights that the sensor cannot be upsampled with before its packets come, as far as it
+/// is known then.
+void require_possible(const LiveOptions& options) {
+  const live::NamedSensor named = live::named_sensor(options.sensor);
+  const int columns =
+      upsampler_of(named, options, fmt::format("--sensor {}", options.sensor)).recorded().columns;
+  if (!named.knows_columns || columns == named.sensor.columns) return;
+  throw Error("{}: the sensor sends {} columns a turn, {} expects {}; set it to another mode",
+              options.sensor, named.sensor.columns, options.upsample, columns);
+}
+
+void print_sensor(const live::LiveSensor& sensor, int columns) {
   for (const std::string& warning : sensor.warnings()) to_stderr("hqslam: {}\n", warning);
   to_stdout("{} from {}: {}, {} rows x {} columns, {:.4g} turns a second\n", sensor.format(),
-            text(sensor.sender()), sensor.sensor().name, sensor.sensor().rows(),
-            input.recorded.columns, 1.0 / sensor.sensor().scan_period_s);
+            text(sensor.sender()), sensor.sensor().name, sensor.sensor().rows(), columns,
+            1.0 / sensor.sensor().scan_period_s);
 }
 
 /// out: where the results are; empty: they could not be written.
@@ -77,47 +100,48 @@ int exit_status_of(const SlamRun& run, const live::LiveCounts& counts) {
 void declare(CLI::App& app, LiveOptions& options) {
   Command command = add_command(
       app, "live", "From a sensor that sends now to a trajectory and a map",
-      R"(The sensor must send to this computer already. A line each second says where it is, how
-many scans a second were located, the longest time from the packet that completes a scan
-to its pose, and what was lost: packets that never came, and whole scans that had to make
-room for later ones because the computer is too slow. Ctrl-C (or SIGTERM) ends it: exit
-status 0, and in --out the results as hqslam run writes them.)");
+      "The sensor must be set to send to this computer. A line each second shows the pose, "
+      "located scans a second, the longest latency from the packet that completes a scan to its "
+      "pose, and losses: packets that never came, and whole scans that were dropped for later "
+      "ones because the computer is too slow. Ctrl-C (or SIGTERM) ends it with exit status 0 and "
+      "the results of hqslam run in --out.");
   command
-      .option("--sensor", &options.sensor,
-              fmt::format("{}, or a .json file: an Ouster's metadata, or the beam angles of one "
-                          "Velodyne. An Ouster that is only named is asked "
-                          "for its metadata over HTTP",
-                          fmt::join(sensor_preset_names(), ", ")),
-              {.required = true})
       .option(
-          "--port", &options.port,
-          "UDP port to which it sends (default: what an Ouster's metadata say or 7502, 2368 for a "
-          "Velodyne)",
-          {.within = std::pair(1, 65535)});
+          "--sensor", &options.sensor,
+          fmt::format("Sensor: {}, or a .json file (an Ouster's metadata, or the beam angles of "
+                      "a Velodyne); an Ouster given by name is asked for its metadata over HTTP",
+                      fmt::join(sensor_preset_names(), ", ")),
+          {.required = true})
+      .option("--port", &options.port,
+              "UDP port to which the sensor sends (default: that of an Ouster's metadata or 7502, "
+              "2368 for a Velodyne)",
+              {.within = std::pair(1, 65535)});
   declare_return(command, options.kept_return);
   declare_upsampling(command, options);
   command
-      .option("--out", &options.out, "Folder for the results; made if it is not there",
+      .option("--out", &options.out, "Folder for the results; made if it does not exist",
               {.required = true})
       .option("--record", &options.record,
-              "Also keep the packets in this .pcap file, an Ouster's metadata beside it")
-      .option(
-          "--view", &options.view,
-          fmt::format("Show path and map on a page as they grow; port of the page ({} if none is "
-                      "given, 0: any free one)",
-                      kViewPort),
-          {.within = std::pair(0, 65535), .if_bare = std::to_string(kViewPort)})
+              "Also keep the packets in this .pcap file, with an Ouster's metadata beside it")
+      .option("--view", &options.view,
+              fmt::format("Show path and map on a page as they grow, on this port ({} if none is "
+                          "given, 0: any free one)",
+                          kViewPort),
+              {.within = std::pair(0, 65535), .if_bare = std::to_string(kViewPort)})
       .option("--view-address", &options.view_address,
-              "Address at which the page is served; by default to this computer alone",
+              "Address at which the page of --view is served; default: to this computer alone",
               {.shows_default = true, .needs = {"--view"}});
   declare_threads(command, options.threads);
+  declare_slam_kind(command, options.slam);
   declare_slam_settings(command, options.slam);
 }
 
 int run(const LiveOptions& options) {
   const InterruptGuard interrupt;
   use_threads(options.threads);
-  const slam::SlamOptions slam = slam_options(options.slam);
+  pipeline::PipelineOptions pipeline;
+  pipeline.slam = slam_kind(options.slam);
+  pipeline.slam_options = slam_options(options.slam);
   RunOutput output(options.out, {options.sensor, options.upsample, options.slam.file});
   require_possible(options);
   live::LiveSensor sensor(sensor_options(options));
@@ -130,14 +154,16 @@ int run(const LiveOptions& options) {
     to_stdout("page: {}\n", server->url());
   }
   if (!wait_for_sensor(sensor, interrupt)) return kOk;
-  UpsampledInput input =
-      upsampled_sender(Sender{fmt::format("UDP port {}", sensor.port()), sensor.sensor()}, options);
-  print_sensor(sensor, input);
-  sensor.start(input.recorded.columns);
+  const std::string port = fmt::format("UDP port {}", sensor.port());
+  pipeline::Upsampler upsampler = upsampler_of({sensor.sensor()}, options, port);
+  const int columns = upsampler.recorded().columns;
+  print_sensor(sensor, columns);
+  sensor.start(columns);
   if (const std::string failure = sensor.counts().imu_failure; !failure.empty()) {
     to_stderr("hqslam: {}; driving without inertial data\n", failure);
   }
-  const SlamRun run = run_live(sensor, input, slam, output, interrupt, server ? &view : nullptr);
+  const SlamRun run = run_live(sensor, SlamSession(std::move(upsampler), pipeline, port), output,
+                               interrupt, server ? &view : nullptr);
   const live::LiveCounts counts = sensor.counts();
   if (run.scans.empty()) {
     if (run.end == ReadingEnd::kUnreadableScan) throw Error(run.end_message);

@@ -37,9 +37,10 @@ class LiveProgress {
     ++scans_of_second_;
     if (view_ == nullptr) return;
     if (record.report.loop.correction_m > 0.0) {
-      view_->replace(session.trajectory(), session.segment_of_scan());
+      view_->replace(session.pipeline().trajectory(), session.pipeline().segment_of_scan());
     }
-    view_->add(session.cloud(), record.report.T_map_sensor, session.segment_of_scan().back());
+    view_->add(session.cloud(), record.report.T_map_sensor,
+               session.pipeline().segment_of_scan().back());
   }
 
   void set_results_failure(const std::string& failure) {
@@ -49,13 +50,13 @@ class LiveProgress {
     status_.results_failure = failure;
   }
 
-  void tell_if_due(SlamSession& session, const live::LiveCounts& counts) {
+  void print_if_due(SlamSession& session, const live::LiveCounts& counts) {
     const double passed_s = seconds_since(second_start_);
     if (passed_s < kStatusInterval_s) return;
     status_.elapsed_s = seconds_since(start_);
     status_.rate_hz = static_cast<double>(scans_of_second_) / passed_s;
     status_.counts = counts;
-    status_.parts = session.parts();
+    status_.parts = session.submaps();
     status_.path_m = known_path_m(session.run_so_far());
     to_stdout("{}\n", status_line(status_));
     if (view_ != nullptr) view_->set(status_);
@@ -156,9 +157,8 @@ bool wait_for_sensor(live::LiveSensor& sensor, const InterruptGuard& interrupt) 
   return false;
 }
 
-SlamRun run_live(live::LiveSensor& sensor, UpsampledInput& input, const slam::SlamOptions& options,
-                 RunOutput& output, const InterruptGuard& interrupt, LiveView* view) {
-  SlamSession session(input, options);
+SlamRun run_live(live::LiveSensor& sensor, SlamSession session, RunOutput& output,
+                 const InterruptGuard& interrupt, LiveView* view) {
   SlamRun& run = session.run();
   run.command = "live";
   LiveProgress progress(view);
@@ -170,7 +170,7 @@ SlamRun run_live(live::LiveSensor& sensor, UpsampledInput& input, const slam::Sl
             failure_of_writing([&] { output.write_checkpoint(session.run_so_far()); }));
       }
     }
-    progress.tell_if_due(session, sensor.counts());
+    progress.print_if_due(session, sensor.counts());
   }
   if (run.end == ReadingEnd::kRunning) run.end = ReadingEnd::kComplete;
   const live::LiveCounts counts = sensor.counts();

@@ -6,7 +6,7 @@
 #include "hqslam/live/live.h"
 #include "live/live_view.h"
 #include "run/run_output.h"
-#include "run/slam_run.h"
+#include "run/slam_session.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {
@@ -15,18 +15,17 @@ namespace hqslam::tools {
 /// dropped"
 std::string status_line(const LiveStatus& status);
 
-/// Waits until it is known what the sensor sends, saying once a second that it does. Returns false
-/// if it was interrupted before. Throws Error.
+/// Waits until the sensor's packets are recognized, with a line each second. Returns false if it
+/// was interrupted before. Throws Error.
 bool wait_for_sensor(live::LiveSensor& sensor, const InterruptGuard& interrupt);
 
-/// Writes; returns what went wrong, in one line, "" where nothing did.
+/// Calls write(); returns what went wrong, in one line, "" where nothing did.
 std::string failure_of_writing(const std::function<void()>& write);
 
-/// SLAM on the scans of a sensor that was started, as they come, until it is interrupted or the
-/// port fails. Results that cannot be written now are written later: the status line says so, and
-/// the drive goes on. Prints a status line a second. `view`: is told everything; nullptr: there is
-/// none.
-SlamRun run_live(live::LiveSensor& sensor, UpsampledInput& input, const slam::SlamOptions& options,
-                 RunOutput& output, const InterruptGuard& interrupt, LiveView* view);
+/// The scans of a sensor that was started through the pipeline, as they come, until it is
+/// interrupted or the port fails. Results that cannot be written now are written later; the status
+/// line shows it. Prints a status line a second. view: shows the run; nullptr: there is none.
+SlamRun run_live(live::LiveSensor& sensor, SlamSession session, RunOutput& output,
+                 const InterruptGuard& interrupt, LiveView* view);
 
 }  // namespace hqslam::tools

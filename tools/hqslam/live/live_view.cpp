@@ -3,13 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <nlohmann/json.hpp>
-#include <string_view>
 #include <utility>
 
 #include "hqslam/slam/status.h"
+#include "pages/page.h"
 
 namespace hqslam::tools {
 
@@ -23,65 +21,8 @@ std::uint64_t cell(float coordinate_m, float voxel_m) {
   return static_cast<std::uint64_t>(index + (1 << 20)) & 0x1FFFFF;
 }
 
-using Json = nlohmann::ordered_json;
-
-constexpr std::size_t kMostPointsAtOnce = 20'000;
 /// Every so many columns are enough for a picture.
 constexpr int kColumnStep = 4;
-
-/// The number behind "name=" in a query; 0 if there is none.
-std::uint64_t number_in(std::string_view query, std::string_view name) {
-  const std::string key = std::string(name) + "=";
-  std::size_t at = query.find(key);
-  while (at != std::string_view::npos && at > 0 && query[at - 1] != '&' && query[at - 1] != '?') {
-    at = query.find(key, at + 1);
-  }
-  std::uint64_t value = 0;
-  if (at != std::string_view::npos) {
-    std::from_chars(query.data() + at + key.size(), query.data() + query.size(), value);
-  }
-  return value;
-}
-
-using Points = std::vector<Eigen::Vector3f>;
-
-/// As many as are sent at once, from `begin` on.
-template <typename Point>
-std::vector<Point> points_from(const std::vector<Point>& points, std::uint64_t begin) {
-  const std::size_t first = std::min<std::uint64_t>(begin, points.size());
-  const std::size_t count = std::min(points.size() - first, kMostPointsAtOnce);
-  const auto from = points.begin() + static_cast<std::ptrdiff_t>(first);
-  return {from, from + static_cast<std::ptrdiff_t>(count)};
-}
-
-void append_centimetres(const Eigen::Vector3f& point_m, Json& json) {
-  for (int axis = 0; axis < 3; ++axis) json.push_back(std::lround(100.0F * point_m[axis]));
-}
-/// x, y, z, x, ... in whole centimetres
-Json centimetres(const Points& points_m) {
-  Json json = Json::array();
-  for (const Eigen::Vector3f& point_m : points_m) append_centimetres(point_m, json);
-  return json;
-}
-/// x, y, z, segment, x, ...
-Json centimetres(const std::vector<PathPosition>& positions) {
-  Json json = Json::array();
-  for (const PathPosition& position : positions) {
-    append_centimetres(position.place_m, json);
-    json.push_back(position.segment);
-  }
-  return json;
-}
-
-/// What a page is to be told, copied so that SLAM need not wait until it is written as text.
-struct ViewState {
-  std::uint64_t generation = 0;
-  std::vector<PathPosition> positions;
-  Points points_m;
-  Pose T_map_sensor = Pose::Identity();
-  std::size_t segment = 0;
-  LiveStatus status;
-};
 
 std::string warning_of(const LiveStatus& status) {
   if (!status.results_failure.empty()) return "results are not written: " + status.results_failure;
@@ -89,30 +30,7 @@ std::string warning_of(const LiveStatus& status) {
   if (!recording.empty()) return "not recorded any more: " + recording;
   if (!status.counts.trouble.empty()) return status.counts.trouble;
   if (status.parts < 2) return "";
-  return fmt::format("{} parts of the path: how they lie to each other is not known", status.parts);
-}
-
-std::string json_of(const ViewState& state) {
-  const Eigen::Vector3d position_m = state.T_map_sensor.translation();
-  const Eigen::Vector3d ahead = state.T_map_sensor.linear().col(0);
-  const LiveStatus& status = state.status;
-  const Json json = {
-      {"generation", state.generation},
-      {"positions", centimetres(state.positions)},
-      {"points", centimetres(state.points_m)},
-      {"position_m", {position_m.x(), position_m.y(), position_m.z()}},
-      {"segment", state.segment},
-      {"heading_rad", std::atan2(ahead.y(), ahead.x())},
-      {"rate_hz", status.rate_hz},
-      {"latency_ms", 1e3 * status.latency_s.value_or(0.0)},
-      {"scans", status.scans},
-      {"lost_packets", status.counts.packets.lost},
-      {"dropped_scans", status.counts.dropped_scans},
-      {"path_m", status.path_m},
-      {"mapping", status.latest ? slam::name(status.latest->report.mapping_status) : "no scan yet"},
-      {"warning", warning_of(status)},
-  };
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return fmt::format("{} segments of the path, relative pose unknown", status.parts);
 }
 
 }  // namespace
@@ -145,14 +63,12 @@ void LiveMap::coarsen() {
     points_m_.resize(kept);
     seen_.resize(kept);
   }
-  ++generation_;
 }
 
 void LiveMap::move_to(const Trajectory& trajectory) {
   const std::vector<Seen> seen = std::exchange(seen_, {});
   points_m_.clear();
   taken_.clear();
-  ++generation_;
   for (const Seen& point : seen) {
     if (point.scan >= trajectory.size()) continue;
     add(trajectory[point.scan].T_map_sensor.cast<float>() * point.point_m, point);
@@ -176,7 +92,6 @@ void LiveView::add_position(const PathPosition& position) {
   for (std::size_t i = 0; 2 * i < positions_.size(); ++i) positions_[i] = positions_[2 * i];
   positions_.resize(positions_.size() / 2);
   step_m_ *= 2.0F;
-  ++position_generation_;
 }
 
 void LiveView::add(const OrganizedCloud& cloud, const Pose& T_map_sensor, std::size_t segment) {
@@ -202,7 +117,6 @@ void LiveView::replace(const Trajectory& trajectory,
                        const std::vector<std::size_t>& segment_of_scan) {
   const std::lock_guard lock(mutex_);
   positions_.clear();
-  ++position_generation_;
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
     add_position({trajectory[i].T_map_sensor.translation().cast<float>(), segment_of_scan[i]});
   }
@@ -214,19 +128,25 @@ void LiveView::set(const LiveStatus& status) {
   status_ = status;
 }
 
-std::string LiveView::state(const std::string& query) const {
-  ViewState state;
-  {
-    const std::lock_guard lock(mutex_);
-    state.generation = static_cast<std::uint64_t>(map_.generation() + position_generation_);
-    const bool same = number_in(query, "generation") == state.generation;
-    state.positions = points_from(positions_, same ? number_in(query, "positions") : 0);
-    state.points_m = points_from(map_.points_m(), same ? number_in(query, "points") : 0);
-    state.T_map_sensor = T_map_sensor_;
-    state.segment = segment_;
-    state.status = status_;
-  }
-  return json_of(state);
+std::string LiveView::state() const {
+  const std::lock_guard lock(mutex_);
+  const Eigen::Vector3d position_m = T_map_sensor_.translation();
+  const Eigen::Vector3d ahead = T_map_sensor_.linear().col(0);
+  const PageJson json = {
+      {"position_m", {position_m.x(), position_m.y(), position_m.z()}},
+      {"heading_rad", std::atan2(ahead.y(), ahead.x())},
+      {"segment", segment_},
+      {"rate_hz", status_.rate_hz},
+      {"latency_ms", 1e3 * status_.latency_s.value_or(0.0)},
+      {"scans", status_.scans},
+      {"lost_packets", status_.counts.packets.lost},
+      {"dropped_scans", status_.counts.dropped_scans},
+      {"path_m", status_.path_m},
+      {"mapping",
+       status_.latest ? slam::name(status_.latest->report.mapping_status) : "no scan yet"},
+      {"warning", warning_of(status_)},
+  };
+  return json.dump(-1, ' ', false, PageJson::error_handler_t::replace);
 }
 
 TurningView LiveView::turning_view() const {
@@ -248,17 +168,16 @@ TurningView LiveView::turning_view() const {
 }
 
 ViewAnswer LiveView::answer(const std::string& target) const {
-  const std::size_t query = target.find('?');
-  const std::string path = target.substr(0, query);
-  if (path == "/") return {200, "text/html; charset=utf-8", live_page(title_)};
-  if (path == "/turning") {
-    return {200, "text/html; charset=utf-8", live_turning_page(title_, turning_view())};
+  const std::string path = target.substr(0, target.find('?'));
+  if (path == "/") {
+    return {200, "text/html; charset=utf-8",
+            page_html("live", {{"title", title_}, {"view", turning_view_json(turning_view())}})};
   }
-  if (path == "/turning/data") return {200, "application/json", turning_view_data(turning_view())};
-  if (path == "/state") {
-    return {200, "application/json",
-            state(query == std::string::npos ? "" : target.substr(query + 1))};
+  if (path == "/view") {
+    const PageJson view = turning_view_json(turning_view());
+    return {200, "application/json", view.dump(-1, ' ', true, PageJson::error_handler_t::replace)};
   }
+  if (path == "/state") return {200, "application/json", state()};
   return {404, "text/plain; charset=utf-8", "nothing here\n"};
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -16,19 +15,19 @@
 #include "hqslam/core/trajectory.h"
 #include "hqslam/live/live.h"
 #include "live/view_server.h"
-#include "report/turning_view.h"
+#include "pages/turning_view.h"
 #include "run/slam_run.h"
 
 namespace hqslam::tools {
 
-/// Points to look at, as many as memory and a browser can bear: one per voxel, and when they become
-/// too many one per voxel of twice the size.
+/// The points of the page's map: one per voxel, and when they become more than memory and a browser
+/// can hold, one per voxel of twice the size.
 class LiveMap {
  public:
   static constexpr std::size_t kMostPoints = 60'000;
   static constexpr float kFirstVoxel_m = 0.25F;
 
-  /// As a scan saw it: how often scans were added before that one; in its sensor's frame.
+  /// A point as a scan measured it, in the sensor's frame; scan: how many scans were added before.
   struct Seen {
     std::size_t scan = 0;
     Eigen::Vector3f point_m = Eigen::Vector3f::Zero();
@@ -37,13 +36,11 @@ class LiveMap {
 
   /// Points that are not finite or beyond 50 km are left out.
   void add(const Eigen::Vector3f& point_m, const Seen& seen);
-  /// To where their scans are now; of scans beyond them they go.
+  /// Moves the points with the poses of their scans; points of scans beyond them go.
   void move_to(const Trajectory& trajectory);
 
-  /// Only grows, as long as the generation stays the same.
   const std::vector<Eigen::Vector3f>& points_m() const { return points_m_; }
   std::vector<float> intensity() const;  ///< of each; not a number where it is not known
-  std::int64_t generation() const { return generation_; }
   float voxel_m() const { return voxel_m_; }
 
  private:
@@ -51,13 +48,12 @@ class LiveMap {
   void coarsen();
 
   float voxel_m_ = kFirstVoxel_m;
-  std::int64_t generation_ = 0;
   std::vector<Eigen::Vector3f> points_m_;
   std::vector<Seen> seen_;
   std::unordered_set<std::uint64_t> taken_;
 };
 
-/// What is known of a run once a second.
+/// The state of a run, once a second.
 struct LiveStatus {
   double elapsed_s = 0.0;
   std::int64_t scans = 0;            ///< so far
@@ -65,7 +61,7 @@ struct LiveStatus {
   std::optional<double> latency_s;   ///< the longest of them
   std::optional<ScanRecord> latest;  ///< the last scan of all
   double path_m = 0.0;
-  std::size_t parts = 1;  ///< SlamSession::parts()
+  std::size_t parts = 1;  ///< SlamSession::submaps()
   live::LiveCounts counts;
   std::string results_failure;  ///< why no results are written now; empty: they are
 };
@@ -76,15 +72,8 @@ struct PathPosition {
   std::size_t segment = 0;
 };
 
-/// The page that asks LiveView for its state twice a second and draws path and map from above:
-/// nothing else is loaded.
-std::string live_page(const std::string& title);
-/// The page that shows path, map and last scan in a view that turns, and asks for them anew two
-/// seconds after it got them.
-std::string live_turning_page(const std::string& title, const TurningView& view);
-
-/// What the page of a sensor that sends now shows: the path, the map and numbers, all of bounded
-/// size. Written by the thread that runs SLAM, read by the page's.
+/// What the page of a sensor that sends now (tools/web/live.html) shows: the path, the map and
+/// numbers, all of bounded size. Written by the thread that runs SLAM, read by the page's.
 class LiveView {
  public:
   static constexpr std::size_t kMostPositions = 20'000;
@@ -92,21 +81,19 @@ class LiveView {
   explicit LiveView(std::string title) : title_(std::move(title)) {}
 
   /// A scan was located. Its points are put where it was at its stamp, not where each was measured.
-  /// segment: of the path, slam::Slam::segment_of_scan(); no way leads from one to another.
+  /// segment: of the path, slam::Slam::segment_of_scan(); the relative pose of two is unknown.
   void add(const OrganizedCloud& cloud, const Pose& T_map_sensor, std::size_t segment);
-  /// A loop was closed: the path and the map lie elsewhere now. Of every scan that was added, and
-  /// of any to come.
+  /// A loop was closed: the path and the map moved. trajectory, segment_of_scan: of every scan that
+  /// was added, and of any to come.
   void replace(const Trajectory& trajectory, const std::vector<std::size_t>& segment_of_scan);
   void set(const LiveStatus& status);
 
-  /// "/": the page. "/state?generation=G&positions=N&points=M": what has come since, as JSON, at
-  /// most 20,000 points at once; everything from the beginning where G is another one. "/turning":
-  /// the page of the view that turns. "/turning/data": what it shows now, all of it: a megabyte at
-  /// most.
+  /// "/": the page. "/state": the pose and numbers, as JSON. "/view": path, map and last scan
+  /// (turning_view_json), a megabyte at most.
   ViewAnswer answer(const std::string& target) const;
 
  private:
-  std::string state(const std::string& query) const;
+  std::string state() const;
   TurningView turning_view() const;
   void add_position(const PathPosition& position);
 
@@ -116,10 +103,6 @@ class LiveView {
   std::size_t scans_ = 0;                     ///< that were added
   std::vector<Eigen::Vector3f> last_scan_m_;  ///< in the map's frame
   std::vector<PathPosition> positions_;
-  /// From the time on, in microseconds: a page left open from an earlier run begins anew too.
-  std::int64_t position_generation_ = std::chrono::duration_cast<std::chrono::microseconds>(
-                                          std::chrono::system_clock::now().time_since_epoch())
-                                          .count();
   float step_m_ = 0.1F;  ///< between positions
   Pose T_map_sensor_ = Pose::Identity();
   std::size_t segment_ = 0;

@@ -1,36 +1,33 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
-#include <thread>
-#include <vector>
-
-#include "hqslam/core/file_descriptor.h"
 
 namespace hqslam::tools {
 
-/// What a browser is answered.
+/// The answer to a browser's request.
 struct ViewAnswer {
   int status = 200;
   std::string type = "text/plain; charset=utf-8";
   std::string body;
 };
 
-/// Whether a request's Host names this computer: its addresses and own names. A page of another
-/// site whose name was made to lead here (DNS rebinding) asks with that name, and would read the
-/// map.
+/// Whether a request's Host names this computer: one of its addresses or own names. A page of
+/// another site whose name was made to lead here (DNS rebinding) asks with that name, and would
+/// read the map.
 bool is_own_host(const std::string& host);
 
-/// Serves a page to browsers: GET alone, each request in a connection of its own, up to
-/// kMostConnections side by side; where there are more, the one that has said nothing for longest
-/// goes. One thread for all, which leaves the processor to whoever wants it.
+/// Serves a page to browsers: GET alone, one request per connection, up to kMostConnections side by
+/// side; one more ends the one that has been silent for longest. A connection has 3 s without a
+/// byte, 30 s and 8,192 bytes of request in all. Its threads give way to all others. No file can be
+/// asked for: every answer is `answer`'s.
 class ViewServer {
  public:
   static constexpr std::size_t kMostConnections = 32;
 
-  /// Answers the request for a target such as "/state?points=3"; called by the server's thread.
+  /// Answers the request for a target such as "/state"; called by several threads at once.
   using Answer = std::function<ViewAnswer(const std::string& target)>;
 
   /// address: IPv4, "127.0.0.1" for this computer alone. port 0: any free one. Throws Error.
@@ -43,19 +40,8 @@ class ViewServer {
   std::string url() const;
 
  private:
-  struct Connection;
-  void run();
-  void accept_all(std::vector<Connection>& connections) const;
-  /// Reads or sends as much as can be now. Returns whether there is more to come.
-  bool proceed(Connection& connection) const;
-  std::string response_to(const std::string& request) const;
-
-  std::string address_;
-  std::uint16_t port_ = 0;
-  Answer answer_;
-  FileDescriptor listener_;
-  std::atomic<bool> stop_ = false;
-  std::thread thread_;
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
 };
 
 }  // namespace hqslam::tools

@@ -4,35 +4,32 @@
 
 #include "hqslam/slam/dense_map.h"
 #include "terminal/progress.h"
-#include "upsample/drive_memory.h"
 
 namespace hqslam::tools {
 
 namespace {
 
-UpsampledInput input_of(const InputChoice& recording, const UpsamplingChoice& upsampling,
-                        double voxel_m) {
-  nn::SuperResolverOptions network;
-  network.tolerance_m = static_cast<float>(voxel_m);
-  network.least_confidence = slam::DenseMapOptions::kLeastPointConfidence;
-  return upsampled_input(recording, {upsampling.upsample, upsampling.rows}, network);
+pipeline::UpsampledRecording input_of(const InputChoice& recording,
+                                      const UpsamplingChoice& upsampling, double voxel_m) {
+  pipeline::UpsamplingOptions options{upsampling.upsample, upsampling.rows};
+  options.network.tolerance_m = static_cast<float>(voxel_m);
+  options.network.least_confidence = slam::DenseMapOptions::kLeastPointConfidence;
+  return pipeline::open_upsampled(recording.input, open_options(recording), options);
 }
 
 }  // namespace
 
 MapInput::MapInput(const InputChoice& recording, const UpsamplingChoice& upsampling, double voxel_m)
     : input_(input_of(recording, upsampling, voxel_m)),
-      measured_rows_(input_.upsampler ? input_.upsampler->measured_rows()
-                     : input_.rows    ? std::nullopt
-                                      : input_.recorded.measured_rows) {}
+      measured_rows_(upsampler().sensor().measured_rows) {}
 
 MapReading MapInput::read(const ScanPoses& poses, const std::string& label,
                           const InterruptGuard& interrupt,
                           const std::function<void(const ReadScan&, const slam::SensorPath&)>& use,
                           const LookAhead& look_ahead) {
-  const auto source = input_.open();
+  recordings::Recording source = input_.reopened();
   const auto& scans = poses.scan_of_pose;
-  std::optional<std::int64_t> most = source->size();
+  std::optional<std::int64_t> most = source.size();
   if (scans && !scans->empty()) {
     most = std::min(most.value_or(scans->back() + 1), scans->back() + 1);
   }
@@ -40,16 +37,16 @@ MapReading MapInput::read(const ScanPoses& poses, const std::string& label,
   MapReading reading;
   const auto use_if_known = [&](const ReadScan& read) {
     if (const auto path =
-            poses.path_of(read.index, read.scan.stamp_s, input_.recorded.scan_period_s)) {
+            poses.path_of(read.index, read.scan.stamp_s, upsampler().recorded().scan_period_s)) {
       use(read, *path);
       ++reading.scans;
     } else {
       ++reading.without_pose;
     }
-    progress.update(read.index + 1, source->read_share());
+    progress.update(read.index + 1, source.read_share());
     return !most || read.index + 1 < *most;
   };
-  read_scans(*source, interrupt, reading, use_if_known, look_ahead);
+  read_scans(source, interrupt, reading, use_if_known, look_ahead);
   progress.finish();
   return reading;
 }
@@ -57,7 +54,7 @@ MapReading MapInput::read(const ScanPoses& poses, const std::string& label,
 MapReading MapInput::read_measured(const ScanPoses& poses, const std::string& label,
                                    const InterruptGuard& interrupt, const Use& use) {
   const auto use_measured = [&](const ReadScan& recorded, const slam::SensorPath& path) {
-    const OrganizedCloud cloud = input_.measured(recorded.scan.cloud);
+    const OrganizedCloud cloud = upsampler().measured(recorded.scan.cloud);
     use(is_partly_computed() ? select_rows(cloud, *measured_rows_) : cloud, path);
   };
   return read(poses, label, interrupt, use_measured, {});
@@ -65,17 +62,17 @@ MapReading MapInput::read_measured(const ScanPoses& poses, const std::string& la
 
 MapReading MapInput::read_upsampled(const ScanPoses& poses, const std::string& label,
                                     const InterruptGuard& interrupt, const Use& use) {
-  LookAheadMemory memory(input_.upsampler_or_null(), poses,
-                         [&](const RecordedScan& scan) { return input_.measured(scan.cloud); });
-  const auto use_upsampled = [&](const ReadScan& recorded, const slam::SensorPath& path) {
-    const OrganizedCloud measured = input_.measured(recorded.scan.cloud);
-    use(input_.upsampled(measured, memory.recall(recorded, measured)), path);
+  pipeline::LookAheadMemory memory(upsampler().method(), poses);
+  const auto use_upsampled = [&](const ReadScan& read, const slam::SensorPath& path) {
+    const OrganizedCloud measured = upsampler().measured(read.scan.cloud);
+    use(upsampler().upsampled(measured, memory.recall(measured, read.index, read.scan.stamp_s)),
+        path);
   };
-  return read(poses, label, interrupt, use_upsampled, memory.look_ahead());
+  return read(poses, label, interrupt, use_upsampled, look_ahead_of(memory, upsampler()));
 }
 
 SensorModel MapInput::measuring() const {
-  const SensorModel sensor = input_.measuring();
+  const SensorModel& sensor = input_.upsampler.measured_sensor();
   return is_partly_computed() ? select_rows(sensor, *measured_rows_) : sensor;
 }
 

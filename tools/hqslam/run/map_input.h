@@ -7,9 +7,9 @@
 
 #include "hqslam/slam/sensor_path.h"
 #include "recording/reading.h"
+#include "recording/recording_choice.h"
 #include "recording/scan_poses.h"
 #include "terminal/terminal.h"
-#include "upsample/upsampled_input.h"
 
 namespace hqslam::tools {
 
@@ -44,12 +44,13 @@ class MapInput {
 
  private:
   /// Whether the recording itself has computed rows.
-  bool is_partly_computed() const { return !input_.upsampler && measured_rows_; }
+  bool is_partly_computed() const { return !input_.upsampler.method() && measured_rows_; }
+  pipeline::Upsampler& upsampler() { return input_.upsampler; }
   MapReading read(const ScanPoses& poses, const std::string& label, const InterruptGuard& interrupt,
                   const std::function<void(const ReadScan&, const slam::SensorPath&)>& use,
                   const LookAhead& look_ahead);
 
-  UpsampledInput input_;
+  pipeline::UpsampledRecording input_;
   std::optional<RowSelection> measured_rows_;
 };
 

@@ -17,12 +17,12 @@ void declare_occupancy_grid(Command& command, bool& wanted, OccupancyGridChoice&
   const std::vector<const char*> needs = {"--occupancy-grid"};
   command
       .option("--occupancy-grid", &wanted,
-              "Also make map.pgm and map.yaml, where a robot can drive, as Nav2 reads them; reads "
-              "the recording three times more")
-      .option("--grid-cell", &choice.resolution_m, "Of the occupancy grid: side of a cell, metres",
+              "Also make an occupancy grid, map.pgm and map.yaml, for Nav2; reads the recording "
+              "three times more")
+      .option("--grid-cell", &choice.resolution_m, "Cell size of the occupancy grid, metres",
               {.shows_default = true, .within = std::pair(0.02, 1.0), .needs = needs})
       .option("--grid-band", &choice.band_m,
-              "LOW,HIGH: metres above the ground between which something is an obstacle",
+              "LOW,HIGH: heights above the ground, metres, between which something is an obstacle",
               {.shows_default = true, .delimiter = ',', .values = 2, .needs = needs});
 }
 

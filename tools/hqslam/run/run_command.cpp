@@ -1,3 +1,5 @@
+#include "run/run_command.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -6,13 +8,12 @@
 #include <iterator>
 #include <memory>
 
-#include "commands.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
-#include "hqslam/core/point_fields.h"
 #include "recording/recording_choice.h"
 #include "run/run_output.h"
-#include "run/slam_run.h"
+#include "run/run_summary.h"
+#include "run/slam_session.h"
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
@@ -90,12 +91,6 @@ int exit_status_of(const SlamRun& run, const RunOptions& options) {
               lacks_dense_map ? "dense map" : "occupancy grid");
     return kInterrupted;
   }
-  if (run.end == ReadingEnd::kComplete && !run.extended.empty() && !run.saved_map) {
-    to_stderr(
-        "hqslam: {}: not extended, for the drive comes by no place of it that was recognized\n",
-        run.extended);
-    return kWrongInput;
-  }
   return exit_status_of(run, std::ssize(run.scans), run.scans_in_recording);
 }
 
@@ -128,7 +123,8 @@ std::optional<ReferenceComparison> comparison_of(const SlamRun& run,
   return comparison;
 }
 
-/// x, y and yaw as the user says, the rest as at the nearest place of the map: streets have slopes.
+/// x, y and yaw are the user's, the rest is that of the nearest place of the map: streets have
+/// slopes.
 Pose start_on_path(const std::vector<slam::SavedPlace>& places, const std::vector<double>& start) {
   if (!std::ranges::all_of(start, [](double v) { return std::isfinite(v); })) {
     throw Error("--start {}: expected three numbers; give X,Y,YAW", fmt::join(start, ","));
@@ -143,27 +139,21 @@ Pose start_on_path(const std::vector<slam::SavedPlace>& places, const std::vecto
                            rpy_rad.x(), rpy_rad.y(), radians(start[2]));
 }
 
-/// Of a saved map, or of any cloud.
-slam::SavedMap map_in(const std::string& path, const SensorModel& sensor,
-                      const slam::SlamOptions& options) {
-  if (path.ends_with(".npz")) return slam::read_saved_map(path);
-  const std::vector<Eigen::Vector3f> points_m = read_point_file(path).scan.points_m;
-  try {
-    return slam::map_of_cloud(points_m, sensor, options);
-  } catch (const Error& error) {
-    throw Error("{}: {}", path, error.what());
+/// What runs the scans of a recording: which SLAM, in which map.
+pipeline::PipelineOptions pipeline_options(const RunOptions& options) {
+  pipeline::PipelineOptions pipeline;
+  pipeline.slam = slam_kind(options.slam);
+  pipeline.slam_options = slam_options(options.slam);
+  if (pipeline.slam == pipeline::SlamKind::kLegoLoam && options.save_map) {
+    throw Error("--slam lego-loam: recognizes no places for a saved map; leave --save-map out");
   }
-}
-
-std::optional<GivenMap> given_map(const RunOptions& options, const SensorModel& sensor,
-                                  const slam::SlamOptions& slam) {
-  if (options.map_file.empty()) return std::nullopt;
-  GivenMap given{options.map_file, map_in(options.map_file, sensor, slam), std::nullopt};
-  given.is_extended = options.extend;
-  if (!options.start.empty() && !given.map.places.empty()) {
-    given.T_map_level_start = start_on_path(given.map.places, options.start);
+  if (options.map_file.empty()) return pipeline;
+  pipeline.slam_options.loop_closing.enabled = false;
+  pipeline.map = slam::read_saved_map(options.map_file);
+  if (!options.start.empty() && !pipeline.map->places.empty()) {
+    pipeline.T_map_level_start = start_on_path(pipeline.map->places, options.start);
   }
-  return given;
+  return pipeline;
 }
 
 /// All other results are written by now: what goes wrong here costs the dense map alone.
@@ -172,17 +162,17 @@ void add_dense_map(const RunOptions& options, const InterruptGuard& interrupt, R
   DenseMapRun dense_map = build_dense_map(options, options, poses_of(run), options.map, interrupt);
   if (interrupt.stop_requested()) return;
   run.dense_map_summary = dense_map_summary(dense_map);
-  run.dense_map_las = dense_map.las;
   output.write_dense_map(run, dense_map);
 }
 
-/// The same of the occupancy grid.
-void add_occupancy_grid(const RunOptions& options, const InterruptGuard& interrupt, SlamRun& run) {
+/// What goes wrong here costs the occupancy grid alone.
+void add_occupancy_grid(const RunOptions& options, const InterruptGuard& interrupt,
+                        RunOutput& output, SlamRun& run) {
   const OccupancyGridRun grid =
       build_occupancy_grid(options, options, poses_of(run), options.grid, interrupt);
   if (interrupt.stop_requested()) return;
-  write_occupancy_grid(grid.map, options.out);
   run.occupancy_grid_summary = grid.summary;
+  output.write_occupancy_grid(run, grid.map);
 }
 
 /// SLAM over the recording, with intermediate results now and then.
@@ -215,62 +205,55 @@ Paths inputs_of(const RunOptions& options) {
 void declare(CLI::App& app, RunOptions& options) {
   Command command = add_command(
       app, "run", "From a recorded drive to a trajectory and a map",
-      "Writes into --out:\n"
+      "Writes into --out, in the frame of the first scan turned level (see mounting\n"
+      "in hqslam slam-options), or in that of --map:\n"
       "  trajectory.tum    stamp x y z qx qy qz qw per scan\n"
-      "  trajectory.kitti  3x4 matrix per scan, row-major; both in the first scan's sensor frame,\n"
-      "                    turned level if it is mounted otherwise (hqslam slam-options)\n"
-      "  covariances.csv   whether each scan was located, in which part of the map and how well: "
-      "6x6, x y z and rotations about them\n"
-      "  map.pcd           the features of all key frames, in that frame, with intensities where "
-      "the\n"
+      "  trajectory.kitti  3x4 matrix per scan, row-major\n"
+      "  covariances.csv   per scan the status of mapping, the submap, and the 6x6\n"
+      "                    covariance of x y z and of the rotations about them\n"
+      "  map.pcd           the features of all keyframes, with intensities where the\n"
       "                    recording has them\n"
-      "  saved_map.npz     with --save-map or --extend: map and places for later drives\n"
+      "  saved_map.npz     with --save-map: map and places for later drives\n"
       "  timings.json      time per stage and status of every scan\n"
-      "  report.html       map, path and scans to be turned, error and times on one page\n"
-      "and with --dense-map, in the same frame:\n"
+      "  report.html       map, path, scans, error and times on one page\n"
+      "and with --dense-map:\n"
       "  dense_map.pcd, dense_map.ply   x y z, intensity where the recording has it,\n"
       "                                 confidence, times_seen per voxel, binary\n"
-      "  dense_map_above.png, dense_map_perspective.png, with --las dense_map.las\n"
-      "and with --occupancy-grid, its cells about the frame's x and y:\n"
+      "and with --occupancy-grid, with cells along the frame's x and y:\n"
       "  map.pgm, map.yaml              where a robot can drive, for Nav2\n"
-      "An earlier run's results in it are replaced from the first scan on. Ctrl-C stops the run;\n"
-      "what is written up to then is valid. Mapping says of every scan whether it was located:\n"
-      "ok, degenerate (some direction of motion could not be seen), too few features, not\n"
-      "converged, after a gap, or, with --map, not recognized: its pose is the last one known.");
+      "The results of an earlier run in --out are replaced from the first scan on.\n"
+      "Ctrl-C stops the run; what is written up to then is valid. The status of\n"
+      "mapping is ok, degenerate (some direction of motion is not determined), too few\n"
+      "features, not converged, after a gap, or, with --map, not recognized: the pose\n"
+      "is then the last known one.");
   declare_input(command, options);
   declare_imu(command, options);
   declare_upsampling(command, options);
   command
-      .option("--out", &options.out, "Folder for the results; made if it is not there",
+      .option("--out", &options.out, "Folder for the results; made if it does not exist",
               {.required = true})
       .option("--reference", &options.reference,
-              "Trajectory to compare with (TUM, or KITTI with one pose per scan); by default the "
+              "Trajectory to compare with (TUM, or KITTI with one pose per scan); default: the "
               "truth of a simulated drive",
               {.given = Given::kFile});
   declare_threads(command, options.threads);
+  declare_slam_kind(command, options.slam);
   declare_slam_settings(command, options.slam);
   command
       .option("--save-map", &options.save_map,
               "Also write saved_map.npz, in which later drives can be located",
               {.excludes = {"--no-loop-closing"}})
-      .option(
-          "--map", &options.map_file,
-          "Locate the drive in a saved_map.npz, or in any cloud (.pcd, .ply, .las, .txt; metres, z "
-          "up), which stays as it is, instead of making a map",
-          {.given = Given::kFile, .excludes = {"--save-map"}})
-      .option(
-          "--extend", &options.extend,
-          "Go on from --map: write a saved_map.npz with its places and those of the drive, which "
-          "must come by some of them; poses are in its frame",
-          {.needs = {"--map"}, .excludes = {"--no-loop-closing"}})
+      .option("--map", &options.map_file,
+              "Locate the drive in this saved_map.npz of an earlier drive instead of making a map; "
+              "the file stays as it is",
+              {.given = Given::kFile, .excludes = {"--save-map"}})
       .option("--start", &options.start,
-              "X,Y,YAW: about where the drive begins in the map, in metres and degrees, within 10 "
-              "m and 25 degrees; by default it is looked for in all of the map",
-              {.delimiter = ',', .values = 3, .needs = {"--map"}, .excludes = {"--extend"}})
-      .option(
-          "--dense-map", &options.dense_map,
-          "Also make a dense map of all scans' points, measured and upsampled; reads the recording "
-          "twice more");
+              "X,Y,YAW: the first pose in the map of --map, in metres and degrees, within 10 m and "
+              "25 degrees; default: it is searched in all of the map",
+              {.delimiter = ',', .values = 3, .needs = {"--map"}})
+      .option("--dense-map", &options.dense_map,
+              "Also make a dense map of the points of all scans, measured and upsampled; reads the "
+              "recording twice more");
   declare_dense_map(command, options.map, {"--dense-map"});
   declare_occupancy_grid(command, options.occupancy_grid, options.grid);
 }
@@ -279,18 +262,17 @@ SlamRun run_and_write(const RunOptions& options, const InterruptGuard& interrupt
   use_threads(options.threads);
   refuse_to_write_into_recording(options.input, options.out);
   options_of(options.grid);  // refused before the drive, not after it
-  UpsampledInput input = upsampled_input(options, options);
-  const std::unique_ptr<ScanSource> source = input.open();
-  const std::size_t told = print_warnings(*source, options.input);
-  const std::optional<TrajectoryFile> reference = reference_of(options, *source);
+  pipeline::UpsampledRecording input = upsampled_recording(options, options);
+  ScanSource& source = input.recording;
+  const std::size_t printed = print_warnings(source, options.input);
+  const std::optional<TrajectoryFile> reference = reference_of(options, source);
   RunOutput output(options.out, inputs_of(options));
 
-  slam::SlamOptions slam = slam_options(options.slam);
-  if (!options.map_file.empty() && !options.extend) slam.loop_closing.enabled = false;
-  SlamSession session(input, slam, given_map(options, input.seen(), slam));
-  process_all(*source, session, output, interrupt);
-  print_later_warnings(*source, told);
-  SlamRun run = session.finished(options.save_map || options.extend);
+  SlamSession session(std::move(input.upsampler), pipeline_options(options), options.input);
+  session.run().located_in = options.map_file;
+  process_all(source, session, output, interrupt);
+  print_later_warnings(source, printed);
+  SlamRun run = session.finished(options.save_map);
   if (run.scans.empty()) return run;  // interrupted at once: an earlier run's results stay
   if (reference) {
     run.comparison = comparison_of(run, *reference);
@@ -305,8 +287,9 @@ SlamRun run_and_write(const RunOptions& options, const InterruptGuard& interrupt
       run.failed_maps.emplace_back(error.what());
     }
   };
+  // The grid, which is small, comes first: the report with the dense map has both.
+  add(options.occupancy_grid, [&] { add_occupancy_grid(options, interrupt, output, run); });
   add(options.dense_map, [&] { add_dense_map(options, interrupt, output, run); });
-  add(options.occupancy_grid, [&] { add_occupancy_grid(options, interrupt, run); });
   return run;
 }
 

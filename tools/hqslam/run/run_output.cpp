@@ -13,6 +13,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/whole_file.h"
 #include "run/occupancy_grid.h"
+#include "run/report_page.h"
 #include "run/slam_settings.h"
 #include "timing/timing.h"
 
@@ -233,17 +234,18 @@ void RunOutput::write_results(const SlamRun& run) {
     replace_file(path("saved_map.npz"),
                  [&](const std::string& part) { slam::write_saved_map(part, *run.saved_map); });
   }
-  write_text_file(html_report(run), path("report.html"));
+  write_text_file(report_html(run), path("report.html"));
 }
 
-void RunOutput::write_dense_map(const SlamRun& run, DenseMapRun& dense_map) {
-  Trajectory path_of_map;
-  for (std::size_t scan = 0; scan < run.trajectory.size(); ++scan) {
-    if (run.part_of_scan[scan] == run.map_part) path_of_map.push_back(run.trajectory[scan]);
-  }
-  dense_map.pictures = pictures_of(dense_map, path_of_map);
+void RunOutput::write_occupancy_grid(const SlamRun& run, const slam::OccupancyMap& map) {
+  tools::write_occupancy_grid(map, folder_);
+  grid_ = thinned(map);
+  write_text_file(report_html(run, nullptr, &*grid_), path("report.html"));
+}
+
+void RunOutput::write_dense_map(const SlamRun& run, const DenseMapRun& dense_map) {
   tools::write_dense_map(dense_map, folder_);
-  write_text_file(html_report(run, &dense_map), path("report.html"));
+  write_text_file(report_html(run, &dense_map, grid_ ? &*grid_ : nullptr), path("report.html"));
 }
 
 }  // namespace hqslam::tools

@@ -5,27 +5,12 @@
 #include <string>
 
 #include "files/result_files.h"
-#include "report/turning_view.h"
+#include "hqslam/slam/occupancy_grid.h"
 #include "run/dense_map.h"
 #include "run/slam_run.h"
 #include "timing/timing.h"
 
 namespace hqslam::tools {
-
-/// The drive from above in the map frame, x to the right and y upwards, both axes in metres and of
-/// one scale: the map's points faintly behind, the reference as a dashed line, the estimate
-/// coloured by its error where there is a reference. HTML with inline SVG.
-std::string trajectory_plot_html(const SlamRun& run);
-
-/// What a run has to be looked at: its dense map if there is one, the features of its map, its
-/// path, loops and scans, whose points are where the sensor was when it measured each. Other parts
-/// of the map, if there are any, are not in it.
-TurningView view_of(const SlamRun& run, const DenseMapRun* dense_map = nullptr);
-
-/// report.html: one page that needs no other file and no network. Headline numbers, the trajectory
-/// from above, the error over time and the time per stage; the dense map with its pictures, if
-/// there is one.
-std::string html_report(const SlamRun& run, const DenseMapRun* dense_map = nullptr);
 
 /// covariances.csv: a line per scan, its stamp in seconds, how the mapping located it, and the 6x6
 /// covariance of its pose, row after row; before them two lines that say what it is and name the
@@ -60,9 +45,10 @@ class RunOutput {
   void write_checkpoint(const SlamRun& run);
   /// Everything.
   void write_results(const SlamRun& run);
-  /// After write_results: the dense map's files (dense_map.h), and the report again, with its
-  /// pictures, which are made.
-  void write_dense_map(const SlamRun& run, DenseMapRun& dense_map);
+  /// After write_results: the grid's files (occupancy_grid.h), and the report again, with the grid.
+  void write_occupancy_grid(const SlamRun& run, const slam::OccupancyMap& map);
+  /// After those: the dense map's files (dense_map.h), and the report again, with the dense map.
+  void write_dense_map(const SlamRun& run, const DenseMapRun& dense_map);
 
  private:
   std::string path(const char* result) const { return (folder_ / result).string(); }
@@ -71,7 +57,8 @@ class RunOutput {
   double last_duration_s_ = 0.0;  ///< what the last checkpoint took
   bool first_ = true;
   bool made_folder_ = false;
-  std::optional<FolderLock> lock_;  ///< from the first checkpoint on
+  std::optional<FolderLock> lock_;          ///< from the first checkpoint on
+  std::optional<slam::OccupancyMap> grid_;  ///< thinned, for the report
 };
 
 /// timings.json: medians, 95th percentiles and maxima per stage in milliseconds, counts of

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "hqslam/slam/sensor_path.h"
-#include "run/run_output.h"
+#include "run/report_page.h"
 
 namespace hqslam::tools {
 namespace {
@@ -16,9 +16,16 @@ ViewCloud cloud_of(const DenseMapRun& map) {
   return cloud;
 }
 
-/// Whether the way to the next pose is known; of the last one it is not.
-bool knows_way(const SlamRun& run, std::size_t from) {
-  return from + 1 < run.trajectory.size() && is_way_known(run, from);
+/// The sensor's path during a scan: to and from its neighbours whose relative poses are known.
+slam::SensorPath path_of(const SlamRun& run, std::size_t pose) {
+  Trajectory near;
+  if (pose > 0 && is_way_known(run, pose - 1)) near.push_back(run.trajectory[pose - 1]);
+  const std::size_t here = near.size();
+  near.push_back(run.trajectory[pose]);
+  if (pose + 1 < run.trajectory.size() && is_way_known(run, pose)) {
+    near.push_back(run.trajectory[pose + 1]);
+  }
+  return {near, here};
 }
 
 ViewScan scan_of(const SlamRun& run, const KeptScan& kept) {
@@ -28,9 +35,7 @@ ViewScan scan_of(const SlamRun& run, const KeptScan& kept) {
   scan.name =
       fmt::format("scan {}, {:.1f} s", scan.number, pose.stamp_s - run.trajectory.front().stamp_s);
   scan.T_map_sensor = pose.T_map_sensor;
-  const slam::SensorPath path(
-      run.trajectory, kept.pose,
-      {kept.pose > 0 && knows_way(run, kept.pose - 1), knows_way(run, kept.pose)});
+  const slam::SensorPath path = path_of(run, kept.pose);
   for (const KeptScan::Point& point : kept.points) {
     const bool is_measured = !run.measured_rows || run.measured_rows->contains(point.row);
     const Eigen::Vector3d place_m = path.at(point.time_offset_s) * point.point_m.cast<double>();
@@ -55,7 +60,7 @@ TurningView view_of(const SlamRun& run, const DenseMapRun* dense_map) {
   };
   for (std::size_t pose = 0; pose < run.trajectory.size(); ++pose) {
     if (!is_shown(pose)) continue;
-    const bool goes_on = pose > 0 && is_shown(pose - 1) && knows_way(run, pose - 1);
+    const bool goes_on = pose > 0 && is_shown(pose - 1) && is_way_known(run, pose - 1);
     if (!goes_on) view.path_m.emplace_back();
     view.path_m.back().push_back(place_m(pose));
   }

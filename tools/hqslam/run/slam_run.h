@@ -15,9 +15,6 @@
 #include "recording/reading.h"
 #include "recording/reference.h"
 #include "run/kept_scans.h"
-#include "timing/timing.h"
-#include "upsample/drive_memory.h"
-#include "upsample/upsampled_input.h"
 
 namespace hqslam::tools {
 
@@ -60,12 +57,10 @@ struct SlamRun : Reading {
   std::vector<float> map_intensity;  ///< of each; empty where the recording has none
   std::vector<KeptScan> kept_scans;  ///< to be looked at; filled when the run ends
   std::string located_in;  ///< the file of the map that it was located in; empty: it made its own
-  std::string extended;    ///< the file of the map that it went on from; empty: none
   std::optional<slam::SavedMap> saved_map;  ///< filled when the run ends, if it was asked for
   double wall_s = 0.0;
   std::optional<ReferenceComparison> comparison;  ///< once the run has ended, of one with a truth
   std::string dense_map_summary;                  ///< empty: there is none
-  bool dense_map_las = false;                     ///< of a dense map: in a .las file too
   std::string occupancy_grid_summary;             ///< the same
   std::vector<std::string> failed_maps;           ///< of these two: why one could not be made
 };
@@ -105,60 +100,5 @@ double known_path_m(const SlamRun& run);
 
 /// The scans of each part of the map (slam::Slam::submap_of_scan), by its number.
 std::map<std::size_t, std::int64_t> scans_of_parts(const SlamRun& run);
-
-/// A map that an earlier run left behind, and where in it the sensor is believed to begin.
-struct GivenMap {
-  std::string path;
-  slam::SavedMap map;
-  std::optional<Pose> T_map_level_start;
-  bool is_extended = false;  ///< the drive goes on with it, instead of being located in it
-};
-
-/// SLAM over scans that come one by one, and what is to be told of it.
-class SlamSession {
- public:
-  /// Keeps `input`. map: to be located in; nothing: one is made. keeps_scans: for
-  /// SlamRun::kept_scans.
-  SlamSession(UpsampledInput& input, const slam::SlamOptions& options,
-              const std::optional<GivenMap>& map = std::nullopt, bool keeps_scans = true);
-
-  /// Locates the next scan. index, reading_s: as ReadScan says. trace: slam::Slam::process fills
-  /// it. Returns what the run now ends with. Throws Error, ScanError for a scan that is to be left
-  /// out.
-  ScanRecord& process(const RecordedScan& scan, std::int64_t index = 0, double reading_s = 0.0,
-                      slam::ScanTrace* trace = nullptr);
-  /// The run so far, with its trajectory and its segments.
-  SlamRun& run_so_far();
-  /// Everything but its trajectory and its map.
-  SlamRun& run() { return run_; }
-  /// The trajectory as it is now, and of each pose slam::Slam::segment_of_scan().
-  const Trajectory& trajectory() const { return slam_.trajectory(); }
-  const std::vector<std::size_t>& segment_of_scan() const { return slam_.segment_of_scan(); }
-  /// Of the path, as it is now: between them nothing is known.
-  std::size_t parts() const;
-  /// What SLAM saw of the last scan.
-  const OrganizedCloud& cloud() const { return cloud_; }
-  /// The run with its trajectory and map. save_map: with a map for later drives, which needs loop
-  /// closing.
-  SlamRun finished(bool save_map = false);
-
- private:
-  void remember(const slam::LoopReport& loop);
-
-  UpsampledInput& input_;
-  DriveMemory memory_;
-  slam::Slam slam_;
-  SlamRun run_;
-  OrganizedCloud cloud_;
-  bool keeps_scans_;
-  KeptScans kept_scans_;
-  SteadyClock::time_point start_ = SteadyClock::now();
-};
-
-/// What a run came to, for people, a few lines: scans, path, statuses, what the upsampling took.
-std::string run_summary(const SlamRun& run);
-
-/// "results: out/trajectory.tum, ..."
-std::string results_line(const SlamRun& run, const std::string& out);
 
 }  // namespace hqslam::tools

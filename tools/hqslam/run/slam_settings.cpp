@@ -6,11 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "commands.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/json_limits.h"
 #include "hqslam/core/whole_file.h"
-#include "terminal/terminal.h"
 
 namespace hqslam::tools {
 
@@ -59,34 +57,35 @@ void set_from_text(slam::SlamOptions& options, const std::string& text) {
   slam::set_option(options, text.substr(0, equals), value);
 }
 
-std::string json_of_defaults() {
-  const slam::SlamOptions defaults;
-  Json json;
-  for (const slam::NamedOption& option : slam::option_table()) {
-    const std::size_t point = option.name.find('.');
-    const std::string part(option.name.substr(0, point));
-    const std::string field(option.name.substr(point + 1));
-    const double value = option.get(defaults);
-    json[part][field] = option.is_whole ? Json(static_cast<int>(value)) : Json(value);
-  }
-  return json.dump(2) + "\n";
-}
-
 }  // namespace
+
+void declare_slam_kind(Command& command, SlamSettings& settings) {
+  command.option("--slam", &settings.kind,
+                 "hqslam's own SLAM, or LeGO-LOAM as its paper describes it, without loop closing, "
+                 "covariances and saved maps",
+                 {.shows_default = true, .one_of = {"hqslam", "lego-loam"}});
+}
 
 void declare_slam_settings(Command& command, SlamSettings& settings) {
   command
-      .option(
-          "--slam-options", &settings.file,
-          "JSON file of SLAM's options that are not to be the defaults; hqslam slam-options --json "
-          ">options.json makes one of all",
-          {.given = Given::kFile})
+      .option("--slam-options", &settings.file,
+              "JSON file of SLAM's options that differ from the defaults; hqslam slam-options "
+              "--json >options.json writes one with all of them",
+              {.given = Given::kFile})
       .option("--set", &settings.set,
-              "One option of SLAM, NAME=NUMBER, after the file; may be given several times",
+              "NAME=NUMBER: one option of SLAM, which replaces that of --slam-options (may be "
+              "repeated)",
               {.one_at_a_time = true})
       .option(
           "--no-loop-closing", [&settings] { settings.loop_closing = false; },
-          "Do not recognise places passed before, nor correct the path and the map");
+          "Do not recognize places passed before, nor correct path and map");
+}
+
+pipeline::SlamKind slam_kind(const SlamSettings& settings) {
+  if (settings.kind != "lego-loam") return pipeline::SlamKind::kHqslam;
+  if (settings.file.empty() && settings.set.empty()) return pipeline::SlamKind::kLegoLoam;
+  throw Error("--slam lego-loam: has no options; leave {} out",
+              settings.file.empty() ? "--set" : "--slam-options");
 }
 
 slam::SlamOptions slam_options(const SlamSettings& settings) {
@@ -106,30 +105,6 @@ std::vector<std::pair<std::string, double>> changed_options(const slam::SlamOpti
     changed.emplace_back(std::string(option.name), option.get(options));
   }
   return changed;
-}
-
-void declare(CLI::App& app, SlamOptionsCommand& options) {
-  add_command(app, "slam-options",
-              "The options of SLAM: names, defaults, bounds and what they mean",
-              "Lengths in metres, angles in radians. Given to run and live by --slam-options "
-              "FILE.json\n"
-              "and --set NAME=NUMBER. A default is LeGO-LOAM's unless its line says otherwise.")
-      .option("--json", &options.json,
-              "Print JSON; >options.json makes a file of it for run --slam-options");
-}
-
-int run(const SlamOptionsCommand& options) {
-  if (options.json) {
-    to_stdout("{}", json_of_defaults());
-    return kOk;
-  }
-  const slam::SlamOptions defaults;
-  to_stdout("{:<42} {:<8} {}\n", "option", "default", "what it means, and what it may be");
-  for (const slam::NamedOption& option : slam::option_table()) {
-    to_stdout("{:<42} {:<8.4g} {} ({})\n", option.name, option.get(defaults), option.meaning,
-              option.expected);
-  }
-  return kOk;
 }
 
 }  // namespace hqslam::tools

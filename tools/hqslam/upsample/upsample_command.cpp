@@ -1,4 +1,7 @@
+#include "upsample/upsample_command.h"
+
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <omp.h>
 
 #include <algorithm>
@@ -9,8 +12,6 @@
 #include <optional>
 #include <vector>
 
-#include "commands.h"
-#include "hqslam/nn/upsampled_cloud.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
 #include "recording/scan_poses.h"
@@ -18,9 +19,7 @@
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
 #include "timing/timing.h"
-#include "upsample/drive_memory.h"
 #include "upsample/upsample_output.h"
-#include "upsample/upsampled_input.h"
 
 namespace hqslam::tools {
 namespace {
@@ -29,8 +28,9 @@ struct UpsampleRun : Reading {
   std::vector<double> times_s;  ///< of the upsampling alone, per scan
 };
 
-/// Corrections of the images that are written: their ranges have them already, and computed rows
-/// look between the measured ones. measured: the sensor of the measured rows.
+/// The corrections of the images that are written: ranges of the measured rows have them already,
+/// and a computed row gets the elevation correction interpolated between them. measured: the sensor
+/// of the measured rows.
 void put_corrections(SensorModel& sensor, const SensorModel& measured) {
   sensor.elevation_correction_rad.clear();
   sensor.range_correction_m.clear();
@@ -48,11 +48,10 @@ void put_corrections(SensorModel& sensor, const SensorModel& measured) {
   }
 }
 
-/// Where the first scan goes, and all that follow.
-UpsampleOutput make_output(const UpsampleOptions& options, const UpsampledInput& input,
+UpsampleOutput make_output(const UpsampleOptions& options, const pipeline::Upsampler& upsampler,
                            const OrganizedCloud& first, std::optional<std::int64_t> scans) {
-  SensorModel sensor = input.upsampler->sensor();
-  put_corrections(sensor, input.measuring());
+  SensorModel sensor = upsampler.sensor();
+  put_corrections(sensor, upsampler.measured_sensor());
   sensor.motion_corrected = first.time_offset_s.empty();
   return {options.out,
           {options.input, options.upsample, scans, options.poses},
@@ -60,45 +59,41 @@ UpsampleOutput make_output(const UpsampleOptions& options, const UpsampledInput&
           options.formats};
 }
 
-/// The ranges of the points that are written: those of the measured rows are the recording's.
-UpsampleRun upsample(ScanSource& source, UpsampledInput& input, const ScanPoses& poses,
+/// The ranges that are written are those of the points: measured rows are the recording's.
+UpsampleRun upsample(ScanSource& source, pipeline::Upsampler& upsampler, const ScanPoses& poses,
                      const UpsampleOptions& options, const InterruptGuard& interrupt) {
   std::optional<UpsampleOutput> output;  // made when the first scan is there
-  nn::Upsampler& upsampler = *input.upsampler;
-  LookAheadMemory memory(input.upsampler_or_null(), poses,
-                         [&](const RecordedScan& scan) { return input.measured(scan.cloud); });
+  pipeline::LookAheadMemory memory(upsampler.method(), poses);
   UpsampleRun run;
   Progress progress(
       fmt::format("upsample to {}x{}", upsampler.sensor().rows(), upsampler.sensor().columns),
       source.size());
   const auto upsample = [&](const ReadScan& read) {
-    const OrganizedCloud measured = input.measured(read.scan.cloud);
-    const RangeImage measured_image = range_image(measured);
-    nn::UpsampledImage upsampled;
-    const double time_s = seconds_of(
-        [&] { upsampled = upsampler.run(measured_image, memory.recall(read, measured)); });
-    const OrganizedCloud cloud =
-        nn::upsampled_cloud(upsampled, measured, upsampler.measured_rows(), upsampler.sensor());
-    if (!output) output.emplace(make_output(options, input, cloud, source.size()));
+    const OrganizedCloud measured = upsampler.measured(read.scan.cloud);
+    OrganizedCloud cloud;
+    const double time_s = seconds_of([&] {
+      cloud = upsampler.upsampled(measured, memory.recall(measured, read.index, read.scan.stamp_s));
+    });
+    if (!output) output.emplace(make_output(options, upsampler, cloud, source.size()));
     output->append(range_image(cloud), cloud, read.scan.stamp_s);
     run.times_s.push_back(time_s);
     progress.update(std::ssize(run.times_s), source.read_share());
     return true;
   };
-  read_scans(source, interrupt, run, upsample, memory.look_ahead());
+  read_scans(source, interrupt, run, upsample, look_ahead_of(memory, upsampler));
   progress.finish();
   if (output && run.end == ReadingEnd::kComplete) {
     output->finish(std::ssize(run.times_s) + run.left_out.scans);
   }
-  memory.tell_of_scans_without_pose(options.poses, options.input);
+  report_scans_without_pose(memory, options.poses, options.input);
   return run;
 }
 
 void print_summary(const UpsampleRun& run, const nn::Upsampler& upsampler,
                    const UpsampleOptions& options) {
   to_stdout("{} scans, {} rows -> {} rows of {} columns, by {}", run.times_s.size(),
-            select_rows(upsampler.sensor(), upsampler.measured_rows()).rows(),
-            upsampler.sensor().rows(), upsampler.sensor().columns, upsampler.name());
+            upsampler.measured_sensor().rows(), upsampler.sensor().rows(),
+            upsampler.sensor().columns, upsampler.name());
   if (const nn::SuperResolver* network = upsampler.network()) {
     to_stdout(" ({} parameters, {:.3f} GMAC a scan)", network->parameters(),
               1e-9 * static_cast<double>(network->multiply_adds()));
@@ -111,40 +106,45 @@ void print_summary(const UpsampleRun& run, const nn::Upsampler& upsampler,
     const bool there = std::filesystem::exists(std::filesystem::path(options.out) / name);
     return there ? fmt::format(", {}", name) : "";
   };
-  to_stdout("results: {}/scans.npy{}{}, sensor.json, upsample.json{}{}{}{}\n", options.out,
+  to_stdout("results: {}/scans.npy{}{}, sensor.json, upsample.json{}{}{}\n", options.out,
             if_there("confidence.npy"), if_there("intensity.npy"),
             options.formats.kitti_bin ? ", bin" : "", options.formats.pcd ? ", pcd" : "",
-            options.formats.las ? ", las" : "", options.formats.png ? ", png" : "");
+            options.formats.png ? ", png" : "");
 }
 
 }  // namespace
 
 void declare(CLI::App& app, UpsampleOptions& options) {
-  Command command = add_command(
-      app, "upsample", "Fill the rows between those of a LiDAR with few beams",
-      R"(Writes into --out: scans.npy (N x rows x columns, float32 metres), confidence.npy (of a
-network that says how sure it is, 0 to 1 per pixel), intensity.npy (where the recording has
-them), timestamps.txt, first_columns.txt (of sensors that begin a turn anywhere), sensor.json,
-upsample.json (where it came from), and the truth of a simulated drive. hqslam run takes the folder as it is. Ctrl-C stops; what is written up to then
-is valid.)");
-  declare_input(
-      command, options,
-      "Recording as for hqslam run: the measured rows alone, or all rows of the sensor, "
-      "of which the measured ones are looked at",
-      "Sensor of the recording (name or .json file); default: what the recording or its "
-      "points tell, or the one that the weights were made for. For interpolation: with all rows");
+  Command command =
+      add_command(app, "upsample", "Fill the rows between those of a LiDAR with few beams",
+                  "Writes into --out, which hqslam run reads as it is:\n"
+                  "  scans.npy          N x rows x columns, float32 metres\n"
+                  "  confidence.npy     0 to 1 per pixel, of a network that gives a confidence\n"
+                  "  intensity.npy      where the recording has intensities\n"
+                  "  timestamps.txt     stamp of each scan, seconds\n"
+                  "  first_columns.txt  of sensors that begin a turn at any column\n"
+                  "  sensor.json, upsample.json, and the truth of a simulated drive\n"
+                  "Ctrl-C stops; what is written up to then is valid.");
+  declare_input(command, options,
+                "Recording as for hqslam run, with the measured rows alone or with all rows of the "
+                "sensor, of which the measured ones are used",
+                "Sensor of the recording (name or .json file; for interpolation with all rows); "
+                "default: determined from the recording, or that of the weights");
   command.alternatives("How", "One of")
-      .option("--weights", &options.upsample, "Trained network (.npz)", {.given = Given::kFile})
-      .option("--method", &options.upsample, "Interpolation, of every fourth row",
+      .option("--weights", &options.upsample,
+              fmt::format("Weights file (.npz), or weights that come with hqslam and are chosen by "
+                          "the sensor ({})",
+                          fmt::join(pipeline::installed_weights_names(), ", ")),
+              {.given = Given::kFile, .one_of = pipeline::installed_weights_names()})
+      .option("--method", &options.upsample, "Interpolation of every fourth row",
               {.one_of = nn::interpolation_names()});
-  command.option("--out", &options.out, "Folder for the results; made if it is not there",
+  command.option("--out", &options.out, "Folder for the results; made if it does not exist",
                  {.required = true});
   declare_confidence(command, options);
   command.option("--poses", &options.poses, kMemoryPosesHelp, {.given = Given::kFile});
   declare_threads(command, options.threads);
   command.option("--bin", &options.formats.kitti_bin, "Also write KITTI .bin files")
       .option("--pcd", &options.formats.pcd, "Also write .pcd files")
-      .option("--las", &options.formats.las, "Also write .las files")
       .option("--png", &options.formats.png, "Also write pictures of the range images");
 }
 
@@ -152,15 +152,17 @@ int run(const UpsampleOptions& options) {
   const InterruptGuard interrupt;
   use_threads(options.threads);
   refuse_to_write_into_recording(options.input, options.out);
-  UpsampledInput input = upsampled_input(options, options);
-  require_memory(options.poses, input.upsampler_or_null());
-  const ScanPoses poses = read_scan_poses(options.poses, interrupt, [&] { return input.open(); });
-  const std::unique_ptr<ScanSource> source = input.open();
-  const std::size_t told = print_warnings(*source, options.input);
-  const UpsampleRun run = upsample(*source, input, poses, options, interrupt);
-  print_later_warnings(*source, told);
-  if (!run.times_s.empty()) print_summary(run, *input.upsampler, options);
-  return exit_status_of(run, std::ssize(run.times_s), source->size());
+  pipeline::UpsampledRecording input = upsampled_recording(options, options);
+  require_memory(options.poses, input.upsampler.has_scan_memory());
+  const ScanPoses poses = read_scan_poses(options.poses, interrupt, [&] {
+    return std::make_unique<recordings::Recording>(input.reopened());
+  });
+  ScanSource& source = input.recording;
+  const std::size_t printed = print_warnings(source, options.input);
+  const UpsampleRun run = upsample(source, input.upsampler, poses, options, interrupt);
+  print_later_warnings(source, printed);
+  if (!run.times_s.empty()) print_summary(run, *input.upsampler.method(), options);
+  return exit_status_of(run, std::ssize(run.times_s), source.size());
 }
 
 }  // namespace hqslam::tools

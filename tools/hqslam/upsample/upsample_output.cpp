@@ -31,7 +31,7 @@ constexpr std::array<const char*, 10> kFiles = {
     "scans.npy",   "confidence.npy", "intensity.npy", kStampsFile,   kFirstColumnsFile,
     "sensor.json", "upsample.json",  "truth.tum",     "truth.kitti", "imu.csv"};
 constexpr std::array<const char*, 3> kFilesOfDrive = {"truth.tum", "truth.kitti", "imu.csv"};
-constexpr std::array<const char*, 4> kScanFolders = {"bin", "pcd", "png", "las"};
+constexpr std::array<const char*, 3> kScanFolders = {"bin", "pcd", "png"};
 constexpr ScanFolder kUpsampled{kFiles, kScanFolders, kMarkerFile};
 
 bool same_file(const fs::path& a, const fs::path& b) {
@@ -97,7 +97,7 @@ UpsampleOutput::UpsampleOutput(const std::string& folder, UpsampleOrigin origin,
       fs::copy_file(known, folder_ / file);
     }
   }
-  const std::array<bool, 4> wanted = {formats.kitti_bin, formats.pcd, formats.png, formats.las};
+  const std::array<bool, 3> wanted = {formats.kitti_bin, formats.pcd, formats.png};
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     if (wanted[i]) make_result_folder(folder_ / kScanFolders[i]);
   }
@@ -160,11 +160,10 @@ void UpsampleOutput::write_formats(const RangeImage& image, const OrganizedCloud
     return parts.add(folder_ / kind / fmt::format("{:06}.{}", scans_, kind));
   };
   if (formats_.png) write_png(color_by_range(image, sensor_.max_range_m), part("png"));
-  if (!formats_.kitti_bin && !formats_.pcd && !formats_.las) return;
+  if (!formats_.kitti_bin && !formats_.pcd) return;
   Scan scan = returns_of(cloud);
   scan.stamp_s = stamp_s;
   if (formats_.kitti_bin) write_kitti_bin(scan, part("bin"));
-  if (formats_.las) write_cloud(scan, part("las"));
   if (!formats_.pcd) return;
   if (scan.intensity.empty()) {  // then it is the image's points alone
     scan.row.clear();

@@ -1,32 +1,24 @@
+#include "view/view_command.h"
 
 #include <algorithm>
 #include <filesystem>
 #include <limits>
 #include <memory>
 
-#include "commands.h"
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/left_out.h"
 #include "hqslam/core/point_fields.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/slam/saved_map.h"
-#include "report/page.h"
-#include "report/turning_view.h"
+#include "pages/page.h"
+#include "pages/turning_view.h"
+#include "recording/recording_choice.h"
 #include "terminal/command_options.h"
 #include "terminal/terminal.h"
-#include "upsample/upsampled_input.h"
 
 namespace hqslam::tools {
 namespace {
-
-constexpr const char* kTitle = "hqslam view: ";
-constexpr const char* kMarker = "<title>hqslam view: ";
-/// The view has the window to itself.
-constexpr const char* kStyle = R"css(
-body { max-width: none; padding: .6rem; }
-.turning-view { margin: 0; }
-.turning-view .stage { aspect-ratio: auto; height: calc(100vh - 5.8rem); min-height: 12rem; }
-)css";
 
 ViewCloud cloud_of(Scan points) {
   return {"", std::move(points.points_m), std::move(points.confidence),
@@ -52,13 +44,13 @@ ViewCloud saved_map_in(const std::string& path) {
 }
 
 ViewCloud scan_of(const std::string& path, const ViewOptions& options) {
-  UpsampledInput input = upsampled_input({path, options.sensor}, {});
-  const std::unique_ptr<ScanSource> source = input.open();
+  pipeline::UpsampledRecording input = upsampled_recording({path, options.sensor}, {});
   LeftOut left_out;
   for (std::int64_t used = 0;; ++used) {
-    const std::optional<RecordedScan> scan = next_usable(*source, left_out);
+    const std::optional<RecordedScan> scan = next_usable(input.recording, left_out);
     const std::int64_t i = used + left_out.scans;  // those left out count
-    if (scan && i == options.scan) return cloud_of(returns_of(input.measured(scan->cloud)));
+    if (scan && i == options.scan)
+      return cloud_of(returns_of(input.upsampler.measured(scan->cloud)));
     if (scan && i < options.scan) continue;
     throw Error("{}: expected a scan {}, found {} scans{}; --scan counts them from 0", path,
                 options.scan, used, left_out.scans > 0 ? " that can be used" : "");
@@ -84,32 +76,31 @@ ViewCloud cloud_in(const std::string& path, const ViewOptions& options) {
 
 void declare(CLI::App& app, ViewOptions& options) {
   add_command(
-      app, "view", "A page on which maps and scans can be turned, in any browser",
-      "The page needs no other file and no network. Large maps are thinned evenly to what a\n"
-      "page may have; several files are seen one at a time.")
+      app, "view", "A page on which maps and scans can be turned, for any browser",
+      "The page needs no other file and no network. Large maps are thinned evenly to the number\n"
+      "of points that a page may have. Of several files one is shown at a time.")
       .option("FILE", &options.files,
-              "Maps and scans: .pcd, .ply, .las, .bin, .txt or .csv points, a saved_map.npz, or a "
+              "Maps and scans: .pcd, .ply, .bin, .txt or .csv points, a saved_map.npz, or a "
               "recording (as for hqslam run), of which a scan is shown",
               {.required = true, .given = Given::kFileOrFolder})
-      .option("--sensor", &options.sensor, "Of recordings that do not say: a name or a .json file")
-      .option("--scan", &options.scan, "Of recordings: which scan, counted from 0",
+      .option("--sensor", &options.sensor,
+              "Sensor of the recordings (name or .json file); default: their own")
+      .option("--scan", &options.scan, "Index of the scan of each recording, from 0",
               {.shows_default = true, .given = Given::kNotNegative})
       .option("--out", &options.out, "Page to write", {.required = true});
 }
 
 int run(const ViewOptions& options) {
-  guard_output_file(options.out, options.files, kMarker);
+  guard_output_file(options.out, options.files, page_marker("hqslam view"));
   TurningView view;
   std::size_t points = 0;
   for (const std::string& path : options.files) {
     view.clouds.push_back(cloud_in(path, options));
     points += view.clouds.back().points_m.size();
   }
-  Page page(kTitle + view.clouds.front().name);
-  page.style(kTurningViewStyle);
-  page.style(kStyle);
-  page.html(turning_view_html(view));
-  write_text_file(page.text(), options.out);
+  write_text_file(
+      page_html("view", {{"title", view.clouds.front().name}, {"view", turning_view_json(view)}}),
+      options.out);
   to_stdout("{} points\nresults: {}\n", points, options.out);
   return kOk;
 }

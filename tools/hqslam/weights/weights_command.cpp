@@ -1,3 +1,5 @@
+#include "weights/weights_command.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -6,7 +8,6 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "commands.h"
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/json_limits.h"
@@ -52,6 +53,13 @@ RangeImage sample_scan(const nn::NetworkDescription& network) {
   return image;
 }
 
+std::unique_ptr<nn::Network> network_with(const nn::Weights& weights) {
+  auto network = nn::make_network(weights.description, weights.description.sensor.columns,
+                                  nn::chosen_instruction_set(), 1);
+  network->set_parameters(weights.parameters);
+  return network;
+}
+
 bool is_weights_file(const std::string& path) {
   try {
     nn::read_weights(path);
@@ -70,10 +78,16 @@ int pack(const WeightsOptions& options) {
   const std::string arrays_name = std::filesystem::path(options.arrays).filename().string();
   weights.training = nlohmann::ordered_json{{"packed_from", arrays_name}}.dump();
   const bool checked = foreign.self_test.has_value();
-  weights.self_test = checked ? std::move(*foreign.self_test)
-                              : nn::make_self_test(weights.description, weights.parameters,
-                                                   sample_scan(weights.description));
-  nn::check_self_test(weights, options.arrays);
+  const auto network = network_with(weights);
+  if (checked) {
+    constexpr float kForeignTolerance = 1e-3F;
+    nn::check_self_test(*network, weights.description, *foreign.self_test, options.arrays,
+                        kForeignTolerance);
+  }
+  // As this program computes it, so that the file's own check need not allow for another's
+  // rounding.
+  weights.self_test = nn::make_self_test(
+      *network, checked ? foreign.self_test->measured : sample_scan(weights.description));
   nn::write_weights(options.out, weights);
   to_stdout("{}: {}, {} parameters, {}\n", options.out, nn::name(weights.description),
             weights.parameters.size(),
@@ -107,9 +121,9 @@ void print_arrays(const nn::Weights& weights) {
 
 int show(const std::string& path) {
   const nn::Weights weights = nn::read_weights(path);
-  nn::check_self_test(weights, path);
   const nn::NetworkDescription& d = weights.description;
-  const auto network = nn::make_network(d, d.sensor.columns, nn::chosen_instruction_set(), 1);
+  const auto network = network_with(weights);
+  nn::check_self_test(*network, d, weights.self_test, path);
   to_stdout(
       "{}: {}, {}: rows {}, {}, ... of {} x {} measured\n"
       "{} parameters, {:.3f} GMAC a scan; self-test passed\n\n",

@@ -1,3 +1,5 @@
+#include "bench/bench_command.h"
+
 #include <fmt/format.h>
 #include <omp.h>
 #include <stdlib.h>
@@ -15,9 +17,10 @@
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
+#include "hqslam/nn/compare/compared_networks.h"
 #include "hqslam/nn/weights_file.h"
 #include "hqslam/sim/drive.h"
-#include "lab_commands.h"
+#include "printing/printed_table.h"
 #include "recording/recording_choice.h"
 #include "simulate/simulate_command.h"
 #include "terminal/command_options.h"
@@ -33,11 +36,11 @@ constexpr std::array<int, 2> kRowCounts = {64, 16};
 constexpr int kMostThreads = 2;
 constexpr std::size_t kStepImages = 20;
 
-/// A new folder of its own.
+/// Makes a new folder.
 std::string temporary_folder() {
   std::string name = (fs::temp_directory_path() / "hqslam-bench-XXXXXX").string();
   if (mkdtemp(name.data()) == nullptr) {
-    throw Error("{}: cannot be made for the simulated drive; set TMPDIR", name);
+    throw Error("{}: cannot make this folder for the simulated drive; set TMPDIR", name);
   }
   return name;
 }
@@ -52,7 +55,7 @@ struct Measurements {
   std::vector<NetworkTiming> networks;
 };
 
-/// The networks that come with the program and are measured if no others are named.
+/// Networks that come with the program, which are measured by default.
 constexpr std::array<const char*, 4> kInstalledNetworks = {
     "du-mix_os1_16to64.npz", "du-mix-memory_os1_16to64.npz", "du-or_os1_16to64.npz",
     "simple-du_os1_16to64.npz"};
@@ -85,9 +88,9 @@ void measure_networks(const std::vector<std::string>& paths, const std::vector<R
                       const InterruptGuard& interrupt, Measurements& measurements) {
   for (const std::string& path : paths) {
     if (interrupt.stop_requested()) return;
-    const nn::Weights weights = nn::read_weights(path);
+    const nn::Weights weights = nn::read_weights(path, nn::all_architectures());
     if (!takes(weights, images)) {
-      to_stderr("{}: left out, it is for images of {} x {}\n", path,
+      to_stderr("{}: left out, the network takes images of {} x {}\n", path,
                 weights.description.sensor.rows(), weights.description.sensor.columns);
       continue;
     }
@@ -101,50 +104,52 @@ void measure_networks(const std::vector<std::string>& paths, const std::vector<R
 /// The recording as SLAM is to see it: with kRowCounts of its rows, those to which they can be
 /// thinned evenly, then upsampled by the networks of this sensor that are quick enough to stand
 /// before SLAM.
-std::vector<UpsampledInput> slam_inputs(const InputChoice& recording, const SensorModel& sensor,
-                                        const std::vector<std::string>& paths) {
+std::vector<pipeline::UpsamplingOptions> slam_inputs(const SensorModel& sensor,
+                                                     const std::vector<std::string>& paths) {
   constexpr std::int64_t kMostMultiplyAdds = 5'000'000'000;
-  std::vector<UpsampledInput> inputs;
+  std::vector<pipeline::UpsamplingOptions> inputs;
   for (const int rows : kRowCounts) {
     if (sensor.rows() % rows == 0) {
-      inputs.push_back({recording, sensor, selection_for(sensor.rows(), rows)});
+      inputs.push_back({.rows = rows});
     } else {
       to_stderr("slam, {} rows: left out, they do not divide the sensor's {}\n", rows,
                 sensor.rows());
     }
   }
   for (const std::string& path : paths) {
-    nn::SuperResolver network = nn::SuperResolver::load(path);
-    const nn::NetworkDescription& description = network.description();
-    if (network.multiply_adds() < kMostMultiplyAdds && description.sensor.rows() == sensor.rows() &&
-        description.sensor.columns == sensor.columns) {
-      const RowSelection rows = description.measured_rows;
-      inputs.push_back({recording, sensor, rows, nn::Upsampler(std::move(network), sensor)});
+    const nn::SuperResolver network = 
+        nn::SuperResolver::load(path, {.architectures = nn::all_architectures()});
+    if (network.multiply_adds() < kMostMultiplyAdds && network.sensor().rows() == sensor.rows() &&
+        network.sensor().columns == sensor.columns) {
+      inputs.push_back({.method = path});
     }
   }
   return inputs;
 }
 
-void measure_slam(UpsampledInput& input, int threads, const InterruptGuard& interrupt,
-                  Measurements& measurements) {
+void measure_slam(const InputChoice& recording, const pipeline::UpsamplingOptions& upsampling,
+                  int threads, const InterruptGuard& interrupt, Measurements& measurements) {
   if (interrupt.stop_requested()) return;
-  const nn::Upsampler* upsampler = input.upsampler_or_null();
-  to_stderr("slam, {} rows{}, {} thread{} ...\n", input.measuring().rows(),
-            upsampler != nullptr ? fmt::format(" upsampled by {}", upsampler->name()) : "", threads,
+  auto input = pipeline::open_upsampled(recording.input, open_options(recording), upsampling);
+  const nn::Upsampler* method = input.upsampler.method();
+  to_stderr("slam, {} rows{}, {} thread{} ...\n", input.upsampler.measured_sensor().rows(),
+            method != nullptr ? fmt::format(" upsampled by {}", method->name()) : "", threads,
             threads > 1 ? "s" : "");
-  measurements.slam.push_back(time_slam(input, threads, interrupt));
+  measurements.slam.push_back(time_slam(std::move(input), threads, interrupt));
 }
 
 Measurements measure(const InputChoice& input, const SensorModel& sensor,
                      const std::vector<std::string>& weights, const InterruptGuard& interrupt) {
   Measurements measurements;
   measurements.sensor = sensor.name;
-  std::vector<UpsampledInput> inputs = slam_inputs(input, sensor, weights);
+  const std::vector<pipeline::UpsamplingOptions> inputs = slam_inputs(sensor, weights);
   for (int threads = 1; threads <= kMostThreads; ++threads) {
-    for (UpsampledInput& seen : inputs) measure_slam(seen, threads, interrupt, measurements);
+    for (const pipeline::UpsamplingOptions& upsampling : inputs) {
+      measure_slam(input, upsampling, threads, interrupt, measurements);
+    }
   }
-  const std::unique_ptr<ScanSource> source = open_input(input, sensor);
-  const std::vector<RangeImage> images = sample_images(*source, scans_in(input, *source));
+  auto source = recordings::Recording::open(input.input, open_options(input));
+  const std::vector<RangeImage> images = sample_images(source, scans_in(input, source));
   to_stderr("components and projection on {} scans ...\n", images.size());
   measurements.step_images = static_cast<int>(images.size());
   measurements.steps = time_steps(images, sensor);
@@ -177,7 +182,6 @@ void print_json(const Measurements& measurements) {
       {"steps_ms",
        {{"scans", measurements.step_images},
         {"components", steps.components_ms},
-        {"components_textbook", steps.components_textbook_ms},
         {"projection", steps.projection_ms},
         {"unprojection", steps.unprojection_ms}}},
       {"peaks", measurements.peaks},
@@ -186,46 +190,59 @@ void print_json(const Measurements& measurements) {
   to_stdout("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
-void print_slam_table(const std::vector<SlamTiming>& timings) {
-  to_stdout(
-      "From a measured scan to a pose, median ms per scan (total: median, then 95 % below)\n");
-  to_stdout("{:<18}{:>8}{:>7}{:>12}{:>14}{:>10}{:>10}{:>9}{:>8}{:>8}{:>9}{:>14}{:>9}\n", "rows",
-            "threads", "scans", "upsampling", "segmentation", "features", "odometry", "mapping",
-            "total", "95 %", "scans/s", "first->last", "peak MB");
-  for (const SlamTiming& timing : timings) {
-    const Distribution& total_ms = timing.stages_ms.back().second;
-    to_stdout(
-        "{:<18}{:>8}{:>7}{:>12}{:>14.2f}{:>10.2f}{:>10.2f}{:>9.2f}{:>8.2f}{:>8.2f}{:>9.1f}{:>14}"
-        "{:>9}\n",
-        timing.upsampled_by.empty() ? fmt::format("{}", timing.rows)
-                                    : fmt::format("{}, {}", timing.rows, timing.upsampled_by),
-        timing.threads, timing.scans,
-        timing.upsampling_ms ? fmt::format("{:.2f}", timing.upsampling_ms->median) : "-",
-        timing.stages_ms[0].second.median, timing.stages_ms[1].second.median,
-        timing.stages_ms[2].second.median, timing.stages_ms[3].second.median, total_ms.median,
-        total_ms.p95, 1e3 / total_ms.mean,
-        fmt::format("{:.1f}->{:.1f}", timing.first_fifth_ms, timing.last_fifth_ms),
-        timing.peak_memory_mb ? fmt::format("{:.0f}", *timing.peak_memory_mb) : "-");
-  }
-  to_stdout(
-      "upsampling: 16 rows of points to all rows of points, and what a memory recalls and keeps;\n"
-      "scans/s: of upsampling and SLAM, from the mean total;\n"
-      "first->last: median total over the first and the last fifth of the scans;\n"
-      "peak MB: resident memory of the whole process\n\n");
+/// "64", or "16, du-mix, memory".
+std::string rows_text(const SlamTiming& timing) {
+  return timing.upsampled_by.empty() ? fmt::format("{}", timing.rows)
+                                     : fmt::format("{}, {}", timing.rows, timing.upsampled_by);
+}
+
+void print_slam_tables(const std::vector<SlamTiming>& timings) {
+  using T = SlamTiming;
+  const auto median_of = [](std::size_t stage) {
+    return [stage](const T& t) { return t.stages_ms[stage].second.median; };
+  };
+  const auto total_of = [](const T& t) { return t.stages_ms.back().second; };
+  const std::vector<Figure<T>> stages = {
+      {"threads", nullptr, 0, 1.0, &T::threads},
+      {"upsampling", nullptr, 2, 1.0,
+       [](const T& t) {
+         return t.upsampling_ms ? std::optional(t.upsampling_ms->median) : std::nullopt;
+       }},
+      {"segmentation", nullptr, 2, 1.0, median_of(0)},
+      {"features", nullptr, 2, 1.0, median_of(1)},
+      {"odometry", nullptr, 2, 1.0, median_of(2)},
+      {"mapping", nullptr, 2, 1.0, median_of(3)}};
+  const std::vector<Figure<T>> totals = {
+      {"threads", nullptr, 0, 1.0, &T::threads},
+      {"scans", nullptr, 0, 1.0, &T::scans},
+      {"median", nullptr, 2, 1.0, [=](const T& t) { return total_of(t).median; }},
+      {"95 %", nullptr, 2, 1.0, [=](const T& t) { return total_of(t).p95; }},
+      {"scans/s", nullptr, 1, 1.0, [=](const T& t) { return 1e3 / total_of(t).mean; }},
+      {"first fifth", nullptr, 1, 1.0, &T::first_fifth_ms},
+      {"last fifth", nullptr, 1, 1.0, &T::last_fifth_ms},
+      {"memory", nullptr, 0, 1.0, &T::peak_memory_mb}};
+  to_stdout("SLAM's stages, median ms per scan\n\n{}\n",
+            printed_table(table_of(timings, "Rows", stages, rows_text)));
+  to_stdout("Upsampling and SLAM together, ms per scan\n\n{}\n{}\n",
+            printed_table(table_of(timings, "Rows", totals, rows_text)),
+            printed_definitions(
+                {{"Rows", "measured rows, and the method that upsamples them"},
+                 {"upsampling", "from measured points to points of all rows, with its memory"},
+                 {"scans/s", "from the mean time"},
+                 {"first fifth", "median of the first fifth of the scans, without the first ten"},
+                 {"memory", "peak of the process's resident memory, MB"}}));
 }
 
 void print_text(const Measurements& measurements) {
   to_stdout("{}, sensor {}, {} cores\n\n", measurements.input, measurements.sensor,
             omp_get_num_procs());
-  print_slam_table(measurements.slam);
+  print_slam_tables(measurements.slam);
   const StepTiming& steps = measurements.steps;
   to_stdout("Single steps on {} scans, one thread, median ms per scan\n", measurements.step_images);
   to_stdout("{:<40}{:>8.2f}\n", "connected components (10 degrees)", steps.components_ms.median);
-  to_stdout("{:<40}{:>8.2f}  ({:.1f} times as long)\n", "  textbook: std::queue, atan2",
-            steps.components_textbook_ms.median,
-            steps.components_textbook_ms.median / steps.components_ms.median);
-  to_stdout("{:<40}{:>8.2f}\n", "project (scan -> range image)", steps.projection_ms.median);
-  to_stdout("{:<40}{:>8.2f}\n", "unproject (range image -> points)", steps.unprojection_ms.median);
+  to_stdout("{:<40}{:>8.2f}\n", "projection (scan to range image)", steps.projection_ms.median);
+  to_stdout("{:<40}{:>8.2f}\n", "unprojection (range image to points)",
+            steps.unprojection_ms.median);
   print_networks(measurements.peaks, measurements.networks);
 }
 
@@ -233,13 +250,13 @@ void print_text(const Measurements& measurements) {
 
 void declare(CLI::App& app, BenchOptions& options) {
   Command command = add_command(
-      app, "bench", "Time per stage of SLAM and of the network, with one thread and two");
+      app, "bench", "Measure the times of SLAM's stages and of networks, with one thread and two");
   command
       .option("--input", &options.recording.input,
-              "Recording to measure on, as for hqslam run; default: a simulated drive",
+              "Recording to measure on, as for hqslam run (default: a simulated drive)",
               {.given = Given::kFileOrFolder})
       .option("--sensor", &options.recording.sensor,
-              "Sensor of a recording that does not say its own (name or .json file)",
+              "Sensor of a recording that has no sensor.json (name or .json file)",
               {.needs = {"--input"}});
   declare_reading(command, options.recording);
   command
@@ -248,12 +265,12 @@ void declare(CLI::App& app, BenchOptions& options) {
       .option("--scans", &options.scans, "Length of the simulated drive",
               {.shows_default = true, .within = kAnyCount, .excludes = {"--input"}})
       .option("--weights", &options.weights,
-              "Trained network to measure (.npz), may be repeated; default: those that come with "
-              "hqslam",
+              "Trained network to measure (.npz), may be repeated (default: the networks that come "
+              "with hqslam)",
               {.given = Given::kFile})
       .option("--json", &options.json, "Print JSON instead of a table")
       .option("--cpu", &options.cpu,
-              "Only say which instruction sets the network can use and which one it does; "
+              "Only print the available instruction sets and the one that networks use; "
               "HQSLAM_INSTRUCTION_SET=NAME chooses another");
 }
 
@@ -264,7 +281,7 @@ int run(const BenchOptions& options) {
   }
   const InterruptGuard interrupt;
   const std::vector<std::string> weights = weights_of(options);
-  nn::chosen_instruction_set();  // an unknown one is better refused at once
+  nn::chosen_instruction_set();  // an unknown one is refused before the work
   std::optional<RemovedAtEnd> drive;
   InputChoice input = options.recording;
   if (input.input.empty()) {
@@ -277,12 +294,12 @@ int run(const BenchOptions& options) {
     simulate_drive(simulate, interrupt);
     input.input = simulate.out;
   }
-  const SensorModel sensor = required_recording_sensor(input);
+  const SensorModel sensor = recordings::Recording::open(input.input, open_options(input)).sensor();
   Measurements measurements = measure(input, sensor, weights, interrupt);
   measurements.input =
       drive ? fmt::format("simulated {}, {} scans", options.drive, options.scans) : input.input;
   if (interrupt.stop_requested()) {
-    to_stderr("hqslam: interrupted\n");
+    to_stderr("hqslam-lab: interrupted\n");
     return kInterrupted;
   }
   if (options.json) {

@@ -8,7 +8,7 @@
 
 #include "hqslam/core/connected_components.h"
 #include "hqslam/core/projection.h"
-#include "run/slam_run.h"
+#include "run/slam_session.h"
 
 namespace hqslam::tools {
 namespace {
@@ -29,14 +29,14 @@ double median_ms(const std::vector<double>& values_ms, std::size_t begin, std::s
   return from < to ? distribution_of({from, to}).median : 0.0;
 }
 
-/// Makes the kernel count the peak of resident memory anew, so that one run is not charged with
-/// another's (Linux, proc(5): clear_refs 5).
+/// Resets the kernel's peak of resident memory, so that it is that of one run (Linux, proc(5):
+/// clear_refs 5).
 void reset_peak_memory() {
   malloc_trim(0);
   std::ofstream("/proc/self/clear_refs") << "5\n";
 }
 
-/// Peak resident memory since then in MB, from proc(5)'s VmHWM; nothing where there is no /proc.
+/// Peak resident memory since the last reset in MB, from proc(5)'s VmHWM; nothing without /proc.
 std::optional<double> peak_memory_mb() {
   std::ifstream status("/proc/self/status");
   std::string field;
@@ -49,19 +49,20 @@ std::optional<double> peak_memory_mb() {
 
 }  // namespace
 
-SlamTiming time_slam(UpsampledInput& input, int threads, const InterruptGuard& interrupt) {
+SlamTiming time_slam(pipeline::UpsampledRecording input, int threads,
+                     const InterruptGuard& interrupt) {
   omp_set_num_threads(threads);
   reset_peak_memory();
-  const std::unique_ptr<ScanSource> source = input.open();
-  SlamSession session(input, {}, std::nullopt, false);
+  SlamSession session(std::move(input.upsampler), {}, input.path, false);
+  const pipeline::Upsampler& upsampler = session.pipeline().upsampler();
   while (!interrupt.stop_requested()) {
-    const std::optional<RecordedScan> scan = source->next();
+    const std::optional<RecordedScan> scan = input.recording.next();
     if (!scan) break;
     session.process(*scan);
   }
   const SlamRun& run = session.run();
   SlamTiming timing;
-  timing.rows = input.measuring().rows();
+  timing.rows = upsampler.measured_sensor().rows();
   timing.threads = threads;
   timing.scans = std::ssize(run.scans);
   for (const ScanTimes& stage : stage_times(run)) {
@@ -71,9 +72,7 @@ SlamTiming time_slam(UpsampledInput& input, int threads, const InterruptGuard& i
       timing.stages_ms.emplace_back(stage.name, distribution);
     }
   }
-  if (const nn::Upsampler* upsampler = input.upsampler_or_null()) {
-    timing.upsampled_by = run.upsampled_by + (upsampler->has_scan_memory() ? ", memory" : "");
-  }
+  timing.upsampled_by = run.upsampled_by + (upsampler.has_scan_memory() ? ", memory" : "");
   std::vector<double> total_ms = scan_times(run, "total", [](const ScanRecord& scan) {
                                    return scan.upsampling_s + scan.report.times.total_s;
                                  }).times_ms;
@@ -92,14 +91,11 @@ StepTiming time_steps(const std::vector<RangeImage>& images, const SensorModel& 
   options.min_angle_rad = kOutlierAngle_rad;
   ComponentLabeler labeler(sensor, options);
   std::vector<double> components_ms;
-  std::vector<double> textbook_ms;
   std::vector<double> projection_ms;
   std::vector<double> unprojection_ms;
   for (int repetition = 0; repetition < kRepetitions; ++repetition) {
     for (const RangeImage& image : images) {
       components_ms.push_back(milliseconds_of([&] { labeler.label(image); }));
-      textbook_ms.push_back(
-          milliseconds_of([&] { textbook_components(image, sensor, kOutlierAngle_rad); }));
       OrganizedCloud cloud;
       unprojection_ms.push_back(milliseconds_of(
           [&] { cloud = unproject(image, sensor, CaptureTime::kMotionCorrected); }));
@@ -107,8 +103,8 @@ StepTiming time_steps(const std::vector<RangeImage>& images, const SensorModel& 
       projection_ms.push_back(milliseconds_of([&] { project(scan, sensor); }));
     }
   }
-  return {distribution_of(std::move(components_ms)), distribution_of(std::move(textbook_ms)),
-          distribution_of(std::move(projection_ms)), distribution_of(std::move(unprojection_ms))};
+  return {distribution_of(std::move(components_ms)), distribution_of(std::move(projection_ms)),
+          distribution_of(std::move(unprojection_ms))};
 }
 
 }  // namespace hqslam::tools

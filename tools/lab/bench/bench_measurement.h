@@ -8,26 +8,16 @@
 
 #include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"
+#include "hqslam/pipeline/upsampled_recording.h"
 #include "terminal/terminal.h"
 #include "timing/timing.h"
-#include "upsample/upsampled_input.h"
 
 namespace hqslam::tools {
 
-/// The baseline of `hqslam-lab bench`: labels a range image as a first version would, with a
-/// std::queue, memory of its own on each call and atan2 for each pair of pixels. Neighbours, angle
-/// criterion and column wrap are ComponentLabeler's. Returns the label of each pixel, -1 where
-/// there is no return.
-///
-/// The angle between the longer beam and the line through both points (Bogoslavskyi & Stachniss,
-/// IROS 2016): atan2(d2 sin(alpha), d1 - d2 cos(alpha)) with d1 >= d2 and alpha between the beams.
-std::vector<std::int32_t> textbook_components(const RangeImage& image, const SensorModel& sensor,
-                                              double min_angle_rad);
-
-/// SLAM over a drive, seen with some of the sensor's rows and some number of threads.
+/// Times of SLAM over a drive with some of the sensor's rows and a number of threads.
 struct SlamTiming {
   int rows = 0;              ///< measured
-  std::string upsampled_by;  ///< to all rows; empty: the measured rows as they are
+  std::string upsampled_by;  ///< method of upsampling to all rows; empty: none
   int threads = 0;
   std::int64_t scans = 0;
   std::optional<Distribution> upsampling_ms;  ///< a scan of points in and out, with its memory
@@ -38,14 +28,14 @@ struct SlamTiming {
 };
 
 /// Only upsampling and SLAM are timed.
-SlamTiming time_slam(UpsampledInput& input, int threads, const InterruptGuard& interrupt);
+SlamTiming time_slam(pipeline::UpsampledRecording input, int threads,
+                     const InterruptGuard& interrupt);
 
-/// Single steps on some scans of the drive, one thread, milliseconds per scan.
+/// Times of single steps on some scans of the drive, one thread, per scan.
 struct StepTiming {
-  Distribution components_ms;           ///< ComponentLabeler, 10 degrees
-  Distribution components_textbook_ms;  ///< textbook_components on the same images
-  Distribution projection_ms;           ///< scan to range image
-  Distribution unprojection_ms;         ///< range image to points
+  Distribution components_ms;    ///< ComponentLabeler, 10 degrees
+  Distribution projection_ms;    ///< scan to range image
+  Distribution unprojection_ms;  ///< range image to points
 };
 StepTiming time_steps(const std::vector<RangeImage>& images, const SensorModel& sensor);
 

@@ -14,16 +14,16 @@
 
 namespace hqslam::tools {
 
-/// What the processor can do at most.
+/// The processor's peak of multiply-adds.
 struct MultiplyAddPeak {
   nn::InstructionSet instruction_set = nn::InstructionSet::kPortable;
   int threads = 1;
   double gflops = 0.0;
 };
-/// Of every available instruction set, with 1 to `most_threads` threads.
+/// The peaks of every available instruction set with 1 to `most_threads` threads.
 std::vector<MultiplyAddPeak> measure_peaks(int most_threads);
 
-/// The whole network, filter included, on many scans.
+/// Times of the whole network, filter included, on many scans.
 struct NetworkRun {
   nn::InstructionSet instruction_set = nn::InstructionSet::kPortable;
   int threads = 1;
@@ -33,7 +33,7 @@ struct NetworkRun {
   double peak_share = 0.0;  ///< of the peak of the same instruction set and threads
 };
 
-/// One kind of step, measured by itself; all calls for a frame together.
+/// The time of one kind of step, measured alone; all calls for a frame together.
 struct NetworkStepTiming {
   std::string name;
   double gmac = 0.0;  ///< 0: not a convolution
@@ -44,7 +44,7 @@ struct NetworkSteps {
   std::vector<NetworkStepTiming> steps;
 };
 
-/// A convolution as it is used against the one written as its formula, one thread.
+/// Times of a convolution and of its reference, written as its formula; one thread.
 struct ReferenceRatio {
   std::string layer;
   double fast_ms = 0.0;
@@ -62,7 +62,7 @@ struct NetworkTiming {
   std::optional<ReferenceRatio> reference;
 };
 
-/// Whether these images are of the shape that the network takes.
+/// Whether the images have the shape that the network takes.
 bool takes(const nn::Weights& weights, const std::vector<RangeImage>& images);
 
 /// images: all rows of a sensor of the network's shape.
@@ -75,11 +75,11 @@ void to_json(nlohmann::ordered_json& json, const Distribution& distribution);
 void to_json(nlohmann::ordered_json& json, const MultiplyAddPeak& peak);
 void to_json(nlohmann::ordered_json& json, const NetworkTiming& network);
 
-/// Tables for people on stdout; nothing if no network was measured.
+/// Prints tables; nothing if no network was measured.
 void print_networks(const std::vector<MultiplyAddPeak>& peaks,
                     const std::vector<NetworkTiming>& networks);
 
-/// Which instruction sets the network's kernels can use here, and which one they do.
+/// Prints the instruction sets that networks can use here and the one that they use.
 void print_instruction_sets(bool json);
 
 }  // namespace hqslam::tools

@@ -29,7 +29,7 @@ void print_runs(const NetworkTiming& network) {
   }
 }
 
-/// What a whole frame took in the run of the same instruction set and threads.
+/// Median time of a frame in the run with the steps' instruction set and these threads.
 double whole_ms(const NetworkTiming& network, int threads) {
   for (const NetworkRun& run : network.runs) {
     if (run.instruction_set == network.steps_instruction_set && run.threads == threads) {
@@ -40,7 +40,7 @@ double whole_ms(const NetworkTiming& network, int threads) {
 }
 
 void print_steps(const NetworkTiming& network) {
-  to_stdout("\n  its steps, each by itself, all calls for a frame, {}, median ms\n",
+  to_stdout("\n  steps of the network, each measured alone, {}, median ms per frame\n",
             nn::name(network.steps_instruction_set));
   to_stdout("  {:<18}{:>8}", "", "GMAC");
   for (const NetworkSteps& steps : network.steps) {
@@ -66,8 +66,8 @@ void print_steps(const NetworkTiming& network) {
   to_stdout("\n");
   if (!network.reference) return;
   to_stdout(
-      "  {} written as its formula: {:.1f} ms, as it is used: {:.3f} ms ({:.0f} times as "
-      "fast, one thread)\n",
+      "  {} as its reference formula: {:.1f} ms, as used: {:.3f} ms ({:.0f} times as fast, one "
+      "thread)\n",
       network.reference->layer, network.reference->reference_ms, network.reference->fast_ms,
       network.reference->reference_ms / network.reference->fast_ms);
 }
@@ -123,7 +123,7 @@ void to_json(Json& json, const NetworkTiming& network) {
 void print_networks(const std::vector<MultiplyAddPeak>& peaks,
                     const std::vector<NetworkTiming>& networks) {
   if (networks.empty()) return;
-  to_stdout("\nPeak of multiply-adds in registers, measured, GFLOP/s\n");
+  to_stdout("\nMeasured peak of multiply-adds in registers, GFLOP/s\n");
   for (const MultiplyAddPeak& peak : peaks) {
     to_stdout("{:>12}{:>9}{:>10.1f}\n", nn::name(peak.instruction_set), peak.threads, peak.gflops);
   }

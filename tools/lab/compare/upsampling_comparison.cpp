@@ -9,6 +9,7 @@
 
 #include "hqslam/core/angles.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
+#include "hqslam/nn/trace.h"
 #include "hqslam/nn/upsampled_cloud.h"
 #include "timing/timing.h"
 
@@ -66,7 +67,7 @@ RangeImage median_of_true_neighbours(const RangeImage& truth, RowSelection measu
 /// Z where a return is likelier than none.
 RangeImage likely(const nn::Trace& trace, int k) {
   RangeImage z = trace.image(fmt::format("layers.{}.z", k));
-  const std::vector<float>& probability = trace.tensor("probability").values;
+  const std::span<const float> probability = trace.tensor("probability").all();
   for (std::size_t i = 0; i < probability.size(); ++i) {
     if (probability[i] < 0.5F) z.range_m[i] = 0.0F;
   }

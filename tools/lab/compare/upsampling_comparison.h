@@ -18,23 +18,23 @@ namespace hqslam::tools {
 /// A computed point nearer than this to a true one is good.
 inline constexpr float kGoodDistance_m = 0.2F;
 
-/// How well one way of upsampling does; means over the scans.
+/// Figures of one method of upsampling, means over the scans.
 struct UpsamplingScore : CloudError {
   std::string method;
   double mae_all_m = 0.0;
   double mae_valid_m = 0.0;
-  double missing_share = 0.0;      ///< of the computed pixels' true returns, left empty
-  double invented_share = 0.0;     ///< of the computed points, where the truth has no return
-  double right_share = 0.0;        ///< of the computed pixels' true returns, within 0.1 m
+  double missing_share = 0.0;      ///< computed pixels left empty, of those with a true return
+  double invented_share = 0.0;     ///< computed returns where the truth has none, of all computed
+  double right_share = 0.0;        ///< computed pixels within 0.1 m, of those with a true return
   double computed_f1 = 0.0;        ///< f1 of the computed points alone
-  double outliers_per_scan = 0.0;  ///< as many points
+  double outliers_per_scan = 0.0;  ///< number of points
   double upsampling_ms = 0.0;      ///< median
-  /// Of the good computed points that the same method gives without the filter at its end, the
-  /// share that the filter takes away. Nothing for methods without one.
+  /// Share of the method's good computed points that the filter at its end removes. Nothing for
+  /// methods without such a filter.
   std::optional<double> good_lost_share;
 };
 
-/// How far one upsampled scan is from the true one.
+/// Errors of one upsampled scan.
 struct ScanErrors {
   ImageError image;
   CloudError cloud;
@@ -44,17 +44,17 @@ struct ScanErrors {
 ScanErrors scan_errors(const RangeImage& image, const OrganizedCloud& cloud,
                        const OrganizedCloud& truth);
 
-/// Adds the errors of a upsampled scan, of which `measured` was given, to `sum`; `sensor` names its
-/// measured rows. Throws Error.
+/// Adds the errors of an upsampled scan with the measured rows `measured` to `sum`; `sensor` has
+/// the selection of these rows. Throws Error.
 void add_errors(const nn::UpsampledImage& upsampled, const OrganizedCloud& measured,
                 const OrganizedCloud& truth, const SensorModel& sensor, UpsamplingScore& sum);
-/// Makes the mean of a sum over so many scans.
+/// Divides a sum over scans by their number.
 void make_mean(UpsamplingScore& sum, std::int64_t scans);
 
-/// A weights file in a table: without its folder and ending, if this tells it from the others.
+/// The name of a weights file in a table: without folder and extension, if that is unique.
 std::string short_name(const std::string& weights, const std::vector<std::string>& all);
 
-/// One way of upsampling and, if it ends with a filter, the same without that.
+/// A method of upsampling and, if it ends with a filter, the method without that filter.
 struct ComparedMethod {
   std::string name;
   nn::Upsampler upsampler;
@@ -71,8 +71,8 @@ class UpsamplingComparison {
   /// The first of the methods that has a memory; null: none has.
   const nn::Upsampler* with_memory() const;
   std::vector<UpsamplingScore> scores() const;
-  /// How much of a scan is chance: MAE over all pixels, metres, of a method that knows what none
-  /// can, the true ranges of the eight pixels around each computed one, and takes their median.
+  /// A bound for all methods: MAE over all pixels, metres, of the median of the eight true ranges
+  /// around each computed pixel, which no method has.
   double true_neighbours_mae_m() const;
 
  private:
@@ -91,7 +91,7 @@ class UpsamplingComparison {
   std::int64_t scans_ = 0;
 };
 
-/// What the filter does to one method's results with one choice of its settings; sums over the
+/// Effects of the filter with one choice of its settings on a method's results, sums over the
 /// scans.
 struct FilterTrial {
   double min_angle_deg = 0.0;
@@ -101,12 +101,12 @@ struct FilterTrial {
   std::int64_t bad_removed = 0;
   std::int64_t good = 0;  ///< computed points nearer than 0.2 m
   std::int64_t good_lost = 0;
-  std::int64_t points_left = 0;  ///< measured ones too
+  std::int64_t points_left = 0;  ///< of all rows
   double mae_sum_m = 0.0;        ///< over all pixels
   std::int64_t scans = 0;
 };
 
-/// Tries settings of the filter at the end on the same results.
+/// Compares settings of the filter at the end on the same results.
 class FilterComparison {
  public:
   explicit FilterComparison(nn::Upsampler unfiltered);
@@ -118,11 +118,11 @@ class FilterComparison {
   std::vector<FilterTrial> trials_;
 };
 
-/// What every step of an unrolled network makes of scans: the scores that it would have if it ended
-/// there, its measured rows put back and ranges that the sensor cannot measure taken as no return.
+/// The scores of every step of an unrolled network, as if the network ended there: with the
+/// measured rows restored, and ranges that the sensor cannot measure taken as no return.
 ///
-/// Of DU-OR and Simple DU: H, Z and, where a layer filters, Y. Of DU-Mix, whose H and Z have a
-/// range in every pixel: Z where a return is likelier than none.
+/// The steps of DU-OR and Simple DU are H, Z and, where a layer filters, Y; that of DU-Mix, whose H
+/// and Z have a range in every pixel, is Z where a return is more probable than none.
 class LayerComparison {
  public:
   LayerComparison(nn::SuperResolver network, const SensorModel& sensor);
@@ -136,7 +136,7 @@ class LayerComparison {
     std::string name;
     RangeImage image;
   };
-  /// The steps of one scan, of which the measured rows are given.
+  /// The steps of one scan with these measured rows.
   std::vector<Step> steps(const RangeImage& measured);
   RangeImage restored(RangeImage image, const RangeImage& measured) const;
 

@@ -1,3 +1,5 @@
+#include "demo/demo_command.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -16,66 +18,67 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/point_fields.h"
-#include "lab_commands.h"
+#include "pages/page.h"
+#include "pages/text_table.h"
+#include "pages/turning_view.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
-#include "report/page.h"
-#include "report/turning_view.h"
-#include "run/run_output.h"
+#include "run/report_page.h"
+#include "run/run_command.h"
 #include "simulate/simulate_command.h"
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
 #include "timing/timing.h"
-#include "upsample/upsampled_input.h"
 
 namespace hqslam::tools {
 namespace {
 
 constexpr const char* kWeights = "du-mix_os1_16to64.npz";
 constexpr int kFewRows = 16;
-/// Image errors are means over every so many scans.
+/// Image errors are means over every n-th scan.
 constexpr std::int64_t kComparedScans = 10;
 
-/// One way of coming from the drive to a trajectory.
-struct Way {
+/// One input of SLAM made from the drive.
+struct DemoInput {
   std::string name;
   std::string folder;    ///< of its results
-  int rows = 0;          ///< of the recording that are looked at
+  int rows = 0;          ///< of the recording that are used
   std::string upsample;  ///< as RunOptions::upsample
   bool dense_map = false;
 };
 
 struct DemoRow {
-  Way way;
+  DemoInput input;
   SlamRun run;
-  std::optional<UpsamplingScore> score;  ///< of the ways that upsample
+  std::optional<UpsamplingScore> score;  ///< of inputs that are upsampled
 };
 
-std::vector<Way> ways(const std::optional<std::string>& weights) {
-  std::vector<Way> result = {{"64 beams", "rows-64", 64, ""},
-                             {"16 beams", "rows-16", kFewRows, "", true},
-                             {"16 -> 64, linear", "linear", kFewRows, "linear"}};
+std::vector<DemoInput> inputs_with(const std::optional<std::string>& weights) {
+  std::vector<DemoInput> result = {{"64 beams", "rows-64", 64, ""},
+                                   {"16 beams", "rows-16", kFewRows, "", true},
+                                   {"16 -> 64, linear", "linear", kFewRows, "linear"}};
   if (weights) {
     result.push_back({"16 -> 64, DU-Mix", "du-mix", kFewRows, *weights, true});
   }
   return result;
 }
 
-/// Scores the ways that upsample against the drive's own 64 rows.
+/// Scores the upsampled inputs against the drive's 64 rows.
 void score(const std::string& drive, std::vector<DemoRow>& rows, const InterruptGuard& interrupt) {
   std::vector<ComparedMethod> methods;
   for (const DemoRow& row : rows) {
-    if (!row.way.upsample.empty()) {
-      UpsampledInput input = upsampled_input({drive}, {row.way.upsample, row.way.rows});
-      methods.push_back({row.way.name, std::move(*input.upsampler)});
+    if (!row.input.upsample.empty()) {
+      pipeline::UpsampledRecording input =
+          upsampled_recording({drive}, {row.input.upsample, row.input.rows});
+      methods.push_back({row.input.name, std::move(*input.upsampler.method())});
     }
   }
   UpsamplingComparison comparison(std::move(methods));
-  const std::unique_ptr<ScanSource> source = upsampled_input({drive}, {}).open();
-  Progress progress("compare with 64 beams", source->size());
+  auto source = recordings::Recording::open(drive);
+  Progress progress("compare with 64 beams", source.size());
   Reading reading;
-  read_scans(*source, interrupt, reading, [&](const ReadScan& read) {
+  read_scans(source, interrupt, reading, [&](const ReadScan& read) {
     if (read.index % kComparedScans == 0) comparison.add(read.scan.cloud);
     progress.update(read.index + 1);
     return true;
@@ -83,7 +86,7 @@ void score(const std::string& drive, std::vector<DemoRow>& rows, const Interrupt
   progress.finish();
   for (const UpsamplingScore& result : comparison.scores()) {
     for (DemoRow& row : rows) {
-      if (row.way.name == result.method) row.score = result;
+      if (row.input.name == result.method) row.score = result;
     }
   }
 }
@@ -107,11 +110,11 @@ TextTable table_of(const std::vector<DemoRow>& rows) {
   for (const DemoRow& row : rows) {
     const SlamRun& run = row.run;
     std::vector<std::string>& cells = table.rows.emplace_back();
-    cells = {row.way.name, fmt::format("{}", run.scans.size()), ape_text(run)};
+    cells = {row.input.name, fmt::format("{}", run.scans.size()), ape_text(run)};
     std::ranges::copy(score_cells(row.score), std::back_inserter(cells));
     cells.push_back(fmt::format("{:.1f}", distribution_of(slam_times(run).times_ms).median));
     cells.push_back(fmt::format("{:.1f}", scans_per_second(run)));
-    table.links.push_back(row.way.folder + "/report.html");
+    table.links.push_back(row.input.folder + "/report.html");
   }
   return table;
 }
@@ -127,66 +130,69 @@ std::vector<std::string> notes_of(const std::vector<DemoRow>& rows) {
       "upsampling/s: scans per second of the upsampling alone; all: reading, upsampling and SLAM"};
 }
 
-/// The scan in the middle of the drive as every way sees it.
+/// The scan in the middle of the drive in every input.
 std::vector<std::pair<std::string, RangeImage>> example_images(const std::string& drive,
                                                                const std::vector<DemoRow>& rows) {
   NpyStackReader stack(drive + "/scans.npy");
   const RangeImage truth = stack.read(stack.images() / 2);
   std::vector<std::pair<std::string, RangeImage>> images;
   for (const DemoRow& row : rows) {
-    const RowSelection seen = selection_for(truth.rows, row.way.rows);
-    if (row.way.upsample.empty()) {
-      images.emplace_back(row.way.name, select_rows(truth, seen));
+    const RowSelection seen = selection_for(truth.rows, row.input.rows);
+    if (row.input.upsample.empty()) {
+      images.emplace_back(row.input.name, select_rows(truth, seen));
       continue;
     }
-    UpsampledInput input = upsampled_input({drive}, {row.way.upsample, row.way.rows});
-    images.emplace_back(row.way.name, input.upsampler->run(select_rows(truth, seen)).image);
+    pipeline::UpsampledRecording input =
+        upsampled_recording({drive}, {row.input.upsample, row.input.rows});
+    images.emplace_back(row.input.name,
+                        input.upsampler.method()->run(select_rows(truth, seen)).image);
   }
   return images;
 }
 
-/// The last way's path and scans over the dense maps.
+/// The path and the scans of the last input over the dense maps.
 TurningView view_of(const std::filesystem::path& out, const std::vector<DemoRow>& rows) {
   TurningView view = view_of(rows.back().run);
   view.clouds.clear();
   for (const DemoRow& row : rows) {
-    if (!row.way.dense_map) continue;
-    RawPoints map = read_point_file((out / row.way.folder / "dense_map.pcd").string());
-    view.clouds.insert(view.clouds.begin(), {row.way.name, std::move(map.scan.points_m),
+    if (!row.input.dense_map) continue;
+    RawPoints map = read_point_file((out / row.input.folder / "dense_map.pcd").string());
+    view.clouds.insert(view.clouds.begin(), {row.input.name, std::move(map.scan.points_m),
                                              std::move(map.scan.confidence)});
   }
   return view;
 }
 
-/// A page that needs no other file but the runs' reports, to which the table's rows lead: the view,
-/// the table with its notes, and one scan in every form that SLAM got to see.
+/// tools/web/demo.html: the view, the table with its notes, whose rows lead to the reports of the
+/// runs, and one scan in every form that SLAM was given.
 std::string demo_html(const TurningView& view, const TextTable& table,
                       const std::vector<std::string>& notes,
                       const std::vector<std::pair<std::string, RangeImage>>& images,
                       double max_range_m) {
-  Page page("hqslam-lab demo");
-  page.heading(1, "hqslam-lab demo");
-  page.style(kTurningViewStyle);
-  page.html(turning_view_html(view));
-  page.table(table);
-  page.list(notes);
+  PageJson data = {{"title", "One drive, four ways"},
+                   {"subtitle",
+                    "A drive through a simulated city with 64 beams, with 16, and with "
+                    "16 upsampled to 64"},
+                   {"view", turning_view_json(view)},
+                   {"table", json_of(table)},
+                   {"notes", notes},
+                   {"max_range_m", max_range_m},
+                   {"images", PageJson::array()}};
   for (const auto& [caption, image] : images) {
-    page.heading(2, caption);
-    page.picture(color_by_range(image, max_range_m), caption, /*rows=*/true);
+    data["images"].push_back({{"caption", caption},
+                              {"rows", image.rows},
+                              {"columns", image.columns},
+                              {"ranges", range_block(image)}});
   }
-  page.paragraph(
-      "One scan from the middle of the drive as range images, unrolled from behind over the left, "
-      "front and right: near is bright, far is dark blue, black is no return or, in the network's "
-      "image, a pixel that it is not sure of.");
-  return page.text();
+  return page_html("demo", std::move(data));
 }
 
 }  // namespace
 
 void declare(CLI::App& app, DemoOptions& options) {
   add_command(app, "demo",
-              "Simulate a short city drive and run SLAM on it: with 64 beams, with 16, "
-              "and with 16 that are upsampled to 64")
+              "Simulate a short city drive and run SLAM on it with 64 beams, with 16, and with 16 "
+              "upsampled to 64")
       .option("--out", &options.out, "Folder for the drive and the results",
               {.shows_default = true});
 }
@@ -195,12 +201,12 @@ int run(const DemoOptions& options) {
   namespace fs = std::filesystem;
   const InterruptGuard interrupt;
   const auto interrupted = [] {
-    to_stderr("hqslam: interrupted\n");
+    to_stderr("hqslam-lab: interrupted\n");
     return kInterrupted;
   };
   const fs::path out = fs::absolute(options.out).lexically_normal();
   constexpr std::array<const char*, 1> kPage = {"demo.html"};
-  guard_results(out, kPage, has_marker((out / kPage[0]).string(), "<title>hqslam-lab demo</title>"),
+  guard_results(out, kPage, has_marker((out / kPage[0]).string(), page_marker("hqslam-lab demo")),
                 "was not written by hqslam-lab demo");
   SimulateOptions simulate;
   simulate.drive = "block";
@@ -210,14 +216,14 @@ int run(const DemoOptions& options) {
 
   const std::optional<std::string> weights = installed_weights(kWeights);
   std::vector<DemoRow> rows;
-  for (const Way& way : ways(weights)) {
+  for (const DemoInput& input : inputs_with(weights)) {
     RunOptions run;
     run.input = simulate.out;
-    run.rows = way.rows;
-    run.upsample = way.upsample;
-    run.dense_map = way.dense_map;
-    run.out = (out / way.folder).string();
-    rows.push_back({way, run_and_write(run, interrupt), std::nullopt});
+    run.rows = input.rows;
+    run.upsample = input.upsample;
+    run.dense_map = input.dense_map;
+    run.out = (out / input.folder).string();
+    rows.push_back({input, run_and_write(run, interrupt), std::nullopt});
     const std::vector<std::string>& failed = rows.back().run.failed_maps;
     if (!failed.empty()) throw Error("{}", failed.front());
     if (rows.back().run.end == ReadingEnd::kInterrupted) return interrupted();
@@ -230,14 +236,14 @@ int run(const DemoOptions& options) {
   const std::vector<std::string> notes = notes_of(rows);
   to_stdout("{}{}\n\n", aligned_text(table), fmt::join(notes, "\n"));
   if (!weights) {
-    to_stdout("Without DU-Mix: its weights, weights/{}, are not there.\n\n", kWeights);
+    to_stdout("DU-Mix was left out: its weights, weights/{}, were not found.\n\n", kWeights);
   }
-  const double max_range_m = required_recording_sensor({simulate.out}).max_range_m;
+  const double max_range_m = recordings::Recording::open(simulate.out).sensor().max_range_m;
   const std::string page = (out / kPage[0]).string();
   write_text_file(
       demo_html(view_of(out, rows), table, notes, example_images(simulate.out, rows), max_range_m),
       page);
-  to_stdout("To look at, in any browser:\n  {}\n", page);
+  to_stdout("Pages for any browser:\n  {}\n", page);
   for (const std::string& report : table.links) to_stdout("  {}\n", (out / report).string());
   return kOk;
 }

@@ -1,3 +1,5 @@
+#include "evaluate_map/evaluate_map_command.h"
+
 #include <Eigen/Core>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -14,7 +16,6 @@
 #include "hqslam/evaluation/trajectory_error.h"
 #include "hqslam/sim/drive.h"
 #include "hqslam/sim/read_drive.h"
-#include "lab_commands.h"
 #include "recording/recording_choice.h"
 #include "terminal/command_options.h"
 #include "terminal/terminal.h"
@@ -24,19 +25,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Shares of points within a distance of what they are held against.
+/// Shares of points within two distances of the other cloud.
 struct SharesWithin {
   double at_10_cm = 0.0;
   double at_20_cm = 0.0;
 };
 
-/// A map held against the true surface of a simulated drive.
+/// Errors of a map against the true surface of a simulated drive.
 struct MapError {
   std::int64_t points = 0;
-  SharesWithin accuracy;      ///< of the map's points: a true surface is so near
-  double beyond_30_cm = 0.0;  ///< share of the map's points without a true surface so near
-  SharesWithin completeness;  ///< of the true surface's samples: a point of the map is so near
-  SharesWithin f1;            ///< harmonic means of the two
+  SharesWithin accuracy;      ///< points of the map near a true surface
+  double beyond_30_cm = 0.0;  ///< points of the map without a true surface within 0.3 m
+  SharesWithin completeness;  ///< samples of the true surface near a point of the map
+  SharesWithin f1;            ///< harmonic means of accuracy and completeness
 };
 
 constexpr double kSample_m = 0.1;
@@ -52,7 +53,7 @@ SharesWithin shares_within(const std::vector<float>& distances_m) {
 
 double harmonic_mean(double a, double b) { return a + b > 0.0 ? 2.0 * a * b / (a + b) : 0.0; }
 
-/// What the sensor of a drive could see along it (DriveSimulator::next_visible), one sample per
+/// The surface visible to the sensor along a drive (DriveSimulator::next_visible), one sample per
 /// voxel of 0.1 m: the first that a beam meets. Map frame.
 std::vector<Eigen::Vector3f> visible_surface_m(sim::DriveSimulator simulator) {
   std::vector<Eigen::Vector3f> samples_m;
@@ -71,7 +72,9 @@ std::vector<Eigen::Vector3f> visible_surface_m(sim::DriveSimulator simulator) {
 MapError map_error(const std::vector<Eigen::Vector3f>& points_m,
                    const std::vector<Eigen::Vector3f>& visible_m, sim::DriveSimulator& truth) {
   if (points_m.empty() || visible_m.empty()) {
-    throw Error("the map or the visible surface has no points; give a map of the drive");
+    throw Error(
+        "expected points in the map and on the visible surface, found none; give a map of "
+        "the drive");
   }
   const std::vector<float> to_surface_m = truth.distances_to_surface_m(points_m, kFar_m);
   const std::vector<float> to_map_m = nearest_distances_m(visible_m, points_m);
@@ -85,9 +88,9 @@ MapError map_error(const std::vector<Eigen::Vector3f>& points_m,
   return error;
 }
 
-/// T_truth_map that brings the poses beside a map as near to the truth as one motion can: the mean
-/// of T_truth_sensor T_map_sensor^-1 over the scans. Rotations count, so a straight drive, whose
-/// places alone say nothing of roll, is no harder than another.
+/// T_truth_map from the poses in the folder of a map: the mean of T_truth_sensor T_map_sensor^-1
+/// over the scans. It uses their rotations too, because the positions of a straight drive do not
+/// determine its roll.
 std::optional<Pose> alignment_of(const fs::path& map, const TrajectoryFile& truth) {
   constexpr double kSameTime_s = 0.01;
   const std::string path =
@@ -96,7 +99,10 @@ std::optional<Pose> alignment_of(const fs::path& map, const TrajectoryFile& trut
   const Trajectory trajectory = read_tum(path);
   const PosePairs pairs = associate(trajectory, truth.poses, kSameTime_s);
   if (pairs.estimate.empty()) {
-    throw Error("{}: no pose is of the time of a scan of the drive's", path);
+    throw Error(
+        "{}: expected poses at the stamps of the drive's scans, found none; give a map of this "
+        "drive",
+        path);
   }
   Eigen::Matrix3d rotations = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < pairs.estimate.size(); ++i) {
@@ -119,7 +125,8 @@ std::optional<Pose> alignment_of(const fs::path& map, const TrajectoryFile& trut
 std::string file_of(const std::string& drive, const char* name) {
   const std::string path = file_of_drive(drive, name);
   if (path.empty()) {
-    throw Error("{}: has no {}; give a folder written by hqslam-lab simulate", drive, name);
+    throw Error("{}: expected {} in it, found none; give a folder written by hqslam-lab simulate",
+                drive, name);
   }
   return path;
 }
@@ -180,38 +187,39 @@ void evaluate_grids(const std::vector<std::string>& paths, const TrueDrive& driv
 
 constexpr const char* kMapDefinitions =
     R"(Definitions
-  true surface  what stands still in the simulated city, and what its windows show along a
-                sensor's line of sight (curtains, rooms, seats). Whoever moves is none.
-  visible       what the beams of the drive's sensor, all its rows, meet from where it is in
-                all its scans: without noise, drop-outs and traffic, within range and bright
-                enough, not behind glass; one sample per voxel of 0.1 m.
+  true surface  standing things of the simulated city, and what its windows show along a
+                sensor's line of sight (curtains, rooms, seats); cars and walkers that move
+                have none
+  visible       the points where the beams of the drive's sensor, all its rows, meet the true
+                surface during the drive: without noise, drop-outs and traffic, within range
+                and bright enough, not behind glass; one sample per voxel of 0.1 m
   accuracy      share of the map's points with a true surface within 0.1 and 0.2 m
   far           share of the map's points without one within 0.3 m
   complete      share of the visible samples with a point of the map within 0.1 and 0.2 m
   F1            harmonic mean of accuracy and completeness at the same distance
                 (Knapitsch et al., Tanks and Temples, 2017)
-A map beside which there is a trajectory.tum is moved with it first: by the rotation and the
-translation that on average bring its poses onto the truth's.
-Of an occupancy grid, in cells within 20 m of the sensor and things 0.25 to 2 m high:
+A map in whose folder there is a trajectory.tum is aligned first, by the rotation and the
+translation that on average bring the poses of that file to the true ones.
+An occupancy grid is compared in cells within 20 m of the sensor, with things 0.25 to 2 m high:
   empty         cells of visible ground above which nothing stands: shares called free and
                 occupied
   standing      cells in which a visible surface stands: shares called occupied, with an
                 occupied cell within one cell, and called free
   moved         empty cells where a scan has a point farther than 0.3 m from a true surface
-                (whoever moves, and pixels between two surfaces): share called occupied
-  free, occ.    of the grid's free cells (every eighth) the share where something stands,
-                of its occupied ones where nothing does within one and a half cells)";
+                (cars, walkers, and pixels between two surfaces): share called occupied
+  free, occ.    share of the grid's free cells (every eighth) where something stands, and of
+                its occupied cells without a standing thing within one and a half cells)";
 
 }  // namespace
 
 void declare(CLI::App& app, EvaluateMapOptions& options) {
-  add_command(app, "evaluate-map", "Maps of a simulated drive against its true city",
+  add_command(app, "evaluate-map", "Compare maps of a simulated drive with its true city",
               kMapDefinitions)
       .option("MAP", &options.maps,
               "Folders with a dense_map.pcd (of hqslam run --dense-map), .pcd, .ply or .las files, "
               "or an occupancy grid's map.yaml",
               {.required = true, .given = Given::kFileOrFolder})
-      .option("--drive", &options.drive, "The drive: folder written by hqslam-lab simulate",
+      .option("--drive", &options.drive, "Folder of the drive, written by hqslam-lab simulate",
               {.required = true, .given = Given::kFolder});
 }
 

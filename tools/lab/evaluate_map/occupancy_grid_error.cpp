@@ -16,11 +16,11 @@ constexpr float kReach_m = 20.0F;
 constexpr float kAbove_m = 4.0F;  ///< the sensor, and below it: where cells may be
 constexpr float kBelow_m = 6.0F;
 constexpr double kGround_m = 0.1;
-constexpr double kAstray_m = 0.3;         ///< from any true surface: whoever moves
+constexpr double kAstray_m = 0.3;         ///< from any true surface: points of moving things
 constexpr double kRadius_cells = 0.5642;  ///< of the circle as large as a cell
 constexpr double kNear_cells = 1.5;
 constexpr int kFreeEvery = 8;      ///< of a grid's free cells: they are many
-constexpr std::size_t kEvery = 4;  ///< scans that are looked at: neighbours see the same
+constexpr std::size_t kEvery = 4;  ///< scan is used: neighbouring scans see the same
 
 sim::UprightColumn column_of(double radius_m) {
   const slam::OccupancyGridOptions options;
@@ -60,7 +60,7 @@ class ThinnedPoints {
   std::unordered_set<std::uint64_t> taken_;
 };
 
-/// A point and what there is at the cell that it is in.
+/// A point and the truth at its cell.
 struct PlacedPoint {
   Eigen::Vector3f point_m;
   sim::TruePlace cell;
@@ -74,7 +74,7 @@ struct PlacedPoint {
 
 std::vector<PlacedPoint> placed(const ThinnedPoints& points, sim::DriveSimulator& city,
                                 double cell_m) {
-  // Points above each other ask about one cell.
+  // Points above each other share a cell.
   std::vector<Eigen::Vector3f> cells_m;
   std::unordered_map<std::uint64_t, std::size_t> cell_of_key;
   for (const Eigen::Vector3f& centre_m : points.centres_m()) {
@@ -91,7 +91,7 @@ std::vector<PlacedPoint> placed(const ThinnedPoints& points, sim::DriveSimulator
   return placed;
 }
 
-/// The middles of the cells of the points that `is_meant` says yes to, each once.
+/// The middles of the cells of the points for which `is_meant` is true, each once.
 template <typename IsMeant>
 std::vector<Eigen::Vector3f> cells_of(const std::vector<PlacedPoint>& points, double cell_m,
                                       const IsMeant& is_meant) {

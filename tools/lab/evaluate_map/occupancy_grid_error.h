@@ -14,7 +14,7 @@
 
 namespace hqslam::tools {
 
-/// The cube of this side that a point is in, as one number: the same for no two within 2^20 sides.
+/// A key of the cube of this side that contains a point, unique within 2^20 sides.
 template <typename Length>
 std::uint64_t voxel_key(const Eigen::Vector3f& point_m, Length side_m) {
   const auto part = [&](float metres) {
@@ -24,7 +24,7 @@ std::uint64_t voxel_key(const Eigen::Vector3f& point_m, Length side_m) {
   return part(point_m.x()) << 42U | part(point_m.y()) << 21U | part(point_m.z());
 }
 
-/// Of how many of these it is so, 0 to 1; 0 where there are none.
+/// Share of the elements for which `is_so` is true, 0 to 1; 0 where there are none.
 template <typename Things, typename IsSo>
 double share_of(const Things& things, const IsSo& is_so) {
   const auto count = static_cast<double>(std::ranges::count_if(things, is_so));
@@ -39,8 +39,8 @@ struct TrueDrive {
   Trajectory truth;
 };
 
-/// Places of cells that say how good a grid is: centres in the frame of the truth, up to 20 m from
-/// the sensor, each once.
+/// Cells of known truth: their centres in the frame of the truth, up to 20 m from the sensor, each
+/// once.
 struct TrueCells {
   std::vector<Eigen::Vector3f> empty_m;     ///< the ground is visible, nothing stands above it
   std::vector<Eigen::Vector3f> standing_m;  ///< a surface is visible that stands there
@@ -51,14 +51,16 @@ TrueCells true_cells(const TrueDrive& drive, double cell_m);
 
 /// Shares, 0 to 1.
 struct OccupancyGridError {
-  double empty_is_free = 0.0;         ///< of the true cells
-  double empty_is_occupied = 0.0;     ///< the same
-  double standing_is_occupied = 0.0;  ///< the same
-  double standing_is_near = 0.0;      ///< the same: an occupied cell within one cell
-  double standing_is_free = 0.0;      ///< the same
-  double moving_is_occupied = 0.0;    ///< the same
-  double free_is_wrong = 0.0;         ///< of the grid's free cells: something stands there
-  double occupied_is_wrong = 0.0;     ///< of its occupied ones: nothing within one and a half cells
+  // Of the true cells of each kind:
+  double empty_is_free = 0.0;
+  double empty_is_occupied = 0.0;
+  double standing_is_occupied = 0.0;
+  double standing_is_near = 0.0;  ///< an occupied cell within one cell
+  double standing_is_free = 0.0;
+  double moving_is_occupied = 0.0;
+  // Of the grid's cells:
+  double free_is_wrong = 0.0;      ///< free, where something stands
+  double occupied_is_wrong = 0.0;  ///< occupied, without a standing thing within 1.5 cells
 };
 /// T_truth_map: from the grid's frame.
 OccupancyGridError occupancy_grid_error(const slam::OccupancyMap& map, const Pose& T_truth_map,

@@ -13,7 +13,7 @@
 #include "hqslam/core/error.h"
 #include "terminal/terminal.h"
 
-// The only file that knows MPI, where it is installed.
+// The only file that uses MPI, where it is installed.
 #ifdef HQSLAM_MPI
 #include <mpi.h>
 #endif
@@ -23,7 +23,7 @@ namespace hqslam::tools {
 #ifdef HQSLAM_MPI
 namespace {
 
-/// What Open MPI, PMIx (srun --mpi=pmix) and PMI (srun --mpi=pmi2, MPICH) tell each process.
+/// Whether Open MPI, PMIx (srun --mpi=pmix) or PMI (srun --mpi=pmi2, MPICH) started this process.
 bool was_launched() {
   for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"}) {
     if (std::getenv(name) != nullptr) return true;
@@ -41,8 +41,8 @@ class MpiRanks : public Ranks {
     if (rank_ > 0) print_messages_alone();
   }
   ~MpiRanks() override {
-    // Whoever waits for a process that threw would wait for ever; one that ends without having
-    // finalized is noticed by what started it, which then ends all.
+    // After an exception the other processes would wait forever. mpirun notices a process that ends
+    // without MPI_Finalize and ends all.
     if (std::uncaught_exceptions() == 0) MPI_Finalize();
   }
   MpiRanks(const MpiRanks&) = delete;

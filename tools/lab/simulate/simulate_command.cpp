@@ -34,7 +34,8 @@ std::uint64_t seed_of(std::string_view text, const std::string& list) {
   return *seed;
 }
 
-/// Of --seed's text, empty if there is none: read as a number alone, -1 would become 2^64 - 1.
+/// The complaint about a text of --seed, empty for a valid one. (As a plain unsigned option, -1
+/// would become 2^64 - 1.)
 std::string seed_complaint(const std::string& text) {
   return seed_from(text) ? "" : fmt::format("{}: expected a whole number from 0 to 2^64 - 1", text);
 }
@@ -97,7 +98,7 @@ std::vector<std::uint64_t> seeds_from(const std::string& list) {
 
 void declare(CLI::App& app, SimulateOptions& options) {
   Command command = add_command(
-      app, "simulate", "Drive a LiDAR through a simulated city, with the truth",
+      app, "simulate", "Simulate the drive of a LiDAR through a city, with ground truth",
       "Writes into --out: scans.npy (N x rows x columns, float32 metres), intensity.npy (bytes),\n"
       "sensor.json, drive.json, truth.tum and truth.kitti (true pose per scan), truth_columns.npy\n"
       "(true pose per column).\n"
@@ -105,34 +106,36 @@ void declare(CLI::App& app, SimulateOptions& options) {
   command
       .option(
           "--drive", &options.drive,
-          "block: 200 scans of quiet streets; town: 4,000 with three loops; hills: 8,000, harder; "
-          "town-busy, hills-busy: the same with four times the traffic; "
-          "meadow: 4,000 of open land; narrow: 3,000 between walls; yard: 2,000 of a low robot; "
-          "handheld: 2,000 on foot; handheld-turning, handheld-sparse: a hand that turns fast, a "
-          "scan every half second; car-park: 2,000, both ways round; indoors: 2,000 through rooms "
-          "and up stairs",
+          "Kind of city and motion. block: 200 scans of quiet streets; town: 4,000 scans with "
+          "three "
+          "loops; hills: 8,000 scans, steep and fast; town-busy, hills-busy: town and hills with "
+          "four times the traffic; meadow: 4,000 scans of open land; narrow: 3,000 scans between "
+          "walls; yard: 2,000 scans from a low robot; handheld: 2,000 scans on foot; "
+          "handheld-turning: on foot, turned fast; handheld-sparse: on foot, a scan every half "
+          "second; car-park: 2,000 scans, one loop in both directions; indoors: 2,000 scans "
+          "through rooms and stairwells",
           {.required = true, .one_of = sim::drive_preset_names()})
       .option("--sensor", &options.sensor, "Sensor (name or .json file, as for hqslam run)",
               {.required = true})
-      .option("--out", &options.out, "Folder to write; made if it is not there", {.required = true})
-      .option("--scans", &options.scans, "Length (default: the drive's own)", {.within = kAnyCount})
+      .option("--out", &options.out, "Folder for the drive, made if it does not exist",
+              {.required = true})
+      .option("--scans", &options.scans, "Number of scans (default: that of the drive)",
+              {.within = kAnyCount})
       .option("--seed", &options.seed, "Seed of city, traffic, driver and noise (default: 1)",
               {.complaint = seed_complaint})
-      .option(
-          "--mount", &options.mount,
-          "ROLL,PITCH: how the sensor is mounted, in degrees; positive roll raises the left side, "
-          "positive pitch lowers the front, 180,0 is upside down",
-          {.delimiter = ',', .values = 2})
+      .option("--mount", &options.mount,
+              "ROLL,PITCH of the sensor's mounting, degrees; positive roll raises the left side, "
+              "positive pitch lowers the front, 180,0 is upside down",
+              {.delimiter = ',', .values = 2})
       .option("--sensor-errors", &options.sensor_errors,
-              "How far the sensor is from its own table (default: none): typical is what makers "
-              "promise, bad a badly kept one; the truth goes to sensor_errors.json",
+              "Errors of the sensor against its beam table (default: none): typical as makers "
+              "specify, bad as in a badly kept sensor; sensor_errors.json gets the true errors",
               {.one_of = sim::sensor_errors_names()})
       .option("--bin", &options.bin, "Also write KITTI .bin files")
       .option("--pcd", &options.pcd, "Also write .pcd files")
-      .option(
-          "--imu", &options.imu,
-          "Also write what an OS1's inertial sensor would measure: imu.csv, and its true biases, "
-          "imu_biases.csv");
+      .option("--imu", &options.imu,
+              "Also write the samples of an OS1's inertial sensor, imu.csv, and their true biases, "
+              "imu_biases.csv");
 }
 
 int simulate_drive(const SimulateOptions& options, const InterruptGuard& interrupt,
@@ -167,7 +170,7 @@ int run(const SimulateOptions& options) {
   const InterruptGuard interrupt;
   const int status = simulate_drive(options, interrupt);
   if (status == kInterrupted) {
-    to_stderr("hqslam: interrupted; the scans written up to there are valid\n");
+    to_stderr("hqslam-lab: interrupted; the scans that were written are valid\n");
   }
   to_stdout("results: {}\n", options.out);
   return status;

@@ -15,7 +15,7 @@ class App;
 
 namespace hqslam::tools {
 
-/// The seed that a text says, a whole number from 0 to 2^64 - 1; nothing if it says none.
+/// The seed in a text, a whole number from 0 to 2^64 - 1; nothing for any other text.
 std::optional<std::uint64_t> seed_from(std::string_view text);
 
 /// "1..10", "3,5" or "1..3,7": the seeds in the order given, at most 10,000. Throws Error for
@@ -33,13 +33,14 @@ struct SimulateOptions {
   bool bin = false;
   bool pcd = false;
   bool imu = false;
-  bool replaces_damaged = false;  ///< a drive in `out`, whatever is left of it; no option of a user
+  bool replaces_damaged = false;  ///< replace a damaged drive in `out`; not on the command line
 };
 
 void declare(CLI::App& app, SimulateOptions& options);
 /// Simulates and writes, printing nothing but progress. Returns kOk or kInterrupted. Throws Error.
 int simulate_drive(const SimulateOptions& options, const InterruptGuard& interrupt);
-/// The same without progress, calling `on_scan` after each scan.
+/// Simulates and writes, printing nothing and calling `on_scan` after each scan. Returns kOk or
+/// kInterrupted. Throws Error.
 int simulate_drive(const SimulateOptions& options, const InterruptGuard& interrupt,
                    const std::function<void()>& on_scan);
 /// Returns an ExitStatus. Throws Error.

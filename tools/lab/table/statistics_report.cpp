@@ -1,14 +1,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
-#include <string_view>
 
-#include "files/content_hash.h"
-#include "report/chart.h"
 #include "table/result_sources_hash.h"
 #include "table/table_report.h"
 
@@ -16,21 +11,6 @@ namespace hqslam::tools {
 namespace {
 
 using Methods = std::vector<MethodStatistics>;
-
-constexpr std::string_view kStyle = R"css(
-.pairs { margin-left: min(14rem, 40vw); }
-.pairs .zero { stroke: var(--text); stroke-width: 1.5px; }
-.pairs .interval { stroke: var(--estimate); stroke-width: 4px; stroke-linecap: round; }
-.pairs .dot {
-  position: absolute; width: .45rem; height: .45rem; border-radius: 50%;
-  transform: translate(-50%, -50%); background: var(--quiet); opacity: .55;
-}
-.pairs .mean {
-  position: absolute; width: .8rem; height: .8rem; border-radius: 50%;
-  transform: translate(-50%, -50%); background: var(--estimate);
-}
-.pairs .y.tick { color: var(--text); font-size: .85rem; }
-)css";
 
 /// "0.0391 [0.0350, 0.0432]"
 std::string estimate_text(const Estimate& estimate, int decimals) {
@@ -72,80 +52,14 @@ std::string paired_with(const Methods& methods) {
   return "";
 }
 
-/// Wide enough for the intervals and for nine tenths of the dots: a drive on which one method was
-/// lost would press all else together.
-PlotBox box_of(const Methods& methods) {
-  std::vector<double> sizes;
-  double widest = 0.0;
+std::vector<PairedDrift> paired_drifts_of(const Methods& methods) {
+  std::vector<PairedDrift> drifts;
   for (const MethodStatistics& method : methods) {
-    for (const double value : method.drift_differences_percent) {
-      if (std::isfinite(value)) sizes.push_back(std::abs(value));
-    }
+    if (method.is_paired_with) continue;
+    drifts.push_back(
+        {method.title, method.drift_differences_percent, method.drift_difference_percent});
   }
-  std::ranges::sort(sizes);
-  if (!sizes.empty()) widest = sizes[(sizes.size() - 1) * 9 / 10];
-  for (const MethodStatistics& method : methods) {
-    for (const double value :
-         {method.drift_difference_percent.value, method.drift_difference_percent.low,
-          method.drift_difference_percent.high}) {
-      if (std::isfinite(value)) widest = std::max(widest, std::min(std::abs(value), 4.0 * widest));
-    }
-  }
-  widest = widest > 0.0 ? 1.1 * widest : 1.0;
-  return {-widest, widest, 0.0, static_cast<double>(methods.size())};
-}
-
-std::string mark_html(const PlotBox& box, const char* kind, double x, double y) {
-  if (!std::isfinite(x)) return "";
-  const double inside = std::clamp(x, box.x_min, box.x_max);
-  return fmt::format("<span class=\"{}\" style=\"left:{:.2f}%;top:{:.2f}%\"></span>", kind,
-                     100.0 * to_plot_x(box, inside) / kPlotUnits,
-                     100.0 * to_plot_y(box, y) / kPlotUnits);
-}
-
-std::string row_svg(const PlotBox& box, const MethodStatistics& method, double y) {
-  if (!std::isfinite(method.drift_difference_percent.low)) return "";
-  return fmt::format(
-      "<path class=\"interval\" d=\"M{:.1f},{:.1f}H{:.1f}\"/>\n",
-      to_plot_x(box, std::clamp(method.drift_difference_percent.low, box.x_min, box.x_max)),
-      to_plot_y(box, y),
-      to_plot_x(box, std::clamp(method.drift_difference_percent.high, box.x_min, box.x_max)));
-}
-
-std::string row_html(const PlotBox& box, const MethodStatistics& method, double y) {
-  std::string html = fmt::format("<span class=\"y tick\" style=\"top:{:.2f}%\">{}</span>",
-                                 100.0 * to_plot_y(box, y) / kPlotUnits, escape_html(method.title));
-  for (const double value : method.drift_differences_percent)
-    html += mark_html(box, "dot", value, y);
-  return html + mark_html(box, "mean", method.drift_difference_percent.value, y);
-}
-
-/// Drift beside that of the method that the others are paired with.
-std::string pairs_html(const Methods& all) {
-  Methods methods;
-  std::ranges::copy_if(all, std::back_inserter(methods),
-                       [](const MethodStatistics& method) { return !method.is_paired_with; });
-  if (methods.empty()) return "";
-  const PlotBox box = box_of(methods);
-  const PlotGrid grid =
-      plot_grid(box, ticks_within(box.x_min, box.x_max, tick_step(box.x_max - box.x_min, 6)), {});
-  std::string svg =
-      fmt::format("<path class=\"zero\" d=\"M{0:.1f},0V{1}\"/>\n", to_plot_x(box, 0.0), kPlotUnits);
-  std::string marks;
-  for (std::size_t i = 0; i < methods.size(); ++i) {
-    const double y = static_cast<double>(methods.size() - i) - 0.5;
-    svg += row_svg(box, methods[i], y);
-    marks += row_html(box, methods[i], y);
-  }
-  return fmt::format(
-      "<h3>Drift beside {0}'s</h3>\n<p class=\"quiet\">Small dots: one drive each, what lies "
-      "outside stands at the edge. Large dot and bar: mean and its 95 % interval. Left of the line "
-      "is better.</p>\n<div class=\"plot pairs\" style=\"height:{1:.1f}rem\"><svg "
-      "viewBox=\"0 0 1000 1000\" preserveAspectRatio=\"none\" role=\"img\" aria-label=\"Drift "
-      "minus {0}'s\">\n{2}{3}</svg>{4}{5}</div>\n<p class=\"axis below\">drift minus {0}'s, % of "
-      "the path</p>\n",
-      escape_html(paired_with(all)), 2.2 * static_cast<double>(methods.size()), grid.svg, svg,
-      grid.labels_html, marks);
+  return drifts;
 }
 
 /// "town: seeds 1, 2, 3; 1000 scans each, 2.7 km"
@@ -170,17 +84,17 @@ std::vector<std::string> notes_of(const TableSample& sample) {
       fmt::format(
           "Every method saw the same {} simulated drives, without loop closing; errors are against "
           "the truth. [ , ]: 95 % interval, bootstrap over drives (10,000 draws, percentiles). An "
-          "interval of differences that leaves out 0, or of ratios that leaves out 1, speaks for a "
-          "difference.",
+          "interval of differences without 0, or of ratios without 1, is evidence of a difference.",
           sample.drives.size()),
       fmt::format("Drift: mean error of the motion over pieces of {:.0f} m, one from every scan, "
                   "as in KITTI's odometry benchmark; mean over drives.",
                   kDriftPiece_m),
       ("Slips: places where the motion over ten scans is wrong by more than 0.3 m or 0.3 degrees; "
-       "scans that follow one another are one slip. Where it does not slip: pieces that share no "
-       "scan with a slip."),
+       "successive scans are one slip. Drift where it does not slip: over pieces that share no "
+       "scan "
+       "with a slip."),
       ("Share of the gap closed: (LiDAR-16 - method) / (LiDAR-16 - LiDAR-64); 1 is as good as "
-       "LiDAR-64. It means little where the two hardly differ."),
+       "LiDAR-64. It is unreliable where the two hardly differ."),
       ("APE: absolute pose error, RMSE of the position after an SE(3) alignment. SLAM, ms: mean "
        "per scan with one thread, drives beside each other where there were several threads."),
       fmt::format("Made by build {} of the program.", result_sources_hash())};
@@ -238,10 +152,10 @@ TableReport statistics_report(const TableSample& sample) {
         table_of(part.methods, "Drift, slips and position error", summary_columns()),
         table_of(part.methods, fmt::format("Drive by drive against {}", paired_with(part.methods)),
                  pair_columns())};
-    shown.figures_html = pairs_html(part.methods);
+    shown.paired_with = paired_with(part.methods);
+    shown.paired_drifts = paired_drifts_of(part.methods);
   }
   report.notes = notes_of(sample);
-  report.style = kStyle;
   report.json = statistics_json(parts);
   return report;
 }

@@ -1,6 +1,9 @@
+#include "table/table_command.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -9,7 +12,6 @@
 
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
-#include "lab_commands.h"
 #include "ranks/ranks.h"
 #include "table/table_drive.h"
 #include "table/table_report.h"
@@ -22,35 +24,28 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What may stand behind a method's name, a line each.
+/// The variants of methods, a line each.
 std::string variants_help() {
   std::string help =
-      "Rows that show what a part of SLAM is worth: METHOD+VARIANT in --methods, such as\n"
-      "du-or+whole-map, with\n";
+      "METHOD+VARIANT in --methods, such as du-or+whole-map, is a row with a changed part of\n"
+      "SLAM. Variants:\n";
   for (const SlamVariant& variant : slam_variants()) {
     help += fmt::format("  +{:<16} {}\n", variant.name, variant.title);
   }
   return help;
 }
 
-/// Throws Error if a table would replace what is none.
-void guard_tables(const TableOptions& options, const TablePlan& plan) {
+/// Throws Error if a table would replace other files.
+void guard_tables(const TableOptions& options) {
   const fs::path folder(options.out);
-  std::vector<std::string> names = {"table.json", "table.md", "table.html"};
-  for (const TableDrive& drive : plan.drives) {
-    for (const std::size_t i : {kLoopClosingOff, kLoopClosingOn}) {
-      names.push_back(picture_name(drive.name, i));
-    }
-  }
-  std::vector<const char*> written;
-  for (const std::string& name : names) written.push_back(name.c_str());
+  constexpr std::array<const char*, 3> kWritten = {"table.json", "table.md", "table.html"};
   Paths inputs = options.weights;
   inputs.push_back(options.reference);
-  guard_results(folder, written, has_marker((folder / "table.json").string(), kTableJsonMarker),
+  guard_results(folder, kWritten, has_marker((folder / "table.json").string(), kTableJsonMarker),
                 "was not written by hqslam-lab table", inputs);
 }
 
-/// Of everything that is there.
+/// The figures of all results.
 std::vector<DriveFigures> figures_of(const std::vector<DriveWork>& works, const TablePlan& plan) {
   std::vector<DriveFigures> drives;
   for (const DriveWork& work : works) {
@@ -83,9 +78,6 @@ std::optional<TableReport> report_of(const std::vector<DriveFigures>& drives,
 
 void write_report(const TableReport& report, const fs::path& out) {
   to_stdout("{}", printed(report));
-  for (const auto& [name, picture] : report.pictures) {
-    write_text_file(picture, (out / name).string());
-  }
   write_text_file(markdown_of(report), (out / "table.md").string());
   write_text_file(report.json, (out / "table.json").string());
   write_text_file(html_of(report), (out / "table.html").string());
@@ -95,23 +87,22 @@ void write_report(const TableReport& report, const fs::path& out) {
 }  // namespace
 
 void declare(CLI::App& app, TableOptions& options) {
-  Command command = add_command(
-      app, "table",
-      "SLAM with 16 rows, with 16 upsampled to 64 in every way, and with 64, in one table",
-      variants_help() +
-          R"(Writes into --out:
-  table.md, table.json, table.html   the tables; the page also shows where the error is
-  DRIVE-loop-closing-off.svg, -on.svg   trajectories coloured by error
-  results/DRIVE/.../METHOD.json, .tum   each finished run; drives/NAME: simulated drives
-Without a choice it takes hours and 3 GB: the drives have 12,000 scans, and Simple DU needs
-about a second for one. Ctrl-C keeps what is finished; the same command goes on from there.
-With --seeds there are no pictures, SLAM runs without loop closing, and as many drives as
-there are threads are under way side by side, with one thread each. A simulated drive of
-1,000 scans takes 320 MB.
-A result is computed anew if it is damaged or was made from a recording with other scans,
-with other weights or by another build of the program; results of other lengths and builds
-are kept beside it. Inertial data and corrections of beams are not looked at.
-mpirun -n N shares drives and methods among N processes, which must all see the same folders.)");
+  Command command =
+      add_command(app, "table",
+                  "Compare SLAM with 16 rows, with 16 upsampled to 64 by every method, and with 64",
+                  variants_help() +
+                      R"(Writes into --out:
+  table.md, table.json, table.html      the tables; the page has maps of the errors too
+  results/DRIVE/.../METHOD.json, .tum   finished runs
+  drives/NAME                           simulated drives, 320 MB for 1,000 scans
+By default the command takes hours and 3 GB: the drives have 12,000 scans, and Simple DU takes
+about a second for each. Ctrl-C keeps finished runs; the same command then continues.
+With --seeds SLAM runs without loop closing, on as many drives in parallel as there are
+threads, with one thread each.
+A run is repeated if its result is damaged or was made from other scans, with other weights or
+by another build of the program; results of other lengths and builds are kept. Inertial data
+and corrections of beams are not used.
+mpirun -n N shares drives and methods among N processes, all with access to the same folders.)");
   command
       .option("--drives", &options.drives,
               fmt::format("Simulated drives ({}) and recordings with {} rows (as for hqslam run), "
@@ -123,28 +114,29 @@ mpirun -n N shares drives and methods among N processes, which must all see the 
                           fmt::join(table_method_names(), ", ")),
               {.delimiter = ','})
       .option("--weights", &options.weights,
-              "Weights files that become rows of their own, FILE.npz or FILE.npz+VARIANT",
+              "Weights files, each an additional row: FILE.npz or FILE.npz+VARIANT",
               {.delimiter = ','})
       .option("--sensor", &options.reading.sensor,
-              "Sensor of recordings that do not say theirs (name or .json file)");
+              "Sensor of recordings that have no sensor.json (name or .json file)");
   declare_reading(command, options.reading);
   command
       .option("--reference", &options.reference,
               "True trajectory of the recording in --drives (TUM, or KITTI with one pose per scan)",
               {.given = Given::kFile})
-      .option("--scans", &options.scans, "Only so many scans of each drive", {.within = kAnyCount})
+      .option("--scans", &options.scans, "Number of scans of each drive (default: all)",
+              {.within = kAnyCount})
       .option("--sensor-errors", &options.sensor_errors,
-              "How far the sensor of simulated drives is from its own table (hqslam-lab simulate)",
+              "Errors of the sensor of simulated drives, as for hqslam-lab simulate",
               {.shows_default = true, .one_of = sim::sensor_errors_names()})
-      .option(
-          "--seeds", &options.seeds,
-          "Every simulated drive of --drives from each of these seeds (1..10, or 3,5,8) instead of "
-          "once: drift and slips against the truth, with 95 % intervals")
-      .option(
-          "--against", &options.against,
-          "With --seeds: the row that the others are paired with, drive by drive (default: linear "
-          "or, without it, the first of --methods)",
-          {.needs = {"--seeds"}})
+      .option("--seeds", &options.seeds,
+              "Seeds (1..10, or 3,5,8) from each of which every drive of --drives is simulated: "
+              "the table "
+              "has drift and slips against the truth with 95 % intervals")
+      .option("--against", &options.against,
+              "With --seeds: the row with which the others are compared drive by drive (default: "
+              "linear "
+              "or, without it, the first of --methods)",
+              {.needs = {"--seeds"}})
       .option("--out", &options.out, "Folder for drives, results and tables", {.required = true});
   declare_threads(command, options.threads);
 }
@@ -157,7 +149,7 @@ int run(const TableOptions& options) {
   std::vector<DriveWork> works;
   std::optional<FolderLock> lock;
   ranks->rank_0_first([&] {
-    if (ranks->rank() == 0) guard_tables(options, plan);
+    if (ranks->rank() == 0) guard_tables(options);
     works = work_of(plan, options);
     if (ranks->rank() > 0) return;
     make_result_folder(options.out);
@@ -171,14 +163,15 @@ int run(const TableOptions& options) {
     write_report(*report, options.out);
   } else if (complete) {
     throw Error(
-        "no drive is long enough to be held against its truth, expected 3 scans; give more with "
+        "expected drives of at least 3 scans to compare with the truth, found none; give more with "
         "--scans");
   }
   for (const DriveFigures& drive : drives) {
-    if (drive.left_out.scans > 0) to_stderr("hqslam: {}: {}\n", drive.name, drive.left_out.text());
+    if (drive.left_out.scans > 0)
+      to_stderr("hqslam-lab: {}: {}\n", drive.name, drive.left_out.text());
   }
   if (complete) return kOk;
-  to_stderr("hqslam: interrupted; what is finished is kept, the same command goes on from there\n");
+  to_stderr("hqslam-lab: interrupted; finished runs are kept, the same command continues\n");
   return kInterrupted;
 }
 

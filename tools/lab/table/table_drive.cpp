@@ -37,20 +37,20 @@ std::string stack_identity(const std::string& path, std::int64_t scans) {
   return "images " + hash.digits();
 }
 
-/// Of the timestamps.txt in a folder, "" where there is none.
+/// The hash of the timestamps.txt in a folder, "" without it.
 std::string times_identity(const fs::path& folder) {
   const fs::path path = folder / "timestamps.txt";
   std::error_code error;
   return fs::is_regular_file(path, error) ? ", times " + content_hash(path.string()) : "";
 }
 
-/// Of the files of a recording and the times that may stand above them, as in KITTI's drives.
+/// The hash of a recording's files and of the times in the folder above them, as in KITTI's drives.
 std::string files_identity(const std::string& path) {
   if (!fs::is_directory(path)) return "file " + content_hash(path);
   return "files " + folder_hash(path) + times_identity(fs::path(path) / "..");
 }
 
-/// What makes other scans of the same files; "" where nothing was said.
+/// The options of reading that change the scans of the same files; "" for the defaults.
 std::string reading_identity(const InputChoice& reading) {
   const InputChoice usual;
   std::string identity;
@@ -68,17 +68,17 @@ std::string reading_identity(const InputChoice& reading) {
   return identity;
 }
 
-/// Why the drive in a simulated drive's folder is not that drive; empty where it is.
+/// The difference between a simulated drive and the drive in its folder; empty where there is none.
 std::string difference_of(const TableDrive& drive) {
   const std::string& folder = drive.recording.input;
   try {
     sim::DriveSpec found = sim::read_drive_json(folder + "/drive.json");
     const std::int64_t scans = std::exchange(found.scans, drive.simulated->scans);
-    if (found != *drive.simulated) return "drive.json is of another drive";
+    if (found != *drive.simulated) return "drive.json describes another drive";
     if (scans < found.scans) return fmt::format("has {} of {} scans", scans, found.scans);
     const SensorModel sensor = load_sensor(folder + "/sensor.json");
     if (sensor_json(sensor) != sensor_json(load_sensor(kSimulatedSensor))) {
-      return fmt::format("sensor.json is of another sensor than {}", kSimulatedSensor);
+      return fmt::format("sensor.json describes another sensor than {}", kSimulatedSensor);
     }
     NpyStackReader stack(folder + "/scans.npy");
     if (stack.images() != scans)
@@ -104,7 +104,7 @@ bool prepare_drive(const TableDrive& drive, const InterruptGuard& interrupt,
   const std::string& folder = drive.recording.input;
   const bool something_is = !file_of_drive(folder, "drive.json").empty();
   if (something_is) {
-    to_stderr("hqslam: {}: {}; it is simulated anew\n", folder, difference_of(drive));
+    to_stderr("hqslam-lab: {}: {}; the drive is simulated again\n", folder, difference_of(drive));
   }
   SimulateOptions options;
   options.drive = drive.simulated->name;

@@ -11,21 +11,22 @@
 
 namespace hqslam::tools {
 
-/// Of simulated drives: the paper's.
+/// The sensor of simulated drives, which is the paper's.
 inline constexpr const char* kSimulatedSensor = "os1-64";
 
-/// Whether the recording of a drive is there: one that is to be simulated was, by this simulator,
-/// from the same seed, for the same sensor, to its end and long enough.
+/// Whether the recording of a drive exists. A simulated drive exists if its folder has that drive,
+/// made by this revision of the simulator from the same seed for the same sensor, complete and long
+/// enough.
 bool is_there(const TableDrive& drive);
 
-/// Simulates a drive that is not there, calling `on_scan` after each scan. Returns false if it was
-/// interrupted. Throws Error.
+/// Simulates a drive that does not exist, calling `on_scan` after each scan. Returns false if it
+/// was interrupted. Throws Error.
 bool prepare_drive(const TableDrive& drive, const InterruptGuard& interrupt,
                    const std::function<void()>& on_scan);
 
-/// What tells one recording from another, wherever they lie and however they are called: a hash of
-/// the first `scans` images of a stack, or of all files of a folder with their names; and how it is
-/// read, if not as usual. Throws Error.
+/// The identity of a recording, independent of its path: a hash of the first `scans` images of a
+/// stack, or of all files of a folder with their names, and the options of reading that are not the
+/// default. Throws Error.
 std::string identity_of(const TableDrive& drive, std::int64_t scans);
 
 /// The true trajectory, if there is one. Throws Error.

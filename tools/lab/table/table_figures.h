@@ -15,12 +15,12 @@
 
 namespace hqslam::tools {
 
-/// Every method is run through SLAM twice: without and with loop closing.
+/// Every method runs through SLAM twice: without and with loop closing.
 inline constexpr std::size_t kLoopClosingOff = 0;
 inline constexpr std::size_t kLoopClosingOn = 1;
 inline constexpr std::array<const char*, 2> kLoopClosingNames = {"off", "on"};
 
-/// What a result depends on: one that was made with other settings is not used again.
+/// The settings that a result depends on; a result with other settings is not reused.
 struct TableSettings {
   std::string build;         ///< result_sources_hash()
   std::string recording;     ///< hash of the scans that are used
@@ -34,7 +34,7 @@ struct TableSettings {
   bool operator==(const TableSettings&) const = default;
 };
 
-/// Means over the scans that were looked at.
+/// Means over the scored scans.
 struct ImageScores {
   std::int64_t scans = 0;
   double mae_all_m = 0.0;
@@ -55,7 +55,7 @@ struct SlamTimings {
 };
 inline constexpr std::size_t kTimedEnds = 500;
 
-/// All that differs from run to run.
+/// Everything that differs from run to run.
 struct TableTimings {
   double upsampling_s = 0.0;   ///< of all scans together: image of few rows in, of all rows out
   double upsampling_ms = 0.0;  ///< median per scan
@@ -75,14 +75,14 @@ struct TableResult {
   std::array<Trajectory, 2> trajectory;
   std::int64_t loops_closed = 0;           ///< with loop closing
   std::vector<std::int64_t> scan_of_pose;  ///< of the recording, counted from 0
-  LeftOut left_out;                        ///< scans of the recording that no method got to see
+  LeftOut left_out;                        ///< unreadable scans of the recording
   TableTimings timings;
 };
 
 /// Writes METHOD.json, METHOD-loop-closing-off.tum and -on.tum into the folder. Throws Error.
 void save_result(const TableResult& result, const std::string& folder);
 
-/// The result if it is there, whole, and was made with these settings.
+/// The result if it exists, is complete, and has these settings.
 std::optional<TableResult> load_result(const TableSettings& settings, const std::string& folder);
 
 /// Errors of a trajectory against another.
@@ -101,7 +101,7 @@ struct ErrorFigures {
 /// Nothing if fewer than 3 poses can be paired.
 std::optional<ErrorFigures> error_figures(const Trajectory& estimate, const Trajectory& reference);
 
-/// What the table says of one method on one drive; arrays: loop closing off and on.
+/// Figures of one method on one drive; arrays: loop closing off and on.
 struct MethodFigures {
   TableMethod method;
   TableResult result;
@@ -119,12 +119,12 @@ struct MethodFigures {
 struct DriveFigures {
   std::string name;
   std::string kind;        ///< town, hills, ...; of a simulated drive
-  std::uint64_t seed = 0;  ///< the same
+  std::uint64_t seed = 0;  ///< of a simulated drive
   std::string sensor;
   std::string truth;  ///< path; empty: none
   std::int64_t scans = 0;
   LeftOut left_out;                    ///< of these scans
-  std::vector<MethodFigures> methods;  ///< those whose results are there
+  std::vector<MethodFigures> methods;  ///< those with results
 };
 
 /// Computes every error from the results' trajectories.
@@ -133,7 +133,7 @@ DriveFigures drive_figures(const TableDrive& drive, const std::string& sensor,
                            const std::vector<TableResult>& results,
                            const std::optional<TrajectoryFile>& truth);
 
-/// The method of that name, nullptr if its result is not there.
+/// The method of that name, nullptr if it has no result.
 const MethodFigures* find_method(const DriveFigures& drive, const std::string& name);
 
 }  // namespace hqslam::tools

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "files/content_hash.h"
 #include "table/result_sources_hash.h"
 #include "table/table_report.h"
 
@@ -109,11 +109,66 @@ Json drive_json(const TableSample& sample, const DriveSample& drive) {
   return json;
 }
 
+/// Lengths in metres, to the millimetre.
+Json lengths_json(const std::vector<double>& lengths_m) {
+  Json json = Json::array();
+  for (const double length_m : lengths_m) json.push_back(1e-3 * std::round(1e3 * length_m));
+  return json;
+}
+
+Json error_map_json(const ErrorMap& map) {
+  Json json = {
+      {"title", map.title},
+      {"reference",
+       {{"x_m", lengths_json(map.reference_x_m)}, {"y_m", lengths_json(map.reference_y_m)}}},
+      {"paths", Json::array()}};
+  for (const ErrorPath& path : map.paths) {
+    json["paths"].push_back({{"name", path.method},
+                             {"rmse_m", path.rmse_m},
+                             {"x_m", lengths_json(path.x_m)},
+                             {"y_m", lengths_json(path.y_m)},
+                             {"distance_m", lengths_json(path.distance_m)},
+                             {"error_m", lengths_json(path.error_m)}});
+  }
+  return json;
+}
+
+Json paired_drift_json(const PairedDrift& drift) {
+  return {{"name", drift.method},
+          {"dots", drift.differences_percent},
+          {"mean", drift.mean_percent.value},
+          {"low", drift.mean_percent.low},
+          {"high", drift.mean_percent.high}};
+}
+
+template <typename Value, typename Writer>
+Json list_json(const std::vector<Value>& values, const Writer& writer) {
+  Json json = Json::array();
+  for (const Value& value : values) json.push_back(writer(value));
+  return json;
+}
+
+Json part_json(const ReportPart& part) {
+  return {{"title", part.title},
+          {"text", part.text},
+          {"tables", list_json(part.tables, [](const TextTable& table) { return json_of(table); })},
+          {"error_maps", list_json(part.error_maps, error_map_json)},
+          {"paired_with", part.paired_with},
+          {"paired_drifts", list_json(part.paired_drifts, paired_drift_json)}};
+}
+
 std::string text_of(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace
+
+Json page_data(const TableReport& report) {
+  return {{"title", report.title},
+          {"lead", list_json(report.lead, [](const TextTable& table) { return json_of(table); })},
+          {"parts", list_json(report.parts, part_json)},
+          {"notes", report.notes}};
+}
 
 std::string drives_json(const std::vector<DriveFigures>& drives) {
   Json json = {{"written_by", "hqslam-lab table"},

@@ -23,7 +23,7 @@ bool sees_all_rows(const TableMethod& method) { return method.rows == kTableAllR
 
 namespace fs = std::filesystem;
 
-/// What the weights of a sensor are called by: du-mix_os1_16to64.npz.
+/// Names of sensors in names of weights: du-mix_os1_16to64.npz.
 const std::map<std::string, std::string> kSensorInNames = {{"os1-64", "os1"},
                                                            {"hdl-64e", "hdl64e"}};
 
@@ -42,7 +42,7 @@ TableMethod method_of_weights(const std::string& text) {
   const std::size_t plus = text.rfind(".npz+");
   const std::string path = plus == std::string::npos ? text : text.substr(0, plus + 4);
   if (!is_weights_file(path) || !fs::is_regular_file(path)) {
-    throw Error("--weights {}: expected a weights file (.npz), found none", path);
+    throw Error("--weights {}: expected a weights file (.npz), found none; check the path", path);
   }
   const std::string name = fs::path(path).stem().string();
   const TableMethod method{name, name, kTableMeasuredRows, path, true};
@@ -56,7 +56,7 @@ TableMethod method_of_weights(const std::string& text) {
               fmt::join(slam_variant_names(), ", "));
 }
 
-/// Every row that the program can make: each of the table's, followed by its variants.
+/// All possible rows: each default row, followed by its variants.
 std::vector<TableMethod> known_methods() {
   std::vector<TableMethod> known;
   for (const TableMethod& method : table_methods()) {
@@ -72,9 +72,10 @@ TableMethod method_named(const std::string& name) {
   for (const TableMethod& method : known_methods())
     if (method.name == name) return method;
   throw Error(
-      "--methods: '{}' is none; choose from {}, or one of these and a variant that applies to it: "
-      "{}",
-      name, fmt::join(table_method_names(), ", "), fmt::join(slam_variant_names(), ", "));
+      "--methods: expected one of {}, or one of these with a variant that applies to it ({}), "
+      "found "
+      "'{}'; choose another",
+      fmt::join(table_method_names(), ", "), fmt::join(slam_variant_names(), ", "), name);
 }
 
 bool is_preset(const std::string& drive) {
@@ -82,8 +83,8 @@ bool is_preset(const std::string& drive) {
   return std::ranges::find(presets, drive) != presets.end();
 }
 
-/// A recording is named after its file or folder; one of KITTI's, whose scans all lie in a folder
-/// "velodyne", after the drive.
+/// The name of a recording's file or folder; for KITTI, whose scans are in folders "velodyne", the
+/// name of the drive.
 std::string recording_name(const fs::path& path) {
   const std::string name = path.stem().string();
   return name == "velodyne" ? path.parent_path().filename().string() : name;
@@ -109,7 +110,7 @@ TableDrive drive_of(const std::string& drive, const TableOptions& options) {
   const fs::path path = fs::canonical(drive);
   InputChoice recording = options.reading;
   recording.input = path.string();
-  refuse_idle_options(recording);  // before the first drive is worked on
+  recordings::refuse_idle_options(recording.input, open_options(recording));  // before all work
   return {recording_name(path), recording, options.reference, std::nullopt};
 }
 
@@ -135,7 +136,8 @@ void require_different_names(const std::vector<Named>& all, const char* option) 
   std::set<std::string> names;
   for (const Named& named : all) {
     if (!names.insert(named.name).second) {
-      throw Error("{}: '{}' is there twice; their results would mix", option, named.name);
+      throw Error("{}: expected different names, found '{}' twice; leave one out", option,
+                  named.name);
     }
   }
 }
@@ -144,7 +146,7 @@ void require_one_recording(const TablePlan& plan, const TableOptions& options) {
   const auto recordings =
       std::ranges::count_if(plan.drives, [](const TableDrive& d) { return !d.simulated; });
   if (!options.reference.empty() && recordings != 1) {
-    throw Error("--reference: is of one recording, but --drives names {}; give one", recordings);
+    throw Error("--reference: expected one recording in --drives, found {}; give one", recordings);
   }
 }
 
@@ -155,7 +157,8 @@ std::size_t paired_with(const std::vector<TableMethod>& methods, const std::stri
   if (found != methods.end()) return static_cast<std::size_t>(found - methods.begin());
   if (against.empty()) return 0;
   throw Error(
-      "--against: '{}' is none of the rows to compute; add it to --methods or name one of them",
+      "--against: expected one of the rows to compute, found '{}'; add it to --methods or name "
+      "another",
       against);
 }
 

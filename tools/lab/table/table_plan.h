@@ -15,15 +15,14 @@ namespace hqslam::tools {
 
 struct TableMethod;
 
-/// What SLAM is told: the sensor behind the points, and its options.
+/// The inputs of SLAM beside the points: their sensor, and options.
 struct SlamSetup {
   SensorModel sensor;
   slam::SlamOptions options;
-  bool as_published = false;  ///< LeGO-LOAM with its defects instead, without options
+  bool as_published = false;  ///< LeGO-LOAM as its paper has it instead, without options
 };
 
-/// One part of SLAM taken away or given back, to see what it is worth: METHOD+NAME is METHOD with
-/// it.
+/// A change of one part of SLAM, to measure its effect: METHOD+NAME is METHOD with it.
 struct SlamVariant {
   const char* name;
   const char* title;  ///< behind the method's, in the table
@@ -31,20 +30,20 @@ struct SlamVariant {
   void (*change)(SlamSetup& setup);
 };
 
-/// Every variant that the program knows.
+/// All variants.
 const std::vector<SlamVariant>& slam_variants();
 
 /// "+NAME" of each.
 std::vector<std::string> slam_variant_names();
 
-/// What SLAM is told for a method: `sensor` is what its clouds come from.
+/// The setup of SLAM for a method; `sensor`: of its clouds.
 SlamSetup slam_setup(const TableMethod& method, const SensorModel& sensor, bool loop_closing);
 
 struct TableOptions {
   std::vector<std::string> drives = {"town", "hills"};  ///< simulated drives and recordings
   std::vector<std::string> methods = {};                ///< empty: all
   std::vector<std::string> weights = {};                ///< files that become rows of their own
-  InputChoice reading = {};    ///< how recordings are read; its input is not looked at
+  InputChoice reading = {};    ///< how recordings are read; its input is not used
   std::string reference = {};  ///< true trajectory of the only recording among the drives
   std::optional<std::int64_t> scans = {};
   std::string sensor_errors = "typical";  ///< of simulated drives: sim::sensor_errors_names()
@@ -55,25 +54,25 @@ struct TableOptions {
   int threads = 0;  ///< 0: what OpenMP chooses
 };
 
-/// The table compares so many rows of a recording with all of them.
+/// Rows of a recording, and the number of them that are measured.
 inline constexpr int kTableAllRows = 64;
 inline constexpr int kTableMeasuredRows = 16;
 
-/// A row of the table: a way from a recording to what SLAM gets to see.
+/// A row of the table: a method that makes SLAM's input from a recording.
 struct TableMethod {
   std::string name;               ///< for --methods and in file names
   std::string title;              ///< in the table
-  int rows = kTableMeasuredRows;  ///< of the recording that are looked at
-  /// What fills the rows between them: "" nothing, an interpolation, a kind of network (its weights
+  int rows = kTableMeasuredRows;  ///< of the recording that are used
+  /// The source of the rows between them: "" none, an interpolation, a kind of network (its weights
   /// come with the program) or a weights file.
   std::string source;
   bool filtered = false;  ///< whether the filter at the end runs over a network's result
   const SlamVariant* variant = nullptr;  ///< of SLAM; nullptr: SLAM as it is
 };
 
-/// The rows of the table without a choice, in its order.
+/// The default rows of the table, in order.
 const std::vector<TableMethod>& table_methods();
-/// Names of those rows.
+/// The names of the default rows.
 std::vector<std::string> table_method_names();
 bool uses_network(const TableMethod& method);
 /// Whether the other rows are compared with this one's trajectory: all rows, SLAM as it is.
@@ -83,11 +82,11 @@ bool is_reference(const TableMethod& method);
 /// weights come with the program.
 std::string weights_of(const TableMethod& method, const std::string& sensor_name);
 
-/// Methods that see the same rows, filled in the same way, share a pass over the drive: they differ
-/// only in what follows. All rows come first: their trajectory is what the others are compared
-/// with.
+/// Methods with the same rows from the same source share a pass over the drive; they differ only in
+/// filter and SLAM. The pass of all rows is the first: its trajectory is the reference of the
+/// others.
 std::vector<std::vector<TableMethod>> passes_of(const std::vector<TableMethod>& methods);
-/// Whether two methods do.
+/// Whether two methods share a pass.
 bool shares_pass(const TableMethod& method, const TableMethod& other);
 
 /// A drive of the table.
@@ -103,15 +102,14 @@ struct TablePlan {
   bool over_seeds = false;           ///< many drives, evaluated together
   bool loop_closing = true;          ///< whether SLAM also runs with it
   std::vector<TableMethod> methods;  ///< to be run
-  /// In the table, if their results are there: those to be run and, but over seeds, all that the
-  /// program knows.
+  /// Methods in the table if they have results: those to be run and, except over seeds, all others.
   std::vector<TableMethod> shown;
-  /// Over seeds which of the methods the others are paired with: the one that is named, else linear
-  /// interpolation, else the first.
+  /// Over seeds, the method that the others are paired with: the one of --against or else linear
+  /// interpolation or else the first.
   std::size_t against = 0;
 };
 
-/// Throws Error for a drive or method that is not there.
+/// Throws Error for an unknown drive or method.
 TablePlan plan_table(const TableOptions& options);
 
 }  // namespace hqslam::tools

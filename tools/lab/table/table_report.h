@@ -1,57 +1,79 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstddef>
-#include <functional>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "report/page.h"
+#include "pages/text_table.h"
 #include "table/table_figures.h"
 #include "table/table_statistics.h"
 
 namespace hqslam::tools {
 
-/// A trajectory from above in the reference's frame, with its error at every pose.
-struct ErrorPanel {
-  std::string title;
+/// The trajectory of one method seen from above, in the frame of LiDAR-64's, and its error at each
+/// of its poses, evenly thinned to at most kMostPathPoses.
+struct ErrorPath {
+  std::string method;  ///< title
   double rmse_m = 0.0;
-  std::vector<Eigen::Vector2d> path_m;
-  std::vector<double> error_m;  ///< one per pose
+  std::vector<double> x_m;
+  std::vector<double> y_m;
+  std::vector<double> distance_m;  ///< along LiDAR-64's trajectory
+  std::vector<double> error_m;     ///< position, after the alignment
 };
+inline constexpr std::size_t kMostPathPoses = 1000;
 
-/// The paper's figure 2: trajectories of one drive, coloured by their error, side by side.
+/// The paper's figure 2: the trajectories of one drive's methods beside LiDAR-64's.
 struct ErrorMap {
-  std::vector<Eigen::Vector2d> reference_m;
-  std::vector<ErrorPanel> panels;
+  std::string title;
+  std::vector<double> reference_x_m;
+  std::vector<double> reference_y_m;
+  std::vector<ErrorPath> paths;
+};
+/// Nothing in it but the title where LiDAR-64 is not in the table.
+ErrorMap error_map_of(const DriveFigures& drive, std::size_t loop_closing);
+
+/// The drift of a method minus that of the method that it is paired with.
+struct PairedDrift {
+  std::string method;                       ///< title
+  std::vector<double> differences_percent;  ///< one per drive; NaN where a drive has none
+  Estimate mean_percent;
 };
 
-/// Which error has the last colour, in every panel.
-struct ErrorScale {
-  double top_m = 1.0;
-  bool clipped = false;  ///< some errors are larger
+/// One drive, or all drives of a kind.
+struct ReportPart {
+  std::string title;
+  std::string text;
+  std::vector<TextTable> tables;
+  std::vector<ErrorMap> error_maps = {};
+  std::string paired_with = {};  ///< title of the method that the others are paired with
+  std::vector<PairedDrift> paired_drifts = {};
 };
-/// The largest error of all panels, but at most three times the median of the panels' largest
-/// ones: one trajectory that leaves the map does not take the colours from all others.
-ErrorScale error_scale(const ErrorMap& map);
 
-/// "0.42 m", with "or more" where errors are larger.
-std::string top_text(const ErrorScale& scale);
+/// The content of table.md and table.html.
+struct TableReport {
+  std::string title;            ///< of the page
+  std::vector<TextTable> lead;  ///< tables of all parts together
+  std::vector<ReportPart> parts;
+  std::vector<std::string> notes;  ///< what the columns mean and how it was measured
+  std::string json;                ///< table.json
+};
 
-/// "RMSE 0.109, largest 0.31 m"
-std::string error_text(const ErrorPanel& panel);
+/// A part with tables and error maps for each drive.
+TableReport drives_report(const std::vector<DriveFigures>& drives);
+/// A part for all drives from seeds and one for each kind, with tables and paired drifts.
+TableReport statistics_report(const TableSample& sample);
 
-/// One panel, without its title, as an SVG element: the reference in grey, the trajectory in
-/// colours with a ring at its start, a scale bar.
-std::string panel_svg(const ErrorMap& map, std::size_t panel, const ErrorScale& scale);
+/// What is printed: the tables of all parts together or, where there are none, those of the first
+/// part, which has all drives.
+std::string printed(const TableReport& report);
+std::string markdown_of(const TableReport& report);
+/// tools/web/table.html
+std::string html_of(const TableReport& report);
+/// The data of that page, from which its script draws tables, maps and charts.
+nlohmann::ordered_json page_data(const TableReport& report);
 
-/// All panels with their titles and a colour bar, as an .svg file. `title` stands above. Throws
-/// Error if there is no panel.
-std::string error_map_svg(const ErrorMap& map, const std::string& title);
-
-/// A number with three digits that count: "0.042", "3.78", "31.7", "6717".
-std::string three_digits(double value);
+// The tables of a report on drives.
 
 /// The paper's table: RMSE against LiDAR-64 on all drives, frames per second, parameters.
 TextTable paper_table(const std::vector<DriveFigures>& drives, std::size_t loop_closing);
@@ -59,77 +81,20 @@ TextTable paper_table(const std::vector<DriveFigures>& drives, std::size_t loop_
 TextTable trajectory_table(const DriveFigures& drive, std::size_t loop_closing);
 /// Image errors, speed and size of the upsampling.
 TextTable upsampling_table(const DriveFigures& drive);
-
-/// "town: 4000 scans of an os1-64, 2963 m; ..."
+/// "town: 4000 scans, sensor os1-64, 2963 m of path"
 std::string drive_text(const DriveFigures& drive);
-/// What the columns mean and how it was measured.
 std::vector<std::string> drives_notes(const std::vector<DriveFigures>& drives);
+/// A number with about three significant digits: "0.042", "3.78", "31.7", "6717".
+std::string three_digits(double value);
 
-/// One drive, or all of a kind.
-struct ReportPart {
-  std::string title;
-  std::string text;
-  std::vector<TextTable> tables;
-  std::string page_text = {};     ///< behind `text`, on the page alone
-  std::string figures_html = {};  ///< the same, below the tables
-};
-
-/// All that a table says: table.md and table.html are written from it.
-struct TableReport {
-  std::string title;            ///< of the page
-  std::vector<TextTable> lead;  ///< tables of all parts together
-  std::vector<ReportPart> parts;
-  std::vector<std::string> notes;  ///< what the columns mean and how it was measured
-  std::string style = {};          ///< of the page's figures
-  std::string json;                ///< table.json
-  /// Pictures: names of files and what is in them.
-  std::vector<std::pair<std::string, std::string>> pictures = {};
-};
-
-/// "town-loop-closing-off.svg"
-std::string picture_name(const std::string& drive, std::size_t loop_closing);
-
-/// Of drives: tables, error maps and error over distance.
-TableReport drives_report(const std::vector<DriveFigures>& drives);
-/// Of many drives from seeds, together and by kind: tables, and each method's drift minus the one's
-/// that it is paired with: a dot per drive, the mean and its interval.
-TableReport statistics_report(const TableSample& sample);
-
-/// What is printed: the tables of all parts together, or those of the first part, which is all.
-std::string printed(const TableReport& report);
-std::string markdown_of(const TableReport& report);
-/// A page that needs no other file.
-std::string html_of(const TableReport& report);
+// table.json.
 
 /// In every table.json: tells one from other files.
 inline constexpr const char* kTableJsonMarker = R"("written_by": "hqslam-lab table")";
 /// {"drives": figures that are the same in every run, "timings": those that are not}.
 std::string drives_json(const std::vector<DriveFigures>& drives);
-
-/// The statistics of a part of a sample, for all drives "all".
-struct PartStatistics {
-  std::string name;
-  TableSample sample;
-  std::vector<MethodStatistics> methods;
-};
-/// All drives, then those of each kind.
-std::vector<PartStatistics> parts_of(const TableSample& sample);
-/// Per method what its rows say, and what it did on every drive. Figures that are the same in every
-/// run, but for "slam_ms".
+/// Per method the figures of its rows, and those of every drive. All but "slam_ms" are the same in
+/// every run.
 std::string statistics_json(const std::vector<PartStatistics>& parts);
-
-/// Statistics of every method: what is written of each, in tables and in files.
-struct StatisticsColumn {
-  const char* column;
-  const char* key;  ///< in files; nullptr: not as an estimate
-  int decimals;     ///< in tables
-  bool of_others;   ///< says nothing of the method that the others are paired with
-  std::function<std::optional<Estimate>(const MethodStatistics& method)> of;
-};
-const std::vector<StatisticsColumn>& summary_columns();
-const std::vector<StatisticsColumn>& pair_columns();
-
-/// The trajectories of a drive's methods against LiDAR-64's; nothing in it if that is not there.
-ErrorMap error_map_of(const DriveFigures& drive, std::size_t loop_closing);
 
 }  // namespace hqslam::tools

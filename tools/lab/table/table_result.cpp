@@ -83,7 +83,7 @@ std::optional<TableResult> read_result(const TableSettings& settings, const std:
 
 void save_result(const TableResult& result, const std::string& folder) {
   std::error_code ignored;
-  fs::create_directories(folder, ignored);  // writing says what is wrong
+  fs::create_directories(folder, ignored);  // the writer reports errors
   const std::string& method = result.settings.method;
   SortedJson hashes;
   for (std::size_t i = 0; i < trajectories_of(result.settings); ++i) {
@@ -101,7 +101,7 @@ void save_result(const TableResult& result, const std::string& folder) {
                              {"left_out", result.left_out},
                              {"trajectory_hash", hashes}}},
                            {"timings", result.timings}};
-  // The trajectories first: a result counts as there when this file and their hashes agree.
+  // The trajectories come first: a result exists once this file has their hashes.
   write_text_file(json.dump(2, ' ', false, SortedJson::error_handler_t::replace) + "\n",
                   json_path(method, folder));
 }

@@ -10,21 +10,21 @@
 
 #include "compare/upsampling_comparison.h"
 #include "hqslam/core/error.h"
+#include "hqslam/lego_loam/lego_loam.h"
+#include "hqslam/nn/compare/compared_networks.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
 #include "hqslam/nn/instruction_set.h"
 #include "hqslam/nn/upsampled_cloud.h"
-#include "hqslam/slam/lego_loam_as_published.h"
+#include "hqslam/pipeline/drive_memory.h"
 #include "hqslam/slam/slam.h"
 #include "recording/reading.h"
 #include "table/table_work.h"
 #include "timing/timing.h"
-#include "upsample/drive_memory.h"
-#include "upsample/upsampled_input.h"
 
 namespace hqslam::tools {
 namespace {
 
-/// As the system calls it, "unknown processor" if it does not say.
+/// The processor's name, "unknown processor" where the system has none.
 std::string processor_name() {
   std::ifstream stream("/proc/cpuinfo");
   for (std::string line; std::getline(stream, line);) {
@@ -36,12 +36,14 @@ std::string processor_name() {
 
 /// What the pass's methods have in common: nothing fills the rows where they see them as recorded,
 /// and no network's last filter runs.
-UpsampledInput shared_input(const TablePass& pass) {
+pipeline::UpsampledRecording shared_input(const TablePass& pass) {
   const TableMethod& method = pass.methods.front();
   const std::string weights = weights_of(method, pass.drive.sensor.name);
-  return upsampled_input(pass.drive.recording,
-                         {weights.empty() ? method.source : weights, method.rows},
-                         {.filter_result = false});
+  pipeline::UpsamplingOptions upsampling{weights.empty() ? method.source : weights, method.rows};
+  upsampling.network.filter_result = false;
+  upsampling.network.architectures = nn::all_architectures();
+  return pipeline::open_upsampled(pass.drive.recording.input, open_options(pass.drive.recording),
+                                  upsampling);
 }
 
 std::optional<nn::OutlierRemoval> filter_of(const TableMethod& method,
@@ -49,24 +51,24 @@ std::optional<nn::OutlierRemoval> filter_of(const TableMethod& method,
   if (!method.filtered) return std::nullopt;
   const nn::NetworkDescription& network = upsampler->network()->description();
   const std::optional<nn::OutlierRemovalOptions> filter = last_filter(network);
-  if (!filter) return std::nullopt;  // it was made without one
+  if (!filter) return std::nullopt;  // the network has no filter at its end
   return nn::OutlierRemoval(network.sensor, network.measured_rows, *filter, network.sensor.columns);
 }
 
-using SlamSystem = std::variant<slam::Slam, slam::LegoLoamAsPublished>;
+using SlamSystem = std::variant<slam::Slam, lego_loam::LegoLoam>;
 
 SlamSystem system_of(const SlamSetup& setup) {
-  if (setup.as_published) return slam::LegoLoamAsPublished(setup.sensor);
+  if (setup.as_published) return lego_loam::LegoLoam(setup.sensor);
   return slam::Slam(setup.sensor, setup.options);
 }
 
-/// SLAM and what it took.
+/// SLAM with its times.
 struct TimedSlam {
   explicit TimedSlam(const SlamSetup& setup) : system(system_of(setup)) {}
 
   void add(const OrganizedCloud& cloud, double stamp_s) {
-    if (auto* as_published = std::get_if<slam::LegoLoamAsPublished>(&system)) {
-      times_ms.push_back(1e3 * seconds_of([&] { as_published->process(cloud, stamp_s); }));
+    if (auto* lego_loam = std::get_if<lego_loam::LegoLoam>(&system)) {
+      times_ms.push_back(1e3 * seconds_of([&] { lego_loam->process(cloud, stamp_s); }));
       return;
     }
     times_ms.push_back(
@@ -76,7 +78,7 @@ struct TimedSlam {
 
   /// Of the last scan.
   bool is_located() const {
-    return std::holds_alternative<slam::LegoLoamAsPublished>(system) ||
+    return std::holds_alternative<lego_loam::LegoLoam>(system) ||
            slam::is_registered(report.mapping_status);
   }
 
@@ -112,7 +114,7 @@ struct TimedSlam {
   std::int64_t loops_closed = 0;
 };
 
-/// One method on its way through the drive.
+/// The run of one method over the drive.
 class MethodRun {
  public:
   MethodRun(const TableMethod& method, const SensorModel& sensor, const nn::Upsampler* upsampler,
@@ -122,12 +124,13 @@ class MethodRun {
     if (loop_closing) slam_.emplace_back(slam_setup(method, sensor, true));
   }
 
-  /// The rows as they are.
+  /// A cloud for SLAM.
   void add(const OrganizedCloud& cloud, double stamp_s) {
     for (TimedSlam& slam : slam_) slam.add(cloud, stamp_s);
   }
 
-  /// upsampled: all rows, before the filter; shared_s: what it took. scored: compare with `truth`.
+  /// upsampled: all rows, before the filter; shared_s: the time of upsampling. scored: compare with
+  /// `truth`.
   void add_upsampled(nn::UpsampledImage upsampled, double shared_s, const OrganizedCloud& measured,
                      const nn::Upsampler& upsampler, const RecordedScan& truth, bool scored) {
     const double filter_s = filter_ ? seconds_of([&] { remove_outliers(upsampled.image); }) : 0.0;
@@ -139,7 +142,7 @@ class MethodRun {
           nn::upsampled_cloud(upsampled, measured, upsampler.measured_rows(), upsampler.sensor());
     });
     add(cloud, truth.stamp_s);
-    // A scan that is upsampled from nothing is no image to score.
+    // A scan without measured returns is not scored.
     if (scored && !points_of(measured).empty()) score(upsampled.image, cloud, truth.cloud);
   }
 
@@ -196,34 +199,34 @@ class Pass {
  public:
   explicit Pass(const TablePass& pass)
       : input_(shared_input(pass)),
-        memory_(input_.upsampler_or_null()),
+        memory_(upsampler().method()),
         score_every_((pass.drive.scans + pass.scored_scans - 1) / pass.scored_scans) {
     for (const TableMethod& method : pass.methods) {
-      runs_.emplace_back(method, input_.seen(), input_.upsampler_or_null(), pass.loop_closing);
+      runs_.emplace_back(method, upsampler().sensor(), upsampler().method(), pass.loop_closing);
     }
   }
 
-  UpsampledInput& input() { return input_; }
+  recordings::Recording& recording() { return input_.recording; }
 
   void add(const RecordedScan& scan, std::int64_t index) {
-    const OrganizedCloud measured = input_.measured(scan.cloud);
-    if (!input_.upsampler) {
+    const OrganizedCloud measured = upsampler().measured(scan.cloud);
+    nn::Upsampler* method = upsampler().method();
+    if (method == nullptr) {
       for (MethodRun& run : runs_) run.add(measured, scan.stamp_s);
       return;
     }
     const RangeImage image = range_image(measured);
     nn::UpsampledImage upsampled;
     const double shared_s = seconds_of([&] {
-      upsampled = input_.upsampler->run(
+      upsampled = method->run(
           image, memory_.recall(measured, runs_.front().slam().trajectory(), scan.stamp_s));
     });
     for (MethodRun& run : runs_) {
-      run.add_upsampled(upsampled, shared_s, measured, *input_.upsampler, scan,
-                        index % score_every_ == 0);
+      run.add_upsampled(upsampled, shared_s, measured, *method, scan, index % score_every_ == 0);
     }
-    // Where the first method of the pass has it.
+    // At the pose of the first method of the pass.
     const TimedSlam& slam = runs_.front().slam();
-    memory_.remember(measured, slam.trajectory(), slam.is_located());
+    memory_.insert(measured, slam.trajectory(), slam.is_located());
   }
 
   std::vector<TableResult> results(const TablePass& pass,
@@ -237,9 +240,10 @@ class Pass {
       result.timings.threads = omp_get_max_threads();
       result.timings.processor = processor_name();
       result.timings.instruction_set = nn::name(nn::chosen_instruction_set());
-      if (input_.upsampler && input_.upsampler->network() != nullptr) {
-        result.network = NetworkSize{input_.upsampler->network()->parameters(),
-                                     input_.upsampler->network()->multiply_adds()};
+      const nn::Upsampler* method = upsampler().method();
+      if (method != nullptr && method->network() != nullptr) {
+        result.network =
+            NetworkSize{method->network()->parameters(), method->network()->multiply_adds()};
       }
       results.push_back(std::move(result));
     }
@@ -247,19 +251,21 @@ class Pass {
   }
 
  private:
-  UpsampledInput input_;
-  DriveMemory memory_;
+  pipeline::Upsampler& upsampler() { return input_.upsampler; }
+
+  pipeline::UpsampledRecording input_;
+  pipeline::DriveMemory memory_;
   std::int64_t score_every_;
   std::vector<MethodRun> runs_;
 };
 
-/// SLAM can do with a clock that is set back, a comparison of trajectories by their stamps can not.
+/// SLAM works with a clock that is set back; a comparison of trajectories by stamps does not.
 void require_rising(const RecordedScan& scan, double last_stamp_s) {
   if (scan.stamp_s > last_stamp_s) return;
   throw Error(
-      "{}: has the stamp {:.6f} s, expected one after that of the scan before, {:.6f} s; give "
-      "stamps that rise with --stamps",
-      scan.name, scan.stamp_s, last_stamp_s);
+      "{}: expected a stamp after that of the scan before, {:.6f} s, found {:.6f} s; give rising "
+      "stamps with --stamps",
+      scan.name, last_stamp_s, scan.stamp_s);
 }
 
 }  // namespace
@@ -267,14 +273,13 @@ void require_rising(const RecordedScan& scan, double last_stamp_s) {
 std::vector<TableResult> run_pass(const TablePass& pass, const InterruptGuard& interrupt,
                                   const std::function<void()>& on_scan) {
   Pass state(pass);
-  const std::unique_ptr<ScanSource> source = state.input().open();
   Reading reading;
   std::vector<std::int64_t> scan_of_pose;
   double last_stamp_s = -std::numeric_limits<double>::infinity();
-  read_scans(*source, interrupt, reading, [&](const ReadScan& read) {
+  read_scans(state.recording(), interrupt, reading, [&](const ReadScan& read) {
     require_rising(read.scan, last_stamp_s);
     last_stamp_s = read.scan.stamp_s;
-    // SLAM looks at the times before anything else: of a scan that it leaves out nothing stays.
+    // SLAM checks the point times first, so a scan that it leaves out does not change its state.
     state.add(read.scan, std::ssize(scan_of_pose));
     scan_of_pose.push_back(read.index);
     on_scan();

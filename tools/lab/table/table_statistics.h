@@ -12,15 +12,15 @@
 
 namespace hqslam::tools {
 
-/// A figure computed from a sample, and how far it may be off.
+/// A figure computed from a sample, with its interval.
 struct Estimate {
   double value = 0.0;
   double low = 0.0;  ///< of the 95 % interval
   double high = 0.0;
 };
 
-/// A figure of a sample: in, which of its n members are looked at, in any order and as often as
-/// they come; NaN where it has none.
+/// A figure of a sample as a function of its members, in any order and possibly repeated; NaN where
+/// they have no figure.
 using SampleFigure = std::function<double(const std::vector<std::size_t>& members)>;
 
 /// The figure of members 0 to n - 1, with its 95 % bootstrap interval by percentiles (Efron &
@@ -54,13 +54,13 @@ struct TableSample {
   std::vector<DriveSample> drives;
 };
 
-/// What one drive adds. Nothing where a method is missing or too few of its poses have a partner in
-/// the truth.
+/// The sample of one drive. Nothing where a method is missing or too few of its poses have a true
+/// pose.
 std::optional<DriveSample> drive_sample(const DriveFigures& drive,
                                         const std::vector<TableMethod>& methods);
 /// The names of the sample's drives, each once.
 std::vector<std::string> drive_names(const TableSample& sample);
-/// The drives of one name alone.
+/// The part of the sample with the drives of one name.
 TableSample of_drive(const TableSample& sample, const std::string& name);
 
 /// One method over all drives, and beside the one that the table pairs with, drive by drive. Means
@@ -84,10 +84,30 @@ struct MethodStatistics {
   /// Share of the gap between LiDAR-16's drift and LiDAR-64's that the method closes: 0 is
   /// LiDAR-16, 1 is LiDAR-64. Nothing where one of the two is not in the table.
   std::optional<Estimate> gap_closed;
-  std::optional<Estimate> slip_gap_closed;  ///< the same of slips
+  std::optional<Estimate> slip_gap_closed;  ///< share of the gap between their slips
 };
 MethodStatistics statistics_of(const TableSample& sample, std::size_t method);
-/// Of every method.
+/// The statistics of every method.
 std::vector<MethodStatistics> statistics_of(const TableSample& sample);
+
+/// The statistics of a part of a sample, for all drives "all".
+struct PartStatistics {
+  std::string name;
+  TableSample sample;
+  std::vector<MethodStatistics> methods;
+};
+/// All drives, then those of each kind.
+std::vector<PartStatistics> parts_of(const TableSample& sample);
+
+/// One figure of a method's statistics, in tables and in files.
+struct StatisticsColumn {
+  const char* column;
+  const char* key;  ///< in files; nullptr: not as an estimate
+  int decimals;     ///< in tables
+  bool of_others;   ///< not of the method that the others are paired with
+  std::function<std::optional<Estimate>(const MethodStatistics& method)> of;
+};
+const std::vector<StatisticsColumn>& summary_columns();
+const std::vector<StatisticsColumn>& pair_columns();
 
 }  // namespace hqslam::tools

@@ -30,7 +30,7 @@ std::string parameters_text(const MethodFigures& figures) {
   return network ? count_text(network->parameters) : kNoFigure;
 }
 
-/// RMSE in metres, as part of the path, and as part of that of the 16 rows alone.
+/// Adds the RMSE in metres, as a share of the path, and as a share of LiDAR-16's.
 void add_ape(std::vector<std::string>& cells, const std::optional<ErrorFigures>& error,
              const std::optional<ErrorFigures>& of_measured_rows) {
   cells.push_back(error ? three_digits(error->ape_rmse_m()) : kNoFigure);
@@ -97,7 +97,7 @@ std::string machine_text(const TableTimings& timings) {
                      timings.threads == 1 ? "" : "s", timings.instruction_set);
 }
 
-/// What the results were made with.
+/// Machines, builds and weights of the results.
 struct Circumstances {
   std::set<std::string> machines;
   std::set<std::string> builds;
@@ -210,11 +210,11 @@ std::vector<std::string> drives_notes(const std::vector<DriveFigures>& drives) {
       "rows; it is a trajectory with errors of its own, not the truth.");
   if (find_method(drives.front(), table_methods().back().name) == nullptr) {
     notes.emplace_back(
-        "Nothing stands against LiDAR-64: rows-64 was not among the methods (--methods).");
+        "No figures against LiDAR-64: rows-64 was not among the methods (--methods).");
   }
   notes.push_back(fmt::format(
-      "RPE: relative pose error, RMSE over all stretches of {:.0f} m, against the truth or, where "
-      "there is none, against LiDAR-64.",
+      "RPE: relative pose error, RMSE over all segments of {:.0f} m, against the truth or, without "
+      "it, against LiDAR-64.",
       kDriftPiece_m));
   notes.push_back(fmt::format(
       "MAE: mean |range - true range|; all pixels: no return counts as 0 m; valid: both have a "
@@ -222,10 +222,10 @@ std::vector<std::string> drives_notes(const std::vector<DriveFigures>& drives) {
       "{} scans, evenly spread. OR: the outlier filter at the end.",
       kMostScoredScans));
   notes.emplace_back(
-      "Upsampling, frames/s: one by the median time from an image of 16 rows to one of 64, taken "
-      "between two runs of SLAM; hqslam-lab bench takes it alone. Whole chain: scans by the total "
-      "time "
-      "from a scan of 16 rows to its pose (upsampling, points, SLAM). Reading, simulating and "
+      "Upsampling, frames/s: 1 / median time from an image of 16 rows to one of 64, measured "
+      "between "
+      "two runs of SLAM; hqslam-lab bench measures it alone. Whole chain: number of scans / total "
+      "time from a scan of 16 rows to its pose (upsampling, points, SLAM). Reading, simulating and "
       "writing are in neither. SLAM, ms: median per scan.");
   notes.push_back(fmt::format("Made by build {} of the program, on: {}.",
                               fmt::join(circumstances.builds, ", "),

@@ -15,7 +15,6 @@
 #include "table/result_sources_hash.h"
 #include "table/table_drive.h"
 #include "terminal/progress.h"
-#include "upsample/upsampled_input.h"
 
 namespace hqslam::tools {
 namespace {
@@ -24,23 +23,25 @@ namespace fs = std::filesystem;
 
 SensorModel sensor_of(const TableDrive& drive) {
   const InputChoice& recording = drive.recording;
-  SensorModel sensor = required_recording_sensor(recording);
+  SensorModel sensor =
+      recordings::Recording::open(recording.input, open_options(recording)).sensor();
   if (sensor.rows() == kTableAllRows) return sensor;
   throw Error(
-      "{}: expected a recording with {} rows, of which 16 are upsampled, found '{}' with {}; give "
-      "another of --drives, or --sensor",
+      "{}: expected a recording with {} rows, found sensor '{}' with {}; give another of --drives, "
+      "or --sensor",
       recording.input, kTableAllRows, sensor.name, sensor.rows());
 }
 
-/// Weights that cannot upsample the drive are named before the work.
+/// Throws Error, before the work, for weights that cannot upsample the drive.
 void require_weights(const SensorModel& sensor, const TableDrive& drive, const TablePlan& plan) {
   for (const TableMethod& method : plan.methods) {
     const std::string weights = weights_of(method, sensor.name);
-    if (!weights.empty()) upsampled_sender({drive.name, sensor}, {weights, method.rows});
+    if (weights.empty()) continue;
+    pipeline::Upsampler(sensor, {.method = weights, .rows = method.rows}, drive.name);
   }
 }
 
-/// Results of another number of scans, or of another build, lie beside each other.
+/// The folder of a drive's results, which depends on the number of scans and on the build.
 std::string result_folder(const TableDrive& drive, std::int64_t scans, const std::string& out) {
   constexpr std::size_t kDigits = 8;
   return (fs::path(out) / "results" / drive.name /
@@ -50,7 +51,9 @@ std::string result_folder(const TableDrive& drive, std::int64_t scans, const std
 
 PreparedDrive prepared(const TableDrive& drive, const TableOptions& options) {
   const SensorModel sensor = sensor_of(drive);
-  const std::int64_t size = scans_in(drive.recording, *open_input(drive.recording, sensor));
+  const std::int64_t size =
+      scans_in(drive.recording,
+               recordings::Recording::open(drive.recording.input, open_options(drive.recording)));
   const std::int64_t scans = std::min(size, options.scans.value_or(size));
   return {
       {drive}, sensor, scans, identity_of(drive, scans), result_folder(drive, scans, options.out)};
@@ -73,7 +76,7 @@ TableSettings settings_of(const PreparedDrive& drive, const TableMethod& method,
   return settings;
 }
 
-/// What is left to do on a drive.
+/// The passes that are left on a drive.
 std::vector<TablePass> passes_on(const PreparedDrive& drive, const TablePlan& plan) {
   std::vector<TableMethod> missing;
   for (const TableMethod& method : plan.methods) {
@@ -138,9 +141,9 @@ bool run_drive(DriveWork& work, const TablePlan& plan, const TableOptions& optio
   return true;
 }
 
-/// Does the job on all drives: one after the other or, over seeds, as many side by side as OpenMP
-/// has threads, with one thread each. `scans`: of all drives together. Returns false if it was
-/// interrupted.
+/// Does the job on all drives: one after the other or, over seeds, in parallel on as many drives as
+/// OpenMP has threads, with one thread each. `scans`: of all drives together. Returns false if it
+/// was interrupted.
 bool on_drives(std::vector<DriveWork>& works, const TablePlan& plan, std::int64_t scans,
                const std::function<bool(DriveWork&, Progress&)>& job) {
   if (scans == 0) return true;
@@ -160,7 +163,7 @@ bool run_drives(std::vector<DriveWork>& works, const TablePlan& plan, const Tabl
   });
 }
 
-/// This rank's share of the drives that are to be simulated; nothing is left to run on them yet.
+/// This rank's share of the drives that are to be simulated.
 std::vector<DriveWork> own_simulations(const std::vector<DriveWork>& works, const Ranks& ranks) {
   std::vector<DriveWork> own;
   for (std::size_t i = 0; i < works.size(); ++i) {
@@ -169,9 +172,9 @@ std::vector<DriveWork> own_simulations(const std::vector<DriveWork>& works, cons
   return own;
 }
 
-/// Leaves each work the passes that are this rank's. A pass goes by its place in the whole plan,
-/// all drives of one kind of pass after the other: every rank gets as many of the slow ones, and
-/// what others have finished meanwhile moves none.
+/// Removes the passes of other ranks. A pass is assigned by its place in the whole plan, all drives
+/// of one kind of pass after the other: every rank gets an equal number of slow passes, and the
+/// assignment does not change as passes are finished.
 void keep_own_passes(std::vector<DriveWork>& works, const TablePlan& plan, const Ranks& ranks) {
   const std::vector<std::vector<TableMethod>> kinds = passes_of(plan.methods);
   for (std::size_t drive = 0; drive < works.size(); ++drive) {
@@ -199,7 +202,7 @@ bool simulate_drives(std::vector<DriveWork>& works, const TablePlan& plan,
 
 std::vector<DriveWork> work_of(const TablePlan& plan, const TableOptions& options) {
   std::vector<DriveWork> works;
-  // Before anything is written. The sensor of simulated drives is always the same.
+  // Before anything is written; all simulated drives have one sensor.
   bool simulated = false;
   for (const TableDrive& drive : plan.drives) {
     if (drive.simulated && simulated) continue;
@@ -238,7 +241,7 @@ FoundResults results_of(const PreparedDrive& drive, const std::vector<TableMetho
         found.results.push_back(std::move(*result));
       }
     } catch (const Error&) {
-      continue;  // no weights for this sensor: nothing can be there
+      continue;  // no weights for this sensor, so no result
     }
   }
   return found;

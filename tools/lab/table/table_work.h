@@ -6,15 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "hqslam/core/ranks.h"
 #include "hqslam/core/sensor_model.h"
+#include "hqslam/nn/training/ranks.h"
 #include "table/table_figures.h"
 #include "table/table_plan.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {
 
-/// A drive whose recording is there.
+/// A drive whose recording exists.
 struct PreparedDrive : TableDrive {
   SensorModel sensor;      ///< of the recording
   std::int64_t scans = 0;  ///< of the recording that are used
@@ -31,26 +31,26 @@ struct TablePass {
   std::int64_t scored_scans = 0;        ///< at most; see run_pass
 };
 
-/// Streams the drive once through the upsampling and hands every scan to SLAM, for each method
-/// without and, if the pass asks for it, with loop closing. Calls `on_scan` after each scan. Times
-/// are taken around upsampling, around making points of its result and around each SLAM alone;
-/// reading, scoring and writing are in none of them. At most `scored_scans` scans, evenly spread,
-/// are compared with the recording's own rows. What cannot be understood is left out and counted.
-/// Returns nothing if it was interrupted. Throws Error, also if nothing could be used.
+/// Upsamples the drive once and hands every scan to SLAM, for each method without and, if the pass
+/// has it, with loop closing. Calls `on_scan` after each scan. Upsampling, making points of its
+/// result, and each SLAM are timed separately; reading, scoring and writing are not. At most
+/// `scored_scans` scans, evenly spread, are compared with the recording's rows. Unreadable scans
+/// are left out and counted. Returns nothing if it was interrupted. Throws Error, also if no scan
+/// is readable.
 std::vector<TableResult> run_pass(const TablePass& pass, const InterruptGuard& interrupt,
                                   const std::function<void()>& on_scan);
 inline constexpr std::int64_t kMostScoredScans = 200;
 inline constexpr std::int64_t kScoredPerSeed = 20;  ///< of each of many drives
 
-/// One drive on its way through the table.
+/// The state of one drive of the table.
 struct DriveWork {
   TableDrive drive;
-  std::optional<PreparedDrive> prepared;  ///< once its recording is there
+  std::optional<PreparedDrive> prepared;  ///< once its recording exists
   std::vector<TablePass> passes;          ///< that are left to do
 };
 
-/// What a plan leaves to do, in the order of its drives. Throws Error, before anything is written,
-/// for a recording that a table cannot be made of.
+/// The work that is left, in the order of the plan's drives. Throws Error, before anything is
+/// written, for a recording that is not fit for a table.
 std::vector<DriveWork> work_of(const TablePlan& plan, const TableOptions& options);
 
 /// Simulates and runs what is missing, and saves every result: drive by drive, or, over seeds, as
@@ -61,7 +61,7 @@ std::vector<DriveWork> work_of(const TablePlan& plan, const TableOptions& option
 bool run_missing(std::vector<DriveWork>& works, const TablePlan& plan, const TableOptions& options,
                  const InterruptGuard& interrupt, Ranks& ranks);
 
-/// The results of these methods that are there, whoever computed them, and their methods.
+/// The existing results of these methods, of all ranks.
 struct FoundResults {
   std::vector<TableMethod> methods;
   std::vector<TableResult> results;

@@ -16,17 +16,17 @@
 #include "hqslam/core/npy.h"
 #include "ranks/ranks.h"
 #include "terminal/progress.h"
-#include "train/recollection.h"
+#include "train/drive_recall.h"
 
 namespace hqslam::tools {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Raised whenever the same drive begins to recall something else.
+/// Raised whenever the recall of the same drive changes.
 constexpr int kMemoryRevision = 2;
 
-/// Everything that decides the bytes of a stored drive.
+/// Everything that determines the bytes of a stored drive.
 std::string key_of(const StoredDrive& drive, const SensorModel& sensor) {
   const sim::DriveSpec& spec = drive.spec;
   nlohmann::ordered_json key;
@@ -43,8 +43,8 @@ std::string key_of(const StoredDrive& drive, const SensorModel& sensor) {
     key["sensor_errors"] = sim::name_of(spec.sensor_errors);
   }
   key["sensor"] = sensor_json(sensor);
-  if (drive.remembered_rows) {
-    key["memory"] = {kMemoryRevision, drive.remembered_rows->offset, drive.remembered_rows->stride};
+  if (drive.recalled_rows) {
+    key["memory"] = {kMemoryRevision, drive.recalled_rows->offset, drive.recalled_rows->stride};
     if (drive.look_ahead) key["memory"].push_back("look ahead");
   }
   return key.dump();
@@ -68,13 +68,13 @@ void rename_to(const std::string& from, const std::string& to) {
   }
 }
 
-/// What store_drive() writes on the way to a name of path_in_store.
+/// The name of an unfinished file of store_drive().
 bool is_part(const std::string& name) {
   static const std::regex part(R"(.+_\d+_[0-9a-f]+\.npy\.\d+\.part)");
   return std::regex_match(name, part);
 }
 
-/// Of programs that were killed: nobody has a lock on them.
+/// Removes the unfinished files of programs that were killed: no program holds a lock on them.
 void remove_abandoned_parts(const fs::path& folder) {
   std::error_code error;
   std::vector<fs::path> abandoned;
@@ -87,16 +87,16 @@ void remove_abandoned_parts(const fs::path& folder) {
   for (const fs::path& path : abandoned) fs::remove(path, error);
 }
 
-/// simulate() of a drive whose scans recall earlier ones: of those between only the rows that are
-/// remembered are simulated.
+/// Simulates a drive with recall. Of scans that are not stored only the recalled rows are
+/// simulated.
 bool simulate_with_memory(const StoredDrive& drive, const SensorModel& sensor,
                           NpyStackWriter& writer, const std::function<bool()>& stopping,
                           Progress& progress) {
-  const RowSelection rows = *drive.remembered_rows;
+  const RowSelection rows = *drive.recalled_rows;
   sim::DriveSimulator simulator(drive.spec, sensor);
-  Recollection recollection(sensor, rows, drive.look_ahead, drive.spec.seed);
+  DriveRecall recall(sensor, rows, drive.look_ahead, drive.spec.seed);
   const auto write_finished = [&](bool is_last) {
-    while (const auto image = recollection.finished(is_last)) {
+    while (const auto image = recall.finished(is_last)) {
       writer.append(*image);
       progress.advance();
     }
@@ -105,9 +105,9 @@ bool simulate_with_memory(const StoredDrive& drive, const SensorModel& sensor,
     if (stopping()) return false;
     const bool kept = i % drive.every == 0;
     const auto scan = simulator.next(kept ? std::nullopt : std::optional(rows));
-    if (kept) recollection.want(*scan);
+    if (kept) recall.want(*scan);
     write_finished(false);
-    recollection.remember(*scan);
+    recall.add(*scan);
   }
   write_finished(true);
   return true;
@@ -116,7 +116,7 @@ bool simulate_with_memory(const StoredDrive& drive, const SensorModel& sensor,
 /// Returns false if it stopped before the end.
 bool simulate(const StoredDrive& drive, const SensorModel& sensor, const std::string& path,
               const std::function<bool()>& stopping, Progress& progress) {
-  if (drive.remembered_rows) {
+  if (drive.recalled_rows) {
     NpyStackWriter writer(path, 3 * sensor.rows(), sensor.columns);
     return simulate_with_memory(drive, sensor, writer, stopping, progress);
   }
@@ -131,11 +131,12 @@ bool simulate(const StoredDrive& drive, const SensorModel& sensor, const std::st
   return true;
 }
 
-/// The same, under its name once it is whole. Two programs may be at the same drive.
+/// Simulates a drive into a file that gets its name when it is complete. Two programs may simulate
+/// the same drive at once. Returns false if it stopped before the end.
 bool store_drive(const StoredDrive& drive, const SensorModel& sensor, const std::string& path,
                  const std::function<bool()>& stopping, Progress& progress) {
   const std::string part = fmt::format("{}.{}.part", path, getpid());
-  const RemovedAtEnd part_removed(part);  // nothing stays unless it was renamed
+  const RemovedAtEnd part_removed(part);  // unless it was renamed
   std::ofstream(part).close();
   const FileLock lock(part);
   const bool whole = simulate(drive, sensor, part, stopping, progress);
@@ -175,9 +176,9 @@ bool store_drives(const DriveStore& store, const std::vector<StoredDrive>& drive
                   const SensorModel& sensor, const char* label, const InterruptGuard& interrupt) {
   Ranks& ranks = store.ranks;
   ranks.rank_0_first([&] {
-    if (ranks.rank() == 0) remove_abandoned_parts(store.path);  // while nobody writes any
+    if (ranks.rank() == 0) remove_abandoned_parts(store.path);  // while no rank writes one
   });
-  // By place among all: what is missing changes while others are at work.
+  // Shares go by the place among all drives: the missing ones change while other ranks work.
   std::vector<StoredDrive> missing;
   std::set<std::string> named;  // a drive may be in a recipe twice, to be shown more often
   for (std::size_t i = 0; i < drives.size(); ++i) {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "hqslam/core/ranks.h"
 #include "hqslam/core/sensor_model.h"
+#include "hqslam/nn/training/ranks.h"
 #include "hqslam/sim/drive.h"
 #include "terminal/terminal.h"
 
@@ -17,31 +17,30 @@ namespace hqslam::tools {
 struct StoredDrive {
   sim::DriveSpec spec;
   std::int64_t every = 1;
-  /// The rows whose earlier measurements each scan recalls (nn::ScanMemory); nothing: none are.
-  std::optional<RowSelection> remembered_rows = std::nullopt;
-  bool look_ahead = false;  ///< and the later ones (nn::kLookAheadScans)
+  /// Rows whose points in other scans each scan recalls (nn::ScanMemory); nothing: no recall.
+  std::optional<RowSelection> recalled_rows = std::nullopt;
+  bool look_ahead = false;  ///< recall of later scans too (nn::kLookAheadScans)
 
   std::int64_t scans() const { return (spec.scans + every - 1) / every; }
 };
 
-/// Where a folder of drives keeps this one: an .npy stack of its range images, with what is
-/// recalled below each (M, then W^2, rows x columns each), named by drive and seed and by a hash of
-/// everything that decides its bytes.
+/// Path of a drive in a folder of drives: an .npy stack of its range images, with the recall below
+/// each (M, then W^2, rows x columns each), named by drive and seed and by a hash of everything
+/// that determines its bytes.
 std::string path_in_store(const std::filesystem::path& folder, const StoredDrive& drive,
                           const SensorModel& sensor);
 
-/// Where simulated drives are kept, and by whom and by how many threads of each they are made.
+/// The folder of simulated drives, the ranks that fill it, and the number of threads of each.
 struct DriveStore {
   std::filesystem::path path;
   int threads;
   Ranks& ranks;
 };
 
-/// Simulates the drives that are not in the folder yet, each rank its share of them, as many drives
-/// at a time as the store has threads; returns when all are done. A file appears under its name
-/// when it is whole, so that whatever stops the program, the next call goes on with the drives that
-/// are missing; several programs may share a folder. Shows progress on stderr. Returns false if it
-/// was asked to stop before it was done. Throws Error.
+/// Simulates the drives that are not in the folder yet: each rank its share, as many drives at a
+/// time as the store has threads. A file gets its name when it is complete, so a later call
+/// continues with the missing drives; several programs may share a folder. Shows progress on
+/// stderr. Returns false if it was interrupted. Throws Error.
 bool store_drives(const DriveStore& store, const std::vector<StoredDrive>& drives,
                   const SensorModel& sensor, const char* label, const InterruptGuard& interrupt);
 

@@ -1,3 +1,5 @@
+#include "train/train_command.h"
+
 #include <fmt/format.h>
 #include <omp.h>
 
@@ -12,22 +14,24 @@
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/whole_file.h"
+#include "hqslam/nn/compare/compared_networks.h"
+#include "hqslam/nn/network.h"
 #include "hqslam/nn/training/checkpoint.h"
+#include "hqslam/nn/training/starting_parameters.h"
 #include "hqslam/nn/training/training_configuration.h"
 #include "hqslam/nn/weights_file.h"
-#include "lab_commands.h"
 #include "ranks/ranks.h"
+#include "recording/recording_choice.h"
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
 #include "timing/timing.h"
-#include "train/learning_curve.h"
 #include "train/training_scans.h"
 
 namespace hqslam::tools {
 namespace {
 
-/// A training on its way: what is written and how it goes on.
+/// The state of a training beside its trainer.
 struct Training {
   std::string configuration_path;
   std::string configuration_text;
@@ -41,9 +45,9 @@ struct Training {
   std::string checkpoint_path() const { return (out / "checkpoint.npz").string(); }
 };
 
-/// Throws Error if the results would replace what is not this training's.
+/// Throws Error if the results would replace files of something else.
 void guard_training(const Training& training) {
-  constexpr std::array<const char*, 3> kResults = {"checkpoint.npz", "weights.npz", "curve.svg"};
+  constexpr std::array<const char*, 3> kResults = {"checkpoint.npz", "weights.npz", "curve.json"};
   guard_results(training.out, kResults, std::filesystem::exists(training.checkpoint_path()),
                 "there is no checkpoint.npz of a training",
                 {training.configuration_path, training.configuration.start_from});
@@ -58,7 +62,8 @@ void require_shares(const Training& training, const Ranks& ranks) {
   }
 }
 
-/// Random parameters, those of the weights file to begin with, or the checkpoint's.
+/// The checkpoint's state, or else a new one: with the parameters of the weights file to start from
+/// or, without one, random ones.
 nn::TrainingState starting_state(Training& training) {
   const nn::TrainingConfiguration& c = training.configuration;
   if (std::filesystem::exists(training.checkpoint_path())) {
@@ -70,8 +75,8 @@ nn::TrainingState starting_state(Training& training) {
   }
   std::vector<float> parameters = nn::initial_parameters(c.network, c.plan.seed);
   if (!c.start_from.empty()) {
-    parameters =
-        nn::parameters_to_start_from(nn::read_weights(c.start_from), c.network, c.start_from);
+    parameters = nn::parameters_to_start_from(
+        nn::read_weights(c.start_from, nn::all_architectures()), c.network, c.start_from);
   }
   const std::size_t count = parameters.size();
   std::vector<float> average = parameters;
@@ -85,7 +90,20 @@ nlohmann::ordered_json figures_json(const nn::ImageFigures& figures) {
           {"missing_share", figures.missing_share}};
 }
 
-/// What stands in the weights file about how they were made.
+/// The loss and the validation's errors over the steps.
+std::string curve_json(const std::vector<nn::CurvePoint>& curve) {
+  nlohmann::ordered_json json = {{"written_by", "hqslam-lab train"},
+                                 {"points", nlohmann::ordered_json::array()}};
+  for (const nn::CurvePoint& point : curve) {
+    json["points"].push_back({{"step", point.step},
+                              {"loss", point.loss},
+                              {"network", figures_json(point.validation.network)},
+                              {"linear", figures_json(point.validation.linear)}});
+  }
+  return json.dump(1) + "\n";
+}
+
+/// The part of the weights file that describes the training.
 std::string training_json(const Training& training, const nn::TrainingState& state) {
   nlohmann::ordered_json json;
   json["code_version"] = HQSLAM_VERSION;
@@ -119,13 +137,16 @@ void write_results(const Training& training, const nn::TrainingState& state) {
     network.confidence_exponent = static_cast<float>(v.confidence_exponent);
   }
   const RangeImage sample = select_rows(training.validation.front().truth, network.measured_rows);
+  const auto trained =
+      nn::make_network(network, network.sensor.columns, nn::chosen_instruction_set(), 1);
+  trained->set_parameters(state.average);
   nn::write_weights((training.out / "weights.npz").string(),
                     {network, state.average, training_json(training, state),
-                     nn::make_self_test(network, state.average, sample)});
-  write_text_file(learning_curve_svg(training.curve), (training.out / "curve.svg").string());
+                     nn::make_self_test(*trained, sample)});
+  write_text_file(curve_json(training.curve), (training.out / "curve.json").string());
 }
 
-/// Reads the validation scans; returns those to train on, null if asked to stop.
+/// Reads the validation scans and returns the training scans; null if interrupted.
 std::unique_ptr<const nn::TrainingScans> load_scans(Training& training, const DriveStore& store,
                                                     const InterruptGuard& interrupt) {
   const nn::TrainingConfiguration& c = training.configuration;
@@ -156,7 +177,7 @@ void print_point(const nn::CurvePoint& point, const nn::TrainingConfiguration& c
             point.loss, of_linear(point.validation, configuration.network), left_min);
 }
 
-/// The same scans with nothing recalled; nothing if they recall nothing.
+/// Prints the validation of a network with a memory once more, on the scans without recall.
 void print_without_memory(nn::Trainer& trainer, const nn::NetworkDescription& network,
                           std::vector<nn::TrainingScan> scans) {
   const auto recalls = [](const nn::TrainingScan& scan) { return !scan.recalled.is_empty(); };
@@ -165,7 +186,7 @@ void print_without_memory(nn::Trainer& trainer, const nn::NetworkDescription& ne
   to_stdout("              without memory: {}\n", of_linear(trainer.validate(scans), network));
 }
 
-/// Trains until the last step or until any rank is asked to stop; rank 0 validates and writes.
+/// Trains until the last step or until any rank is interrupted; rank 0 validates and writes.
 /// Returns an ExitStatus.
 int train(Training& training, nn::Trainer& trainer, const InterruptGuard& interrupt, Ranks& ranks) {
   const std::int64_t steps = training.configuration.plan.steps;
@@ -191,12 +212,13 @@ int train(Training& training, nn::Trainer& trainer, const InterruptGuard& interr
   }
   const int status = trainer.state().optimiser.steps < steps ? kInterrupted : kOk;
   if (ranks.rank() > 0) return status;
-  if (first >= steps && !training.curve.empty()) {  // it had ended: only the results anew
+  if (first >= steps && !training.curve.empty()) {  // the training had ended: write the results
     training.curve.back().validation = trainer.validate(training.validation);
     write_results(training, trainer.state());
   }
   progress.finish();
-  write_checkpoint(training, trainer.state());  // between two points of the curve nothing else
+  write_checkpoint(training,
+                   trainer.state());  // between two points of the curve only this is written
   return status;
 }
 
@@ -204,21 +226,23 @@ int train(Training& training, nn::Trainer& trainer, const InterruptGuard& interr
 
 void declare(CLI::App& app, TrainOptions& options) {
   Command command = add_command(
-      app, "train", "Train a super-resolution network on simulated or own scans",
-      R"(Writes into --out: weights.npz (for --weights and --upsample), checkpoint.npz, curve.svg.
-The drives of the recipe are simulated once (0.26 MB for a scan of 64 x 1024) and read
-from --drives scan by scan.
-Ctrl-C stops after the step; the same command goes on exactly where it stopped. The recipes
-of the weights that come with hqslam are beside them, weights/*.json.
-mpirun -n N shares each batch among N processes, with the same bytes as a result; N must
-divide the batch, and all must see the same folders.)");
+      app, "train", "Train a super-resolution network on simulated drives and your own scans",
+      R"(Writes into --out: weights.npz (for --weights and --upsample), checkpoint.npz, and
+curve.json: the errors of network and linear interpolation over the steps.
+The drives of the recipe are simulated once into --drives (0.26 MB for a scan of 64 x 1024)
+and read from there scan by scan.
+Ctrl-C stops after the current step; the same command then continues exactly there. The
+recipes of the weights that come with hqslam are weights/*.json.
+mpirun -n N shares each batch among N processes and gives the same bytes; N must divide
+the batch, and all processes must have access to the same folders.)");
   command
       .option("--config", &options.config, "Network, data and recipe (.json)", {.required = true})
-      .option("--out", &options.out, "Folder for results; a checkpoint in it is continued from",
+      .option("--out", &options.out,
+              "Folder for results; a training whose checkpoint is in it is continued",
               {.required = true})
       .option("--drives", &options.drives,
-              "Folder that keeps the simulated drives (default: OUT/drives); trainings may share "
-              "one");
+              "Folder for the simulated drives, which several trainings may share (default: "
+              "OUT/drives)");
   declare_threads(command, options.threads);
 }
 
@@ -232,8 +256,8 @@ int run(const TrainOptions& options) {
   ranks->rank_0_first([&] {
     training.configuration_text =
         whole_file(options.config, "a training configuration (.json)", 1U << 20U);
-    training.configuration =
-        nn::training_configuration(training.configuration_text, options.config);
+    training.configuration = nn::training_configuration(training.configuration_text, options.config,
+                                                        nn::all_architectures());
     training.out = options.out;
     if (ranks->rank() == 0) {
       guard_training(training);
@@ -262,7 +286,7 @@ int run(const TrainOptions& options) {
             training.validation.size(), trainer.state().optimiser.steps);
   const int status = train(training, trainer, interrupt, *ranks);
   if (status == kInterrupted && ranks->rank() == 0) {
-    to_stderr("hqslam: interrupted at step {}; the same command goes on from there\n",
+    to_stderr("hqslam-lab: interrupted at step {}; the same command continues from there\n",
               trainer.state().optimiser.steps);
   }
   to_stdout("results: {}\n", options.out);

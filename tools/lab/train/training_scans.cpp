@@ -30,8 +30,8 @@ std::string expanded(const std::string& path) {
   return value + path.substr(slash);
 }
 
-/// A recording's folder as a stack in the store, written once: a name made of its path and files,
-/// and of the sensor.
+/// The path of a stack in the store with the scans of a recording's folder. It is written once; its
+/// name is a hash of the folder's path and files and of the sensor.
 std::string stack_of_recording(const std::string& folder, const SensorModel& sensor,
                                const DriveStore& store) {
   const std::string about =
@@ -46,7 +46,7 @@ std::string stack_of_recording(const std::string& folder, const SensorModel& sen
     while (const auto scan = next_usable(*source, left_out)) {
       writer.append(range_image(scan->cloud));
     }
-    if (left_out.scans > 0) to_stderr("hqslam: {}: {}\n", folder, left_out.text());
+    if (left_out.scans > 0) to_stderr("hqslam-lab: {}: {}\n", folder, left_out.text());
   });
   return path.string();
 }
@@ -63,15 +63,15 @@ std::vector<StoredDrive> drives_of(const nn::ScanSet& set, const nn::NetworkDesc
         spec = sim::with_varied_conditions(spec);
       }
       drives.push_back({spec, simulated.every});
-      if (has_scan_memory(network)) drives.back().remembered_rows = network.measured_rows;
+      if (has_scan_memory(network)) drives.back().recalled_rows = network.measured_rows;
       drives.back().look_ahead = simulated.look_ahead;
     }
   }
   return drives;
 }
 
-/// Throws Error if none of five images from all over a stack has a return that the sensor can have
-/// had: millimetres, an empty file, no ranges at all.
+/// Throws Error if none of five evenly spread images of a stack has a range that the sensor can
+/// measure, as in a stack in millimetres, without images or without ranges.
 void require_returns(const std::string& path, const SensorModel& sensor) {
   constexpr std::int64_t kTried = 5;
   NpyStackReader reader(path);
@@ -142,7 +142,7 @@ std::unique_ptr<const StoredScans> stored_scans(const nn::ScanSet& set,
                                                           : path);
     }
   });
-  // What is wrong with a stack should be said before hours of simulation.
+  // Errors in a stack are reported before hours of simulation.
   static_cast<void>(StoredScans(paths, sensor));
   const std::vector<StoredDrive> drives = drives_of(set, network);
   if (!store_drives(store, drives, sensor, label, interrupt)) {

@@ -10,8 +10,8 @@
 
 namespace hqslam::tools {
 
-/// The scans of .npy stacks, read one by one from their files; what is no range (NaN, infinite,
-/// negative) is no return. Images of three times the sensor's rows have what is recalled.
+/// The scans of .npy stacks, read one by one from their files. Values that are no ranges (NaN,
+/// infinite, negative) become no return. Images with three times the sensor's rows have recall.
 class StoredScans final : public nn::TrainingScans {
  public:
   /// Throws Error if a file cannot be read or has images of another shape than the sensor's.
@@ -32,9 +32,9 @@ class StoredScans final : public nn::TrainingScans {
   int columns_;
 };
 
-/// All scans of a set in its order, stacks first, then drives; those that are not in the folder
-/// yet are simulated. Shows progress on stderr; null if asked to stop meanwhile. Throws Error, also
-/// for a stack of another shape than the sensor's.
+/// All scans of a set in its order, stacks first, then drives, which are simulated if they are not
+/// in the folder yet. Shows progress on stderr. Returns null if interrupted. Throws Error, also for
+/// a stack of another shape than the sensor's.
 std::unique_ptr<const StoredScans> stored_scans(const nn::ScanSet& set,
                                                 const nn::NetworkDescription& network,
                                                 const DriveStore& store, const char* label,

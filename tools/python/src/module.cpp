@@ -21,6 +21,6 @@ NB_MODULE(_hqslam, module) {
   add_scan_memory(module);
   add_upsampling(module);
   add_slam(module);
+  add_pipeline(module);
   add_evaluation(module);
-  add_simulation(module);
 }

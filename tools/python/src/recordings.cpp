@@ -12,10 +12,10 @@
 namespace hqslam::python {
 namespace {
 
-using Recording = Guarded<std::unique_ptr<ScanSource>>;
+using Recording = Guarded<recordings::Recording>;
 
 RecordedScan next_scan(Recording& recording) {
-  auto scan = recording.call([](auto& source) { return source->next(); });
+  auto scan = recording.call([](auto& source) { return source.next(); });
   if (!scan) throw nb::stop_iteration();
   return std::move(*scan);
 }
@@ -28,7 +28,7 @@ void open(Recording* self, const std::filesystem::path& path, const std::filesys
   options.columns = columns;
   if (times_from_azimuth) options.files.without_times = CaptureTime::kRolling;
   const nb::gil_scoped_release others_go_on;
-  new (self) Recording(recordings::open_recording(path.string(), options));
+  new (self) Recording(recordings::Recording::open(path.string(), options));
 }
 
 }  // namespace
@@ -58,13 +58,13 @@ void add_recordings(nb::module_& module) {
           nb::sig("def __iter__(self) -> Recording"))
       .def("__next__", &next_scan)
       .def_prop_ro(
-          "sensor", [](Recording& r) { return r.call([](auto& s) { return s->sensor(); }); },
+          "sensor", [](Recording& r) { return r.call([](auto& s) { return s.sensor(); }); },
           "The sensor that recorded it.")
       .def_prop_ro(
-          "size", [](Recording& r) { return r.call([](auto& s) { return s->size(); }); },
+          "size", [](Recording& r) { return r.call([](auto& s) { return s.size(); }); },
           "How many scans there are; None where only the end tells.")
       .def_prop_ro(
-          "warnings", [](Recording& r) { return r.call([](auto& s) { return s->warnings(); }); },
+          "warnings", [](Recording& r) { return r.call([](auto& s) { return s.warnings(); }); },
           "What should be known of it, a line each; complete at the end.")
       .def("__init__", &open, "path"_a, "sensor"_a = "", "stream"_a = "", "columns"_a = 0,
            "times_from_azimuth"_a = false,

@@ -23,13 +23,17 @@ RangeImage image_of(const ImageInput& range_m) {
   return image;
 }
 
-OrganizedCloud cloud_of(const PointsInput& points_m, const SensorModel& sensor,
-                        const RowsInput& row, const TimesInput& time_offset_s) {
+Scan scan_of(const PointsInput& points_m, const RowsInput& row, const TimesInput& time_offset_s) {
   Scan scan;
   scan.points_m = values_of<Eigen::Vector3f>(points_m);
   scan.row = values_of<std::uint16_t>(row);
   scan.time_offset_s = values_of<float>(time_offset_s);
-  return project(scan, sensor).cloud;
+  return scan;
+}
+
+OrganizedCloud cloud_of(const PointsInput& points_m, const SensorModel& sensor,
+                        const RowsInput& row, const TimesInput& time_offset_s) {
+  return project(scan_of(points_m, row, time_offset_s), sensor).cloud;
 }
 
 void add_scans(nb::module_& module) {

@@ -7,6 +7,7 @@
 #include "arrays.h"
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/range_image.h"
+#include "hqslam/core/scan.h"
 #include "hqslam/core/sensor_model.h"
 
 namespace hqslam::python {
@@ -20,7 +21,9 @@ inline Image view(std::vector<float>& values, int rows, int columns) {
 using PointsInput = Input<float, -1, 3>;
 using RowsInput = std::optional<Input<std::uint16_t, -1>>;
 using TimesInput = std::optional<Input<float, -1>>;
-/// Points of a driver put into the pixels of their sensor. Throws Error.
+/// Points of a driver.
+Scan scan_of(const PointsInput& points_m, const RowsInput& row, const TimesInput& time_offset_s);
+/// The same in the pixels of their sensor. Throws Error.
 OrganizedCloud cloud_of(const PointsInput& points_m, const SensorModel& sensor,
                         const RowsInput& row, const TimesInput& time_offset_s);
 

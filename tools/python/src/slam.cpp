@@ -1,20 +1,14 @@
 #include "hqslam/slam/slam.h"
 
-#include <nanobind/stl/map.h>
-#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <filesystem>
 
-#include "hqslam/core/error.h"
-#include "hqslam/slam/options.h"
 #include "hqslam/slam/saved_map.h"
-#include "hqslam/slam/scan_trace.h"
 #include "parts.h"
 #include "paths.h"
 #include "scans.h"
-#include "slam_trace.h"
 
 namespace hqslam::python {
 namespace {
@@ -22,61 +16,6 @@ namespace {
 using slam::LoopReport;
 using slam::SavedMap;
 using slam::ScanReport;
-
-/// Knows its sensor, for whoever gives it points.
-struct Locating {
-  slam::Slam slam;
-  SensorModel sensor;
-};
-using Slam = Guarded<Locating>;
-template <auto Method>
-auto ask_slam(Slam& slam) {
-  return slam.call([](Locating& locating) { return (locating.slam.*Method)(); });
-}
-
-using Options = std::map<std::string, double>;
-slam::SlamOptions options_of(const Options& given, int threads, bool loop_closing) {
-  slam::SlamOptions options;
-  options.threads = threads;
-  options.loop_closing.enabled = loop_closing;
-  for (const auto& [name, value] : given) slam::set_option(options, name, value);
-  validate(options);
-  return options;
-}
-
-void make_slam(Slam* self, const SensorModel& sensor, const Options& given, const SavedMap* map,
-               const std::optional<Matrix4>& T_map_level_start, int threads, bool loop_closing) {
-  if (T_map_level_start && map == nullptr) {
-    throw Error(
-        "Slam: expected a map for T_map_level_start, found none; give map, or leave the start out");
-  }
-  const slam::SlamOptions options = options_of(given, threads, loop_closing);
-  std::optional<Pose> start;
-  if (T_map_level_start) start = pose_of(*T_map_level_start);
-  const nb::gil_scoped_release others_go_on;
-  if (map == nullptr) {
-    new (self) Slam(Locating{slam::Slam(sensor, options), sensor});
-  } else {
-    new (self) Slam(Locating{slam::Slam(sensor, options, *map, start), sensor});
-  }
-}
-
-ScanReport process(Slam& slam, const OrganizedCloud& cloud, double stamp_s,
-                   const TraceInput& trace) {
-  slam::ScanTrace written;
-  const ScanReport report = slam.call([&](Locating& locating) {
-    return locating.slam.process(cloud, stamp_s, trace ? &written : nullptr);
-  });
-  if (trace) show_slam_trace(std::move(written), *trace);
-  return report;
-}
-
-ScanReport process_points(Slam& slam, const PointsInput& points_m, double stamp_s,
-                          const RowsInput& row, const TimesInput& time_offset_s,
-                          const TraceInput& trace) {
-  const SensorModel sensor = slam.call([](Locating& locating) { return locating.sensor; });
-  return process(slam, cloud_of(points_m, sensor, row, time_offset_s), stamp_s, trace);
-}
 
 void add_reports(nb::module_& module) {
   nb::class_<LoopReport>(module, "LoopReport", "What loop closing found out about a scan.")
@@ -152,56 +91,8 @@ void add_saved_map(nb::module_& module) {
 }  // namespace
 
 void add_slam(nb::module_& module) {
-  using namespace nb::literals;
   add_reports(module);
   add_saved_map(module);
-  nb::class_<Slam>(module, "Slam", "Scan in, pose out. The map's frame is the first scan's, level.")
-      .def(
-          "__init__", &make_slam, "sensor"_a, "options"_a = Options(), "map"_a = nb::none(),
-          "T_map_level_start"_a = nb::none(), nb::kw_only(), "threads"_a = 0,
-          "loop_closing"_a = true,
-          "options: values by the names that `hqslam slam-options` lists. map: to be located in, "
-          "which stays as it "
-          "is; T_map_level_start, (4, 4): where the drive begins in it, if that is known. threads: "
-          "0, all. Raises Error.")
-      .def("process", &process, "cloud"_a, "stamp_s"_a, "trace"_a = nb::none(),
-           "Locates a scan. stamp_s: the time of its middle, seconds. trace: a dict that is filled "
-           "with what each stage made of it: arrays by name. Raises Error, ScanError.")
-      .def("process", &process_points, "points_m"_a, "stamp_s"_a, "row"_a = nb::none(),
-           "time_offset_s"_a = nb::none(), "trace"_a = nb::none(),
-           "The same for points as project takes them.")
-      .def(
-          "add_imu",
-          [](Slam& slam, const Input<double, -1, 7>& samples) {
-            slam.call([&](Locating& l) { l.slam.add_imu(values_of<ImuSample>(samples)); });
-          },
-          "samples"_a,
-          "What an inertial sensor measured up to the end of the next scan: RecordedScan.imu.")
-      .def("finish", &ask_slam<&slam::Slam::finish>,
-           "After the last scan: takes in what loop closing was still finding out.")
-      .def("trajectory", &ask_slam<&slam::Slam::trajectory>,
-           "Of every scan so far, with its loops closed.")
-      .def(
-          "map_points_m",
-          [](Slam& slam) {
-            return owned_points(slam.call([](auto& inner) { return inner.slam.map_points_m(); }));
-          },
-          "(N, 3) float32, metres, map frame.")
-      .def(
-          "map_intensity",
-          [](Slam& slam) {
-            std::vector<float> intensity;
-            slam.call([&](auto& inner) { return inner.slam.map_points_m({}, &intensity); });
-            const std::size_t count = intensity.size();
-            return owned<Array<float, -1>>(std::move(intensity), {count});
-          },
-          "(N,) float32 of map_points_m(), the mean of what the scans had there, in their unit, "
-          "not "
-          "a number where that is not known; of no points where no scan had any.")
-      .def("submap_of_scan", &ask_slam<&slam::Slam::submap_of_scan>,
-           "Per scan the submap it is in; nothing is known of how submaps lie to each other.")
-      .def("saved_map", &ask_slam<&slam::Slam::saved_map>,
-           "What later drives are located in. Raises Error without loop closing.");
 }
 
 }  // namespace hqslam::python

@@ -4,8 +4,10 @@
 
 #include <filesystem>
 
+#include "hqslam/core/error.h"
 #include "hqslam/nn/super_resolver.h"
-#include "hqslam/nn/upsampled_cloud.h"
+#include "hqslam/nn/trace.h"
+#include "hqslam/pipeline/upsampler.h"
 #include "parts.h"
 #include "paths.h"
 #include "scans.h"
@@ -15,7 +17,7 @@ namespace hqslam::python {
 namespace {
 
 using Resolver = Guarded<nn::SuperResolver>;
-using Upsampling = Guarded<nn::Upsampler>;
+using Upsampling = Guarded<pipeline::Upsampler>;
 
 nn::SuperResolver loaded(const std::filesystem::path& weights, int threads,
                          std::optional<float> least_confidence) {
@@ -27,8 +29,9 @@ void show_tensors(nn::Trace trace, nb::dict arrays) {
   TraceArrays<nn::Trace> shown(std::move(trace), std::move(arrays));
   for (const nn::TracedTensor& tensor : shown.trace().tensors()) {
     shown.show(tensor.name, tensor.values.data(),
-               {static_cast<std::size_t>(tensor.channels), static_cast<std::size_t>(tensor.rows),
-                static_cast<std::size_t>(tensor.columns)});
+               {static_cast<std::size_t>(tensor.channels()),
+                static_cast<std::size_t>(tensor.rows()),
+                static_cast<std::size_t>(tensor.columns())});
   }
 }
 
@@ -48,16 +51,16 @@ nn::UpsampledImage run(Resolver& resolver, const ImageInput& range_m, const Trac
   return upsampled;
 }
 
-void make_upsampler(Upsampling* self, const std::filesystem::path& weights,
-                    const std::optional<SensorModel>& sensor, int threads,
+void make_upsampler(Upsampling* self, const std::filesystem::path& method,
+                    const std::optional<SensorModel>& sensor, int measured_rows, int threads,
                     std::optional<float> least_confidence) {
+  if (method.empty()) throw Error("Upsampler: expected weights or an interpolation, found ''");
   const nb::gil_scoped_release others_go_on;
-  nn::SuperResolver network = loaded(weights, threads, least_confidence);
-  if (sensor) {
-    new (self) Upsampling(nn::Upsampler(std::move(network), *sensor));
-  } else {
-    new (self) Upsampling(nn::Upsampler(std::move(network)));
-  }
+  pipeline::UpsamplingOptions options{method.string(), measured_rows};
+  options.network.threads = threads;
+  options.network.least_confidence = least_confidence;
+  new (self)
+      Upsampling(sensor ? pipeline::Upsampler(*sensor, options) : pipeline::Upsampler(options));
 }
 
 void add_super_resolver(nb::module_& module) {
@@ -110,55 +113,60 @@ void add_upsampling(nb::module_& module) {
   add_super_resolver(module);
   const auto upsample_points = [](Upsampling& upsampler, const PointsInput& points_m,
                                   const RowsInput& row, const TimesInput& time_offset_s) {
-    const auto sensor = ask<&nn::Upsampler::measured_sensor>(upsampler);
-    const OrganizedCloud measured = cloud_of(points_m, sensor, row, time_offset_s);
-    return upsampler.call([&](auto& u) { return nn::upsampled_cloud(u, measured); });
+    return upsampler.call([&](pipeline::Upsampler& u) {
+      return u.upsampled(cloud_of(points_m, u.measured_sensor(), row, time_offset_s));
+    });
   };
   nb::class_<Upsampling>(module, "Upsampler",
-                         "What fills the rows between the measured ones: a network or "
-                         "interpolation.")
-      .def(
-          "__init__",
-          [](Upsampling* self, const std::string& interpolation, const SensorModel& sensor,
-             int measured_rows) {
-            new (self) Upsampling(nn::Upsampler(nn::interpolation_from_name(interpolation), sensor,
-                                                selection_for(sensor.rows(), measured_rows)));
-          },
-          "interpolation"_a, "sensor"_a, nb::kw_only(), "measured_rows"_a,
-          "interpolation: nearest, linear or inverse. sensor: of the result, all rows. "
-          "measured_rows: how many of them are measured. Raises Error.")
-      .def("__init__", &make_upsampler, "weights"_a, "sensor"_a = nb::none(), nb::kw_only(),
-           "threads"_a = 0, "least_confidence"_a = nb::none(),
-           "weights: an .npz file. sensor: of the result, where the beams of one unit are known "
-           "better. threads, least_confidence: as SuperResolver. Raises Error.")
+                         "Fills the rows between the measured ones: a network or interpolation.")
+      .def("__init__", &make_upsampler, "method"_a, "sensor"_a = nb::none(), nb::kw_only(),
+           "measured_rows"_a = 0, "threads"_a = 0, "least_confidence"_a = nb::none(),
+           "method: a weights file, the name of weights that come with hqslam (du-mix), or "
+           "nearest, linear or inverse. sensor: of the recorded scans, with all rows or the "
+           "measured ones alone; none: that of the weights. measured_rows: how many of its rows "
+           "are measured; 0: as the weights have it, or every fourth. threads, least_confidence: "
+           "as SuperResolver. Raises Error.")
       .def(
           "run",
           [](Upsampling& upsampler, const ImageInput& range_m, const nn::RecalledImage* recalled) {
             const RangeImage measured = image_of(range_m);
-            return upsampler.call([&](auto& u) { return u.run(measured, or_nothing(recalled)); });
+            return upsampler.call([&](pipeline::Upsampler& u) {
+              return u.method()->run(measured, or_nothing(recalled));
+            });
           },
           "range_m"_a, "recalled"_a = nb::none(),
           "Upsamples a range image: (measured rows, columns), metres; 0 is no return. recalled: "
-          "what "
-          "ScanMemory.recall gave, for weights with a memory. Raises Error.")
+          "what ScanMemory.recall gave, for weights with a memory. Raises Error.")
+      .def(
+          "measured",
+          [](Upsampling& upsampler, const OrganizedCloud& recorded) {
+            return upsampler.call([&](pipeline::Upsampler& u) { return u.measured(recorded); });
+          },
+          "recorded"_a, "The measured rows of a recorded scan, calibrated. Raises Error.")
       .def(
           "upsampled_cloud",
           [](Upsampling& upsampler, const OrganizedCloud& measured,
              const nn::RecalledImage* recalled) {
-            return upsampler.call(
-                [&](auto& u) { return nn::upsampled_cloud(u, measured, or_nothing(recalled)); });
+            return upsampler.call([&](pipeline::Upsampler& u) {
+              return u.upsampled(measured, or_nothing(recalled));
+            });
           },
           "measured"_a, "recalled"_a = nb::none(),
           "Upsamples a scan: measured points and times stay as recorded, computed ones come "
-          "between "
-          "them, with their confidence. recalled: as run. Raises Error.")
+          "between them, with their confidence. recalled: as run. Raises Error.")
       .def("upsampled_cloud", upsample_points, "points_m"_a, "row"_a = nb::none(),
-           "time_offset_s"_a = nb::none(), "The same for points as project takes them.")
-      .def_prop_ro("sensor", &ask<&nn::Upsampler::sensor, nn::Upsampler>,
+           "time_offset_s"_a = nb::none(), "Upsamples points as project takes them.")
+      .def_prop_ro("sensor", &ask<&pipeline::Upsampler::sensor, pipeline::Upsampler>,
                    "Of the result, all rows.")
-      .def_prop_ro("measured_sensor", &ask<&nn::Upsampler::measured_sensor, nn::Upsampler>,
+      .def_prop_ro("measured_sensor",
+                   &ask<&pipeline::Upsampler::measured_sensor, pipeline::Upsampler>,
                    "Of what is upsampled.")
-      .def_prop_ro("name", &ask<&nn::Upsampler::name, nn::Upsampler>, "du-mix, linear, ...");
+      .def_prop_ro(
+          "name",
+          [](Upsampling& upsampler) {
+            return upsampler.call([](pipeline::Upsampler& u) { return u.method()->name(); });
+          },
+          "du-mix, linear, ...");
 }
 
 }  // namespace hqslam::python

@@ -5,11 +5,9 @@
 // (tests/ros2).
 #include <hqslam/core/error.h>
 #include <hqslam/core/imu_sample.h>
-#include <hqslam/core/projection.h>
-#include <hqslam/nn/upsampled_cloud.h>
+#include <hqslam/pipeline/pipeline.h>
 #include <hqslam/slam/options.h>
 #include <hqslam/slam/saved_map.h>
-#include <hqslam/slam/slam.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -81,7 +79,7 @@ class HqslamNode : public rclcpp::Node {
     pose_ = create_publisher<geometry_msgs::msg::PoseWithCovarianceStamped>("pose", 10);
     upsampled_ = create_publisher<PointCloud2>("upsampled", rclcpp::SensorDataQoS());
     map_points_ = create_publisher<PointCloud2>("map_points", rclcpp::QoS(1).transient_local());
-    // One message waits: who is too slow loses whole scans.
+    // One message waits: a node that is too slow loses whole scans.
     points_ = create_subscription<PointCloud2>(
         "points", rclcpp::SensorDataQoS().keep_last(1),
         [this](const PointCloud2::ConstSharedPtr& message) { warned([&] { take(*message); }); });
@@ -99,7 +97,7 @@ class HqslamNode : public rclcpp::Node {
     double end_s = 0.0;
   };
 
-  /// Read once: who sets it later is told that it is read only.
+  /// Read once: it is read-only later.
   template <typename Value>
   Value parameter(const std::string& name, const Value& usual, const std::string& meaning = "") {
     rcl_interfaces::msg::ParameterDescriptor descriptor;
@@ -125,28 +123,30 @@ class HqslamNode : public rclcpp::Node {
     const std::string weights = parameter("weights", std::string());
     const std::string sensor = parameter("sensor", std::string("os1-16"));
     const std::string map = parameter("map", std::string());
-    options_.loop_closing.enabled = parameter("loop_closing", true);
-    options_.threads = static_cast<int>(parameter("threads", std::int64_t{0}));
+    hqslam::slam::SlamOptions& slam = options_.slam_options;
+    slam.loop_closing.enabled = parameter("loop_closing", true);
+    slam.threads = static_cast<int>(parameter("threads", std::int64_t{0}));
     for (const hqslam::slam::NamedOption& option : hqslam::slam::option_table()) {
       if (!is_parameter(option)) continue;
       const std::string name(option.name);
       // A parameter takes values of the type that it is declared with.
-      const double usual = option.get(options_);
+      const double usual = option.get(slam);
       const std::string meaning = std::string(option.meaning) + ": " + std::string(option.expected);
       const double value =
           option.is_whole
               ? static_cast<double>(parameter(name, static_cast<std::int64_t>(usual), meaning))
               : parameter(name, usual, meaning);
-      hqslam::slam::set_option(options_, name, value);
+      hqslam::slam::set_option(slam, name, value);
     }
-    hqslam::slam::validate(options_);
-    if (!map.empty()) given_map_ = hqslam::slam::read_saved_map(map);
-    if (weights.empty()) {
-      sensor_ = hqslam::load_sensor(sensor);
-    } else {
-      upsampler_.emplace(hqslam::nn::SuperResolver::load(weights, {.threads = options_.threads}));
-      sensor_ = upsampler_->measured_sensor();
-    }
+    hqslam::slam::validate(slam);
+    if (!map.empty()) options_.map = hqslam::slam::read_saved_map(map);
+    options_.upsampling.method = weights;
+    options_.upsampling.network.threads = slam.threads;
+    const hqslam::SensorModel named = hqslam::load_sensor(sensor);
+    auto method = hqslam::pipeline::load_method(options_.upsampling, named);
+    const auto made_for = hqslam::pipeline::sensor_of(method);
+    upsampler_.emplace(made_for ? select_rows(*made_for, *made_for->measured_rows) : named,
+                       std::move(method), options_.upsampling);
   }
 
   template <typename Work>
@@ -158,7 +158,7 @@ class HqslamNode : public rclcpp::Node {
     }
   }
 
-  /// Nothing, and a warning, where tf does not know it in time; nothing else is done meanwhile.
+  /// Nothing, and a warning, where tf cannot transform in time; nothing else is done meanwhile.
   std::optional<Pose> looked_up(const std::string& target, const std::string& source,
                                 const rclcpp::Time& time, double patience_s = 0.1) {
     try {
@@ -172,7 +172,7 @@ class HqslamNode : public rclcpp::Node {
 
   /// A scan waits for the inertial samples up to its end, if there are any, at most until the next.
   void take(const PointCloud2& message) {
-    if (!slam_ && !begin(message.header.frame_id)) return;
+    if (!pipeline_ && !begin(message.header.frame_id)) return;
     hqslam::Scan scan = scan_of(message);
     if (waiting_) warned([&] { process_waiting(); });  // whatever is wrong with it, this one waits
     float last_s = 0.0F;
@@ -183,7 +183,7 @@ class HqslamNode : public rclcpp::Node {
   }
 
   void take(const Imu& message) {
-    if (!slam_) return;
+    if (!pipeline_) return;
     if (!R_lidar_imu_) {
       // Without patience: its messages come so often that scans would wait for tf all the time.
       const auto T_lidar_imu = looked_up(lidar_frame_, message.header.frame_id, time_of(0.0), 0.0);
@@ -191,12 +191,12 @@ class HqslamNode : public rclcpp::Node {
       R_lidar_imu_ = T_lidar_imu->linear();
     }
     const double stamp_s = rclcpp::Time(message.header.stamp).seconds();
-    slam_->add_imu({{stamp_s, *R_lidar_imu_ * vector_of(message.angular_velocity),
-                     *R_lidar_imu_ * vector_of(message.linear_acceleration)}});
+    pipeline_->add_imu({{stamp_s, *R_lidar_imu_ * vector_of(message.angular_velocity),
+                         *R_lidar_imu_ * vector_of(message.linear_acceleration)}});
     if (waiting_ && stamp_s >= waiting_->end_s) process_waiting();
   }
 
-  /// Once it is known where the LiDAR is on the robot, and so how it is mounted.
+  /// Makes the pipeline once the LiDAR's pose on the robot, and so its mounting, is known.
   bool begin(const std::string& lidar_frame) {
     lidar_frame_ = lidar_frame;
     if (T_base_lidar_) {
@@ -207,28 +207,21 @@ class HqslamNode : public rclcpp::Node {
       if (!T_base_lidar_) return false;
     }
     const Eigen::Vector3d rpy_rad = hqslam::roll_pitch_yaw_rad(*T_base_lidar_);
-    options_.mounting.roll_rad = rpy_rad.x();
-    options_.mounting.pitch_rad = rpy_rad.y();
-    const hqslam::SensorModel& seen = upsampler_ ? upsampler_->sensor() : sensor_;
-    if (given_map_) {
-      slam_.emplace(seen, options_, *given_map_);
-    } else {
-      slam_.emplace(seen, options_);
-    }
-    frames_.emplace(*T_base_lidar_, given_map_.has_value());
+    options_.slam_options.mounting.roll_rad = rpy_rad.x();
+    options_.slam_options.mounting.pitch_rad = rpy_rad.y();
+    pipeline_.emplace(std::move(*upsampler_), options_);
+    frames_.emplace(*T_base_lidar_, options_.map.has_value());
     return true;
   }
 
   void process_waiting() {
     const hqslam::Scan scan = std::exchange(waiting_, std::nullopt)->scan;
-    hqslam::OrganizedCloud cloud =
-        hqslam::calibrated(hqslam::project(scan, sensor_).cloud, sensor_);
-    if (upsampler_) cloud = hqslam::nn::upsampled_cloud(*upsampler_, cloud);
-    const hqslam::slam::ScanReport report = slam_->process(cloud, scan.stamp_s);
-    publish(frames_->next(report, slam_->trajectory()), report);
-    if (upsampler_ && upsampled_->get_subscription_count() > 0) {
+    const hqslam::pipeline::LocatedScan located = pipeline_->process(scan);
+    publish(frames_->next(located.report, pipeline_->trajectory()), located.report);
+    const bool is_upsampled = pipeline_->upsampler().method() != nullptr;
+    if (is_upsampled && upsampled_->get_subscription_count() > 0) {
       const Header header = header_of(lidar_frame_, scan.stamp_s);
-      upsampled_->publish(message_of(hqslam::points_of(cloud), header));
+      upsampled_->publish(message_of(hqslam::points_of(located.cloud), header));
     }
     publish_map(scan.stamp_s);
   }
@@ -258,19 +251,20 @@ class HqslamNode : public rclcpp::Node {
     set(pose.pose.pose.position, pose.pose.pose.orientation, robot.T_map_base);
     set(pose.pose.covariance, robot.map_covariance);
     pose_->publish(pose);
-    // Ahead, as it hardly changes: who asks for now need not wait for the next scan.
+    // Ahead, as it hardly changes: a lookup for now need not wait for the next scan.
     const Header ahead = header_of(map_frame_, report.stamp_s + transform_tolerance_s_);
     if (!T_odom_base) return;
     broadcaster_.sendTransform(
         message_of(T_map_odom(robot.T_map_base, *T_odom_base), ahead, odom_frame_));
   }
 
-  /// The part of the map that the robot is in; a given one stays as it is.
+  /// The submap that the robot is in; a given map is sent once.
   void publish_map(double stamp_s) {
-    const bool is_due = !map_sent_s_ || (!given_map_ && stamp_s >= *map_sent_s_ + map_period_s_);
+    const bool is_due = !map_sent_s_ || (!options_.map && stamp_s >= *map_sent_s_ + map_period_s_);
     if (!(map_period_s_ > 0.0) || !is_due) return;
     map_sent_s_ = stamp_s;
-    std::vector<Eigen::Vector3f> points_m = slam_->map_points_m(slam_->submap_of_scan().back());
+    std::vector<Eigen::Vector3f> points_m =
+        pipeline_->map_points_m(pipeline_->submap_of_scan().back());
     const Eigen::Isometry3f T_map_slam = frames_->T_map_slam().cast<float>();
     for (Eigen::Vector3f& point_m : points_m) point_m = T_map_slam * point_m;
     map_points_->publish(message_of(points_m, header_of(map_frame_, stamp_s)));
@@ -279,9 +273,9 @@ class HqslamNode : public rclcpp::Node {
   void save_map(Trigger::Response& response) const {
     try {
       if (save_folder_.empty()) throw hqslam::Error("the parameter save_folder is empty");
-      if (!slam_) throw hqslam::Error("no scan has come yet");
+      if (!pipeline_) throw hqslam::Error("no scan has come yet");
       const std::string path = std::filesystem::path(save_folder_) / "saved_map.npz";
-      const hqslam::slam::SavedMap map = moved(slam_->saved_map(), frames_->T_map_slam());
+      const hqslam::slam::SavedMap map = moved(pipeline_->saved_map(), frames_->T_map_slam());
       std::filesystem::create_directories(save_folder_);
       hqslam::slam::write_saved_map(path, map);
       response.success = true;
@@ -301,13 +295,11 @@ class HqslamNode : public rclcpp::Node {
   double map_period_s_ = 0.0;
   std::string save_folder_;
 
-  hqslam::slam::SlamOptions options_;
-  std::optional<hqslam::slam::SavedMap> given_map_;
-  hqslam::SensorModel sensor_;  ///< of the points that come
-  std::optional<hqslam::nn::Upsampler> upsampler_;
+  hqslam::pipeline::PipelineOptions options_;
+  std::optional<hqslam::pipeline::Upsampler> upsampler_;  ///< until the pipeline has it
   std::optional<Pose> T_base_lidar_;
   std::optional<Eigen::Matrix3d> R_lidar_imu_;
-  std::optional<hqslam::slam::Slam> slam_;
+  std::optional<hqslam::pipeline::Pipeline> pipeline_;
   std::optional<RobotFrames> frames_;
   std::optional<WaitingScan> waiting_;
   std::optional<double> map_sent_s_;

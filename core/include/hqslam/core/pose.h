@@ -4,8 +4,9 @@
 
 namespace hqslam {
 
-/// A rigid transform, metres. `T_map_sensor * p_sensor = p_map`.
-using Pose = Eigen::Isometry3d;
+/// A rigid transform, metres. `T_map_sensor * p_sensor = p_map`. Not aligned, so that its size and
+/// alignment do not depend on the flags that a program is compiled with (docs/library.md).
+using Pose = Eigen::Transform<double, 3, Eigen::Isometry, Eigen::DontAlign>;
 
 /// Rotation by roll about x, then pitch about y, then yaw about z: R = Rz(yaw) Ry(pitch) Rx(roll).
 Pose pose_from_xyz_rpy(const Eigen::Vector3d& translation_m, double roll_rad, double pitch_rad,

@@ -64,7 +64,7 @@ inline void add_rows(int terms, const float* coefficient, int result_step, int t
   }
 }
 
-/// The same for `results` r, a multiple of 4.
+/// The sums for `results` r, a multiple of 4.
 void multiply(int results, int terms, const float* coefficient, int result_step, int term_step,
               const float* rows, float* result) {
   constexpr int kResults = kWindowVectors > 2 ? 2 : 4;

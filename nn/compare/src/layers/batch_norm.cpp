@@ -6,10 +6,10 @@
 namespace hqslam::nn {
 namespace {
 
-class BatchNorm final : public Layer {
+class BatchNorm final : public TrainableLayer {
  public:
   BatchNorm(float epsilon, float negative_slope, const TensorShape& input)
-      : Layer(input), epsilon_(epsilon), negative_slope_(negative_slope) {}
+      : TrainableLayer(input), epsilon_(epsilon), negative_slope_(negative_slope) {}
 
   std::vector<ParameterShape> parameter_shapes() const override {
     const std::int64_t channels = output_.channels;
@@ -165,7 +165,6 @@ class NormalisedConvolution final : public Layer {
 
   std::int64_t multiply_adds() const override { return convolution_.multiply_adds(); }
   void forward(const LayerPass& pass) override { convolution_.forward(pass); }
-  void backward(std::span<const BackwardPass> /*batch*/, std::span<float> /*d*/) override {}
 
   std::vector<ParameterShape> parameter_shapes() const override {
     std::vector<ParameterShape> shapes;

@@ -3,9 +3,10 @@
 #include <memory>
 
 #include "graph/convolution_layer.h"
+#include "graph/layer_backward.h"
 
-// The layers of networks that come from elsewhere. All of them work on channels x rows
-// x columns, transformers' too: a token is a pixel, and a linear layer of tokens a 1 x 1
+// The layers of the compared networks. All of them work on channels x rows x columns,
+// transformers' too: a token is a pixel, and a linear layer of tokens a 1 x 1
 // convolution.
 namespace hqslam::nn {
 
@@ -40,13 +41,15 @@ std::unique_ptr<Layer> make_gelu(const TensorShape& input, const Engine& engine)
 /// and window, i and j in the window, b the array relative_position_bias_table:
 ///   output_i = sum_j softmax_j(q_i k_j / sqrt(d) + b[place of i relative to j]) v_j
 /// With a shift the windows begin half a window to the right and down; those that then reach beyond
-/// the last row or column go on at the other end, and pixels of the two ends do not see each other.
+/// the last row or column go on at the other end, and pixels of the two ends do not attend to each
+/// other.
 struct WindowAttentionOptions {
   int heads = 1;
   int window_rows = 2;
   int window_columns = 8;
   bool shifted = false;
-  bool circular = false;  ///< the last column is a neighbour of the first, and they see each other
+  bool circular =
+      false;  ///< the last column is a neighbour of the first, and they attend to each other
 };
 std::unique_ptr<Layer> make_window_attention(const WindowAttentionOptions& options,
                                              const TensorShape& input, const Engine& engine);

@@ -1,13 +1,13 @@
 #include "layers.h"
 
-// Layers without parameters: pixels and channels put elsewhere, side by side, or together.
+// Layers without parameters: pixels and channels rearranged, side by side, or averaged.
 namespace hqslam::nn {
 namespace {
 
-class AveragePool final : public Layer {
+class AveragePool final : public TrainableLayer {
  public:
   explicit AveragePool(const TensorShape& input)
-      : Layer({input.channels, input.rows / 2, input.columns / 2, input.padding}) {}
+      : TrainableLayer({input.channels, input.rows / 2, input.columns / 2, input.padding}) {}
 
   void forward(const LayerPass& pass) override {
 #pragma omp for schedule(static)
@@ -38,10 +38,11 @@ class AveragePool final : public Layer {
   }
 };
 
-class Concatenation final : public Layer {
+class Concatenation final : public TrainableLayer {
  public:
   Concatenation(const TensorShape& first, const TensorShape& second)
-      : Layer({first.channels + second.channels, first.rows, first.columns, first.padding}) {}
+      : TrainableLayer(
+            {first.channels + second.channels, first.rows, first.columns, first.padding}) {}
 
   void forward(const LayerPass& pass) override {
     const int of_first = pass.input->channels();
@@ -59,16 +60,16 @@ class Concatenation final : public Layer {
 
 /// Moves values between patches of pixels and channels; which channel is which pixel of the patch,
 /// `channel_of` says.
-class PatchesAndChannels final : public Layer {
+class PatchesAndChannels final : public TrainableLayer {
  public:
   /// Merging: pixels -> channels; otherwise channels -> pixels.
   enum class Direction { kMerge, kShuffle };
   PatchesAndChannels(Direction direction, int factor, const TensorShape& input)
-      : Layer(direction == Direction::kMerge
-                  ? TensorShape{input.channels * factor * factor, input.rows / factor,
-                                input.columns / factor, input.padding}
-                  : TensorShape{input.channels / (factor * factor), input.rows * factor,
-                                input.columns * factor, input.padding}),
+      : TrainableLayer(direction == Direction::kMerge
+                           ? TensorShape{input.channels * factor * factor, input.rows / factor,
+                                         input.columns / factor, input.padding}
+                           : TensorShape{input.channels / (factor * factor), input.rows * factor,
+                                         input.columns * factor, input.padding}),
         direction_(direction),
         factor_(factor) {}
 
@@ -97,7 +98,7 @@ class PatchesAndChannels final : public Layer {
   }
 
  private:
-  /// Of row i, column j of a patch of `channel`, one of `channels`.
+  /// The channel of row i, column j of a patch of `channel`, one of `channels`.
   int channel_of(int channels, int channel, int i, int j) const {
     return direction_ == Direction::kMerge ? (j * factor_ + i) * channels + channel
                                            : (channel * factor_ + i) * factor_ + j;

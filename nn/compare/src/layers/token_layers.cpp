@@ -8,10 +8,12 @@
 namespace hqslam::nn {
 namespace {
 
-class LayerNorm final : public Layer {
+class LayerNorm final : public TrainableLayer {
  public:
   LayerNorm(float epsilon, const TensorShape& input)
-      : Layer(input), epsilon_(epsilon), of_pixel_(4, input.rows, input.columns, input.padding) {}
+      : TrainableLayer(input),
+        epsilon_(epsilon),
+        of_pixel_(4, input.rows, input.columns, input.padding) {}
 
   std::vector<ParameterShape> parameter_shapes() const override {
     return {{"weight", {output_.channels}}, {"bias", {output_.channels}}};
@@ -124,10 +126,10 @@ class LayerNorm final : public Layer {
   std::vector<float> bias_;
 };
 
-class Gelu final : public Layer {
+class Gelu final : public TrainableLayer {
  public:
   Gelu(const TensorShape& input, const Engine& engine)
-      : Layer(input), kernels_(&kernels::attention_kernels(engine.instruction_set)) {}
+      : TrainableLayer(input), kernels_(&kernels::attention_kernels(engine.instruction_set)) {}
 
   void forward(const LayerPass& pass) override {
 #pragma omp for schedule(static)

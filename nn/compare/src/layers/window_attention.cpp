@@ -12,17 +12,17 @@ namespace {
 constexpr int kPixels = kernels::kWindowPixels;
 constexpr int kPairs = kPixels * kPixels;
 constexpr int kGreatestDepth = 64;
-/// Added to the score of two pixels that must not see each other.
+/// Added to the score of two pixels that must not attend to each other.
 constexpr float kUnseen = -100.0F;
 
 /// A value of every channel of one head for each pixel of a window.
 using HeadOfWindow = std::array<float, kGreatestDepth * kPixels>;
 
-class WindowAttention final : public Layer {
+class WindowAttention final : public TrainableLayer {
  public:
   WindowAttention(const WindowAttentionOptions& options, const TensorShape& input,
                   const Engine& engine)
-      : Layer({input.channels / 3, input.rows, input.columns, input.padding}),
+      : TrainableLayer({input.channels / 3, input.rows, input.columns, input.padding}),
         options_(options),
         depth_(output_.channels / options.heads),
         shift_rows_(options.shifted ? options.window_rows / 2 : 0),
@@ -141,7 +141,7 @@ class WindowAttention final : public Layer {
 
   float query_scale() const { return 1.0F / std::sqrt(static_cast<float>(depth_)); }
   int places() const { return (2 * options_.window_rows - 1) * (2 * options_.window_columns - 1); }
-  /// Where a query lies relative to a key.
+  /// The place of a query relative to a key.
   int place(int query, int key) const {
     const int columns = options_.window_columns;
     const int down = query / columns - key / columns + options_.window_rows - 1;

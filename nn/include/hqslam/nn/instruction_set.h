@@ -5,23 +5,23 @@
 
 namespace hqslam::nn {
 
-/// What the kernels were compiled for. kPortable is baseline x86-64 (SSE2), or whatever the
-/// compiler makes of plain vectors on another processor.
+/// The instructions that kernels are compiled for. kPortable is baseline x86-64 (SSE2), or plain
+/// vectors as the compiler translates them on another processor.
 enum class InstructionSet { kPortable, kAvx2, kAvx512 };
 
 /// "portable", "avx2" (AVX2 and FMA), "avx512" (AVX-512F)
 std::string_view name(InstructionSet instruction_set);
 
-/// Those that this build has and this processor runs, narrowest first.
+/// The instruction sets that this build has and this processor runs, narrowest first.
 std::vector<InstructionSet> available_instruction_sets();
 
 /// The widest available one, or the one that the environment variable HQSLAM_INSTRUCTION_SET
 /// names. Throws Error if it names one that is not available.
 InstructionSet chosen_instruction_set();
 
-/// What `threads` threads of this processor can do at most: float32 multiply-adds in registers, in
-/// so many independent chains that only the arithmetic units limit them. GFLOP/s, two operations
-/// per multiply-add; the best of `attempts` attempts of 5 to 30 ms each.
+/// The peak of `threads` threads of this processor: float32 multiply-adds in registers, in enough
+/// independent chains for the arithmetic units to be the only limit. GFLOP/s, two operations per
+/// multiply-add; the best of `attempts` attempts of 5 to 30 ms each.
 double multiply_add_peak_gflops(InstructionSet instruction_set, int threads, int attempts = 10);
 
 }  // namespace hqslam::nn

@@ -8,13 +8,13 @@
 namespace hqslam::nn {
 
 /// How a row between two measured ones is filled from them, column by column. With u and d the
-/// nearest measured ranges above and below and t how far down the row lies between them (0 to 1):
+/// nearest measured ranges above and below and t the row's place between them (0 above, 1 below):
 /// - kNearest: u for t < 1/2, otherwise d;
 /// - kLinear: (1 - t) u + t d;
 /// - kInverse: linear in 1 / range, 1 / ((1 - t) / u + t / d), t by the elevations of the beams
 ///   instead of by counting rows. On a plane 1 / range is a sine of the elevation, so between beams
 ///   a step apart (rad) this errs by at most step^2 / 8 of the range.
-/// Where only one of the two has a return, the nearer one decides (as kNearest): a mean with "no
+/// Where only one of the two has a return, the nearer row decides (as kNearest): a mean with "no
 /// return" would be a range that nothing has. Rows beyond the outermost measured ones repeat them.
 enum class Interpolation { kNearest, kLinear, kInverse };
 
@@ -25,13 +25,13 @@ RangeImage interpolate_rows(const RangeImage& measured, RowSelection measured_ro
                             std::span<const double> beam_elevation_rad,
                             Interpolation interpolation);
 
-/// How many rows are measured of `rows`; stride 1 or more.
+/// The number of measured rows among `rows`; stride 1 or more.
 inline int measured_row_count(int rows, RowSelection measured_rows) {
   return (rows - measured_rows.offset + measured_rows.stride - 1) / measured_rows.stride;
 }
 
-/// Which rows of a measured image an output row lies between, and where. In a measured row, and
-/// beyond the outermost ones, both are that row.
+/// The rows of a measured image between which an output row is, and its place between them. In a
+/// measured row, and beyond the outermost ones, both are that row.
 struct RowsBetween {
   int above = 0;
   int below = 0;

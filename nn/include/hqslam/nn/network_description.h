@@ -16,17 +16,17 @@ namespace hqslam::nn {
 struct ParameterShape {
   std::string name;  ///< "encoder.0.weight"
   std::vector<std::int64_t> shape;
-  /// It follows the data that the network sees (batch norm) and is not learned; its gradient is its
+  /// The array follows the network's data (batch norm) and is not learned; its gradient is its
   /// distance to them.
   bool statistic = false;
   std::int64_t elements() const;
 };
 
-/// Of all arrays together.
+/// The number of values of all arrays together.
 std::int64_t elements(const std::vector<ParameterShape>& shapes);
 
-/// Which network it is, with everything that only its kind has. Immutable; made by
-/// network_from_json, and asked by the functions below.
+/// The kind of network, with everything that only this kind has. Immutable; made by
+/// network_from_json, and used by the functions below.
 class Architecture;
 
 /// Everything about a network but its parameters.
@@ -35,25 +35,24 @@ struct NetworkDescription {
   SensorModel sensor;  ///< with all rows
   RowSelection measured_rows;
   float range_scale_m = 80.0F;  ///< ranges are divided by it
-  /// Of networks that say how sure they are: computed pixels with a smaller confidence come out
-  /// empty. Chosen after training, so that as many true returns are missing as linear interpolation
-  /// misses.
+  /// For networks with a confidence: computed pixels with a smaller one come out empty. Chosen
+  /// after training, so that as many true returns are missing as linear interpolation misses.
   float least_confidence = 0.1F;
-  /// What the network says, to this power, is the confidence. Fitted after training on scans that
-  /// were not trained on, so that the confidence is the share that is right.
+  /// The network's probability to this power is the confidence. Fitted after training on scans that
+  /// were not trained on, so that the confidence is the share of pixels that are right.
   float confidence_exponent = 1.0F;
 };
 
 /// "du-or", "simple-du", "du-mix", ...
 std::string_view name(const NetworkDescription& description);
 
-/// Whether it says how sure it is of each pixel.
+/// Whether the network gives a confidence for each pixel.
 bool has_confidence(const NetworkDescription& description);
 
-/// Whether it looks at what earlier scans measured (ScanMemory).
+/// Whether the network uses what earlier scans measured (ScanMemory).
 bool has_scan_memory(const NetworkDescription& description);
 
-/// The outlier filter that its result goes through at the end; nothing: none.
+/// The outlier filter that the result goes through at the end; nothing: none.
 std::optional<OutlierRemovalOptions> last_filter(const NetworkDescription& description);
 
 /// Throws Error with field, value and constraint.

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
+#include <unsupported/Eigen/CXX11/Tensor>
 #include <vector>
 
 #include "hqslam/core/range_image.h"
@@ -10,14 +12,23 @@
 
 namespace hqslam::nn {
 
-/// An inner tensor of a network, channels x rows x columns, row-major.
+/// An inner tensor of a network: channels x rows x columns.
 struct TracedTensor {
+  /// DontAlign: Eigen's aligned memory is freed in a way that depends on the caller's -m flags,
+  /// which need not be the library's; memory that need not be aligned is malloc's everywhere.
+  using Values = Eigen::Tensor<float, 3, Eigen::RowMajor | Eigen::DontAlign>;
+
   std::string name;  ///< "layers.2.encoder.0"
   std::string unit;  ///< "m", then 0 = no return; empty: none
-  int channels = 1;
-  int rows = 1;
-  int columns = 1;
-  std::vector<float> values;
+  Values values;
+
+  int channels() const { return static_cast<int>(values.dimension(0)); }
+  int rows() const { return static_cast<int>(values.dimension(1)); }
+  int columns() const { return static_cast<int>(values.dimension(2)); }
+  /// All values: channel by channel, row by row.
+  std::span<const float> all() const {
+    return {values.data(), static_cast<std::size_t>(values.size())};
+  }
 };
 
 /// What a network made of one scan: every inner tensor by its name. Images are as the sensor's
@@ -52,7 +63,7 @@ class Trace {
 };
 
 /// An image as a tensor of one channel.
-TracedTensor traced_image(std::string name, RangeImage image, std::string unit = "m");
+TracedTensor traced_image(std::string name, const RangeImage& image, std::string unit = "m");
 
 /// The terms of eq. 5 after one layer, in m^2 over all pixels (mu J has no value: it is learned).
 struct ObjectiveTerms {
@@ -61,7 +72,7 @@ struct ObjectiveTerms {
   double filter_gap_m2 = 0.0;    ///< b/2 |Y - H|^2; without Y there is no such term
   std::int64_t rejected = 0;     ///< pixels that Q rejects
 };
-/// Of layer k of a network that has a penalty. Throws Error for another.
+/// The terms after layer k of a network that has a penalty. Throws Error for any other network.
 ObjectiveTerms objective_terms(const Trace& trace, int k, RowSelection measured_rows);
 
 }  // namespace hqslam::nn

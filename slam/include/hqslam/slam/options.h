@@ -6,18 +6,17 @@
 
 namespace hqslam::slam {
 
-/// Angles in radians, lengths in metres. option_table() has for each what it means, its bounds and
-/// where it departs from LeGO-LOAM, whose value every other default is.
+/// Angles in radians, lengths in metres. option_table() has the meaning and bounds of each, and its
+/// value in LeGO-LOAM where that is not the default.
 
-/// How the sensor sits on what carries it: turned from level by roll about x, then pitch about y.
-/// Positive roll raises the left side, positive pitch lowers the front; a roll of pi is upside
-/// down.
+/// How the sensor is mounted: turned from level by roll about x, then pitch about y. Positive roll
+/// raises the left side, positive pitch lowers the front; a roll of pi is upside down.
 struct MountingOptions {
   double roll_rad = 0.0;
   double pitch_rad = 0.0;
   bool estimated = false;
 };
-/// The turn from the sensor's frame to the level one, z up.
+/// The rotation from the sensor's frame to the level one, z up.
 Eigen::Matrix3d R_level_sensor(const MountingOptions& mounted);
 
 struct GroundOptions {
@@ -65,8 +64,8 @@ struct MappingOptions {
   double max_plane_residual_m = 0.2;
   double max_ground_residual_m = 0.05;
   double recent_path_m = 200.0;
-  double key_frame_translation_m = 0.3;
-  double key_frame_rotation_rad = 0.2;
+  double keyframe_translation_m = 0.3;
+  double keyframe_rotation_rad = 0.2;
   double converged_rotation_rad = 0.0008726646259971648;  ///< 0.05 degrees
   double converged_translation_m = 0.0005;
 };
@@ -76,7 +75,7 @@ struct LoopClosingOptions {
 };
 
 struct SlamOptions {
-  int threads = 0;  ///< 0: what OpenMP would take
+  int threads = 0;  ///< 0: the default of OpenMP
   MountingOptions mounting;
   GroundOptions ground;
   SegmentationOptions segmentation;
@@ -89,7 +88,7 @@ struct SlamOptions {
 /// Throws Error with field, value and constraint.
 void validate(const SlamOptions& options);
 
-/// A number of SlamOptions by its name: what it means, what it may be, how it is read and set.
+/// A numeric option of SlamOptions.
 struct NamedOption {
   std::string_view name;  ///< "mapping.max_iterations"
   std::string_view meaning;
@@ -97,13 +96,13 @@ struct NamedOption {
   bool is_whole = false;
   bool (*holds)(double value);
   double (*get)(const SlamOptions& options);
-  void (*set)(SlamOptions& options, double value);  ///< of a whole one: a whole number
+  void (*set)(SlamOptions& options, double value);
 };
-/// All of them but threads and loop_closing.enabled, in the order of the stages.
+/// All options but threads and loop_closing.enabled, in the order of the stages.
 std::span<const NamedOption> option_table();
 
-/// Sets one option. Throws Error if there is none of that name, or its value is out of its bounds
-/// or not whole where it must be; whether it goes together with the others validate() says.
+/// Sets one option. Throws Error if there is none of that name, or its value is out of bounds or
+/// not whole where it must be; combinations are checked by validate().
 void set_option(SlamOptions& options, std::string_view name, double value);
 
 }  // namespace hqslam::slam

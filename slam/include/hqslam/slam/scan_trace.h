@@ -13,56 +13,59 @@ namespace hqslam::slam {
 enum class PixelClass : std::uint8_t {
   kNoReturn,
   kGround,
-  kCluster,  ///< part of a cluster large enough to be trusted
-  kOutlier,  ///< clutter, too small a cluster: leaves, noise
+  kCluster,  ///< in a cluster of sufficient size
+  kOutlier,  ///< in a smaller one: leaves, noise
 };
 
 enum class FeatureKind : std::uint8_t { kEdge, kPost, kGround, kSurface };
-std::string_view name(FeatureKind kind);  ///< "edge", "post", "ground", "surface"
+constexpr std::string_view name(FeatureKind kind) {
+  constexpr std::string_view kNames[] = {"edge", "post", "ground", "surface"};
+  return kNames[static_cast<int>(kind)];
+}
 
-/// A feature of a scan, and what it was matched with in the map.
+/// A feature of a scan and its match in the map.
 struct TracedFeature {
   FeatureKind kind = FeatureKind::kEdge;
-  /// The pixel nearest to it: a feature can be the mean of several points.
+  /// The nearest pixel: a feature can be the mean of several points.
   int row = 0;
   int column = 0;
   Eigen::Vector3f point_m = Eigen::Vector3f::Zero();  ///< level frame, corrected for motion
   bool is_matched = false;
-  /// If it was: the foot of the perpendicular on its line or plane, map frame; how far it is from
-  /// it at the found pose; and the weight of that, robust and by the noise of its kind. The
-  /// residual that is minimised is their product.
+  /// If matched: the foot of the perpendicular on its line or plane, map frame; the distance from
+  /// that at the found pose; and its weight, robust and by the noise of its kind. The minimised
+  /// residual is the product of the two.
   Eigen::Vector3f on_map_m = Eigen::Vector3f::Zero();
   double residual_m = 0.0;
   double weight_per_m = 0.0;
 };
 
-/// What SLAM made of one scan, stage by stage, for whoever wants to look at it: Slam::process().
-/// The level frame is the sensor's turned upright (Slam::mounting()); all poses are its own. Of a
-/// sensor that hangs upside down rows and columns of the cloud are reversed, too.
+/// The results of all stages for one scan (Slam::process()). The level frame is the sensor's turned
+/// upright (Slam::mounting()); all poses are of it. If the sensor hangs upside down, rows and
+/// columns of the cloud are reversed, too.
 struct ScanTrace {
-  OrganizedCloud cloud;                 ///< as the stages take it: level frame, not corrected
+  OrganizedCloud cloud;                 ///< input of the stages: level frame, not motion-corrected
   std::vector<PixelClass> pixel_class;  ///< one per pixel
   std::string_view state_before;        ///< "starting", "tracking", "lost" or "searching"
   std::string_view state;
 
-  Pose T_map_expected = Pose::Identity();  ///< with the velocity of the scan before
+  Pose T_map_expected = Pose::Identity();  ///< predicted
   Pose T_map_odometry = Pose::Identity();  ///< the reference's pose, moved by the odometry
-  Pose T_map_level = Pose::Identity();     ///< found
+  Pose T_map_level = Pose::Identity();     ///< the result
   double duration_s = 0.0;                 ///< since the reference
 
-  int sharp_edges = 0;  ///< that the odometry matched with the reference
-  int flat_points = 0;
-  std::vector<TracedFeature> features;  ///< that were to be matched with the map
+  int sharp_edges = 0;                  ///< matched by the odometry with the reference
+  int flat_points = 0;                  ///< matched by the odometry with the reference
+  std::vector<TracedFeature> features;  ///< to be matched with the map
   double inlier_ratio = 0.0;            ///< of those that are not ground, in the last wide search
-  double last_inlier_ratio = 0.0;       ///< of the last scan that was registered; 0: there is none
+  double last_inlier_ratio = 0.0;       ///< of the last registered scan; 0: none
 
-  /// Which share of the matches' weight has information about each direction of motion (rising),
-  /// and the directions, a column each: x, y, z [m], and 10 m times rotation about x, y, z [rad],
-  /// in axes of the map with the sensor as origin: a match d away counts (d / 10 m)^2 times about
-  /// the rotations, which can exceed 1. Zero where nothing was matched.
-  Eigen::Matrix<double, 6, 1> direction_share = Eigen::Matrix<double, 6, 1>::Zero();
-  Eigen::Matrix<double, 6, 6> direction = Eigen::Matrix<double, 6, 6>::Zero();
-  int degenerate_directions = 0;  ///< of which too little is known: the first ones
+  /// The share of the matches' weight with information about each direction of motion (rising), and
+  /// the directions, a column each: x, y, z [m], and 10 m times rotation about x, y, z [rad], in
+  /// axes of the map with the sensor as origin. A match at a distance d counts (d / 10 m)^2 times
+  /// for rotations, which can exceed 1. Zero without matches.
+  Eigen::Matrix<double, 6, 1, Eigen::DontAlign> direction_share = Eigen::VectorXd::Zero(6);
+  Eigen::Matrix<double, 6, 6, Eigen::DontAlign> direction = Eigen::MatrixXd::Zero(6, 6);
+  int degenerate_directions = 0;  ///< number of the first directions that are not observable
 };
 
 }  // namespace hqslam::slam

@@ -7,23 +7,17 @@
 
 namespace hqslam::slam {
 
-/// Where a sensor is while it captures a scan: from its pose at the stamp of the scan before it
-/// moves evenly to that at the scan's own stamp, and on to that of the next. Beside SensorMotion,
-/// which knows only what was before, this needs a trajectory that is finished.
+/// The motion of a sensor while it captures a scan: even from its pose at the stamp of the scan
+/// before to that at the scan's own stamp, and on to that of the next. It needs a finished
+/// trajectory.
 class SensorPath {
  public:
-  /// Stands still.
+  /// A sensor that stands still.
   explicit SensorPath(const Pose& T_map_sensor) : T_map_sensor_(T_map_sensor) {}
-  /// On which sides of a scan the next pose is known to be on the same path.
-  struct KnownWay {
-    bool before = true;
-    bool after = true;
-  };
-  /// Of one scan of a trajectory. At its ends, where the way is not known, and next to stamps that
-  /// do not rise, the motion on the other side goes on; without either the sensor stands still.
-  /// Throws Error if there is no such scan.
-  SensorPath(const Trajectory& trajectory, std::size_t scan, const KnownWay& way);
-  SensorPath(const Trajectory& trajectory, std::size_t scan) : SensorPath(trajectory, scan, {}) {}
+  /// The path of one scan of a trajectory. At its ends, and next to stamps that do not rise, the
+  /// motion on the other side continues; without either the sensor stands still. Throws Error if
+  /// there is no such scan.
+  SensorPath(const Trajectory& trajectory, std::size_t scan);
 
   /// The pose at a time after (or before) the scan's stamp:
   ///   T_map_sensor(t) = T_map_sensor interpolate(I, T_stamp_other, t / t_other),
@@ -33,7 +27,7 @@ class SensorPath {
  private:
   struct Neighbour {
     Pose T_stamp_other = Pose::Identity();
-    double time_offset_s = 0.0;  ///< of its stamp; 0: none
+    double time_offset_s = 0.0;  ///< of its stamp from the scan's; 0: no neighbour
   };
   Pose T_map_sensor_;
   Neighbour before_;

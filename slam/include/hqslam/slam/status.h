@@ -7,22 +7,27 @@ namespace hqslam::slam {
 /// How a stage of SLAM ended for one scan.
 enum class Status {
   kOk,
-  /// Too little matched. Mapping: the odometry's motion stands. Odometry: the prediction stands for
+  /// Too few matches. Mapping: the odometry's motion is used. Odometry: the prediction is used for
   /// what no search found; ground may have given height, roll and pitch, or edges x, y and yaw.
   kTooFewFeatures,
-  kDegenerate,    ///< some direction of motion was not observable: there the prediction stands
+  kDegenerate,    ///< a direction of motion was not observable: there the prediction is used
   kNotConverged,  ///< the iteration limit was reached while the estimate still moved
-  /// Mapping: registered, but scans are missing before this one (more than ten periods): where it
-  /// was looked for was a guess, and a place that looks alike would not be noticed.
+  /// Mapping: registered, but after a gap of more than ten periods: the search began at a guess and
+  /// may have found a similar place.
   kAfterGap,
-  /// Mapping in a saved map: the place is not known, or not any more; nothing is known of the pose.
+  /// Mapping in a saved map: no place in the map was recognized, the pose is unknown.
   kNotRecognized,
 };
 
-std::string_view name(Status status);  ///< "ok", "too few features", "degenerate", "not converged",
-                                       ///< "after a gap", "not recognized"
+constexpr std::string_view name(Status status) {
+  constexpr std::string_view kNames[] = {
+      "ok", "too few features", "degenerate", "not converged", "after a gap", "not recognized"};
+  return kNames[static_cast<int>(status)];
+}
 
-/// Of a mapping status: whether the pose was measured against the map.
-bool is_registered(Status status);
+/// Whether the pose of a scan with this mapping status was measured against the map.
+constexpr bool is_registered(Status status) {
+  return status != Status::kTooFewFeatures && status != Status::kNotRecognized;
+}
 
 }  // namespace hqslam::slam

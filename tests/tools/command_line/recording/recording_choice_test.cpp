@@ -13,24 +13,7 @@ namespace hqslam::tools {
 
 using namespace hqslam::test;
 
-TEST_CASE("the sensor that is named comes before the one in the folder") {
-  const TemporaryDirectory folder;
-  write_sensor_json(sensor_preset("vlp-16"), folder.file("sensor.json"));
-  const std::string drive = folder.path().string();
-  CHECK(recording_sensor({drive})->name == "vlp-16");
-  CHECK(recording_sensor({drive, "os1-64"})->name == "os1-64");
-  CHECK(file_of_drive(drive, "sensor.json") == folder.file("sensor.json"));
-  CHECK(file_of_drive(drive, "truth.tum").empty());
-}
-
-TEST_CASE("a recording whose sensor is neither named nor found is one line where one is needed") {
-  const TemporaryDirectory folder;
-  write_file(folder.file("0.csv"), "5 0 1\n5 0 0\n");
-  CHECK_FALSE(recording_sensor({folder.path().string()}).has_value());
-  CHECK(refused_with([&] { required_recording_sensor({folder.path().string()}); }, "--sensor"));
-}
-
-TEST_CASE("what is said of other kinds of recordings is refused by whatever opens one") {
+TEST_CASE("options that do not apply to a kind of recording are refused when it is opened") {
   const TemporaryDirectory folder;
   write_file(folder.file("a.pcap"), std::string("\xD4\xC3\xB2\xA1", 4));
   std::filesystem::create_directory(folder.file("drive"));
@@ -57,10 +40,9 @@ TEST_CASE("what is said of other kinds of recordings is refused by whatever open
       InputChoice choice = option.choice;
       choice.input = folder.file(name);
       const bool is_refused = std::ranges::count(option.is_for, name) == 0;
-      const std::string leave = std::string(option.name) + " says nothing of ";
-      CHECK(one_line_with(error_message([&] { refuse_idle_options(choice); }), leave) ==
+      const auto open = [&] { recordings::Recording::open(choice.input, open_options(choice)); };
+      CHECK(one_line_with(error_message(open), std::string(option.name) + " does not apply") ==
             is_refused);
-      if (is_refused) CHECK(refused_with([&] { recording_sensor(choice); }, leave));
     }
   }
 }

@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include "run/dense_map.h"
+#include "run/run_summary.h"
 #include "run/slam_run.h"
 #include "tools/example_run.h"
 #include "tools/parts_of_text.h"
@@ -27,9 +28,8 @@ TEST_CASE("a dense map takes the scans of one part alone, and no motion from one
   const ScanPoses poses = poses_of(run_of_parts());
   CHECK(poses.is_located ==
         std::vector<bool>{false, false, false, false, false, true, true, false, true, true});
-  CHECK(poses.is_way_known ==
+  CHECK(poses.is_next_known ==
         std::vector<bool>{true, true, false, true, false, true, true, true, true});
-  CHECK(poses.knows_way(9));  // there is no next
   CHECK(poses_of(example_run(3)).is_located == std::vector<bool>(3, true));
 }
 
@@ -37,8 +37,8 @@ TEST_CASE("nothing is known of the way from a place that was not recognized") {
   SlamRun run = example_run(4);
   run.scans[0].report.mapping_status = Status::kNotRecognized;
   const ScanPoses poses = poses_of(run);
-  CHECK(!poses.knows_way(0));
-  CHECK(poses.knows_way(1));
+  CHECK(!poses.is_next_known[0]);
+  CHECK(poses.is_next_known[1]);
   CHECK(!poses.is_located[0]);
 }
 

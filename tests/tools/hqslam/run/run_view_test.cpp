@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "run/run_output.h"
+#include "run/report_page.h"
 #include "tools/example_run.h"
 
 namespace hqslam::tools {

@@ -18,7 +18,7 @@ slam::SlamOptions options_of(const std::string& json, std::vector<std::string> s
   const test::TemporaryDirectory folder;
   const std::string path = folder.file("slam.json");
   write_whole_file(path, json);
-  return slam_options({path, std::move(set), false});
+  return slam_options({"hqslam", path, std::move(set), false});
 }
 
 }  // namespace
@@ -36,7 +36,7 @@ TEST_CASE("a file sets options of SLAM by stage and name, and --set comes after 
   CHECK(changed_options(options) == changed);
   CHECK(changed_options(slam_options({})).empty());
   CHECK(slam_options({}).loop_closing.enabled);
-  CHECK_FALSE(slam_options({"", {}, false}).loop_closing.enabled);
+  CHECK_FALSE(slam_options({"hqslam", "", {}, false}).loop_closing.enabled);
 }
 
 TEST_CASE("a file that is none of SLAM's options is told how to make one") {

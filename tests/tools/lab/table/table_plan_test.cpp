@@ -165,7 +165,7 @@ TEST_CASE("a recording is named after its folder and keeps the sensor and truth 
   CHECK(test::refused_with([&] { plan_table(options); }, "street", "leave --stream out"));
 }
 
-TEST_CASE("what is not there or would mix is refused in one line") {
+TEST_CASE("unknown names and names that are there twice are refused in one line") {
   const auto complaint = [](TableOptions options) {
     options.out = "out";
     return test::error_message([&] { plan_table(options); });
@@ -181,7 +181,7 @@ TEST_CASE("what is not there or would mix is refused in one line") {
                       "--against", "'du-or'"));
   CHECK(one_line_with(complaint({.drives = {"."}, .seeds = "1..2"}), "--seeds", "town", "'.'"));
   CHECK(one_line_with(complaint({.weights = {"none.npz"}}), "--weights none.npz"));
-  CHECK(one_line_with(complaint({.reference = "truth.txt"}), "--reference", "names 0"));
+  CHECK(one_line_with(complaint({.reference = "truth.txt"}), "--reference", "found 0"));
 }
 
 namespace {

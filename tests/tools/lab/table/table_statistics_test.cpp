@@ -217,11 +217,12 @@ TEST_CASE("the texts have a row per method and a part per drive, and need no oth
   const std::string markdown = markdown_of(report);
   CHECK(missing(markdown, {"## All drives", "## town", "## <hills>", "seeds 4", "| LiDAR-64 |"}) ==
         "");
-  const std::string html = html_of(report);
-  CHECK(holds(html, "&lt;hills&gt;"));
-  CHECK_FALSE(holds(html, "<hills>"));
-  CHECK(holds(html, "class=\"interval\""));
-  CHECK_FALSE(holds(html, "http"));
+  const nlohmann::ordered_json part = page_data(report)["parts"][0];
+  CHECK(part["paired_with"] == "linear");
+  REQUIRE(part["paired_drifts"].size() == 2);
+  CHECK(part["paired_drifts"][1]["name"] == "LiDAR-64");
+  CHECK(part["paired_drifts"][1]["dots"].size() == part["paired_drifts"][0]["dots"].size());
+  CHECK(part["paired_drifts"][1]["mean"].get<double>() == doctest::Approx(-0.75));
 }
 
 TEST_CASE("the JSON holds every summary and every drive, null where there is no interval") {

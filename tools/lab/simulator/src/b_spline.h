@@ -34,7 +34,7 @@ SplineValue<Vector> spline_at(const std::vector<Vector>& control, double paramet
   return value;
 }
 
-/// A polyline with points at equal distances along it, and on which leg of it each lies.
+/// A polyline with points at equal distances along it, and the leg of each point.
 template <typename Vector>
 struct Resampled {
   std::vector<Vector> points;

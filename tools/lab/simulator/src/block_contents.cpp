@@ -152,7 +152,7 @@ void add_park(City& city, const Block& block, Random& random) {
   }
 }
 
-/// A long blank wall or a high hedge all around: nothing that tells one place from another.
+/// A long blank wall or a high hedge all around: all places along it look alike.
 void add_walled_ground(City& city, const Block& block, Random& random) {
   const bool hedge = random.chance(0.4);
   const Surface masonry{Material::kPlaster, random.shade()};

@@ -4,7 +4,7 @@
 
 namespace hqslam::sim {
 
-/// What the walls of one house have in common.
+/// The style of all walls of a house.
 struct FacadeStyle {
   double storey_height_m = 3.0;
   int storeys = 3;
@@ -49,14 +49,14 @@ inline Eigen::AlignedBox2d box_of(const Eigen::Vector2d& a, const Eigen::Vector2
 
 void add_house(City& city, const HouseLot& lot, Random& random);
 
-/// What stands on blocks that lie level with the street.
-///
+// The contents of blocks that are level with the street.
+
 /// A field: at its edges a hedge, a fence or telegraph poles here and there, few trees on it, on
 /// some a farm.
 void add_field(City& city, const Block& block, Random& random);
 /// Long smooth walls at the street, cut off at the corners; trees behind them.
 void add_smooth_walls(City& city, const Block& block, Random& random);
-/// What stands about in a yard: containers, pallets, drums, bollards, a car.
+/// A yard with containers, pallets, drums, bollards, a car.
 void add_yard(City& city, const Block& block, Random& random);
 /// Two rows of cars back to back, their noses to the aisles of axis 0.
 void add_parking_rows(City& city, const Block& block, Random& random);

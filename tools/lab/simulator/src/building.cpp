@@ -200,7 +200,7 @@ class Wall {
     }
   }
 
-  /// What sticks out of a front: steps, an oriel, an awning, a gutter pipe.
+  /// The parts in front of a wall: steps, an oriel, an awning, a gutter pipe.
   void add_relief(int door_bay, Random& random) {
     if (door_bay >= 0) add_steps((door_bay + 0.5) * bay_m_);
     if (style_.storeys > 1 && random.chance(0.35)) {

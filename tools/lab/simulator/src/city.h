@@ -18,7 +18,7 @@ struct Placement {
   std::uint8_t shade = 128;  ///< of the paint or the clothes
 };
 
-/// Everything that stands still, and the shapes of what moves.
+/// Everything that stands still, and the shapes of the actors.
 struct Scenery {
   TriangleMesh fixed;
   std::vector<TriangleMesh> prototypes;
@@ -38,9 +38,9 @@ City make_city(const CityStyle& style, std::uint64_t seed);
 void add_streets(City& city);
 void add_block_ground(City& city, const Block& block);
 void add_open_land(City& city);
-/// What a block is filled with, by its kind.
+/// Adds the contents of a block, by its kind.
 void fill_block(City& city, const Block& block);
-/// What stands on the sidewalk and parks at the kerb.
+/// Adds the furniture of the sidewalks and the cars at the kerb.
 void furnish_sidewalks(City& city, const Block& block);
 
 /// The kerb of one side of a block.
@@ -53,26 +53,26 @@ struct BlockSide {
     return from_m + along_m * along + inwards_m * inwards;
   }
 };
-/// That of small v, then counter-clockwise.
+/// The side of small v first, then counter-clockwise.
 std::array<BlockSide, 4> sides_of(const Eigen::AlignedBox2d& sheet_m);
 
 /// Upright on the ground, lifted by `lift_m`; x looks where `along` of the sheet does.
 Eigen::Isometry3d frame_at(const City& city, const Eigen::Vector2d& sheet_m,
                            const Eigen::Vector2d& along, double lift_m);
-/// The same beside a kerb, x along it.
+/// The frame beside a kerb, x along it.
 inline Eigen::Isometry3d frame_at(const City& city, const BlockSide& side, double along_m,
                                   double inwards_m, double lift_m) {
   return frame_at(city, side.at(along_m, inwards_m), side.along, lift_m);
 }
 
-/// On the ground of a place on the sheet, lifted.
+// Things on the ground at a place on the sheet, lifted.
 void place_tree(City& city, const Eigen::Vector2d& sheet_m, double lift_m, Random& random);
 void place_bush(City& city, const Eigen::Vector2d& sheet_m, double lift_m, Random& random);
 void park_car(City& city, const Eigen::Vector2d& sheet_m, double heading_rad, Random& random);
 
-/// Somewhere in the rectangle, `margin_m` away from its sides.
+/// A random place in the rectangle, `margin_m` away from its sides.
 Eigen::Vector2d draw_inside(const Eigen::AlignedBox2d& sheet_m, double margin_m, Random& random);
-/// Trees or bushes there.
+/// Places `count` trees or bushes at random in the rectangle.
 void scatter(City& city, decltype(&place_tree) place, int count, const Eigen::AlignedBox2d& sheet_m,
              double margin_m, double lift_m, Random& random);
 

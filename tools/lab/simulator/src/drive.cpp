@@ -12,7 +12,8 @@
 namespace hqslam::sim {
 namespace {
 
-/// A simulated unit is as its maker's table says, and its images are as they were captured.
+/// The sensor without corrections: a simulated unit agrees with its table, and its images are not
+/// corrected for motion.
 SensorModel as_made(SensorModel sensor) {
   validate(sensor);
   sensor.elevation_correction_rad.clear();
@@ -38,7 +39,7 @@ struct DriveSimulator::Implementation {
     return static_cast<double>(scan * turns_per_scan) * sensor.scan_period_s;
   }
   double middle_s(std::int64_t scan) const { return begin_s(scan) + 0.5 * sensor.scan_period_s; }
-  /// When the head is at each column of the next scan.
+  /// Poses at the times of the columns of the next scan.
   std::vector<Pose> T_world_sensor_at_column() const {
     std::vector<Pose> T_world_sensor;
     for (int column = 0; column < sensor.columns; ++column) {
@@ -47,7 +48,7 @@ struct DriveSimulator::Implementation {
     }
     return T_world_sensor;
   }
-  /// Where the sensor is along the drive, every two metres.
+  /// Positions of the sensor along the drive, every two metres.
   std::vector<Eigen::Vector3d> places_m() const {
     constexpr double kStep_m = 2.0;
     std::vector<Eigen::Vector3d> places_m;

@@ -13,29 +13,29 @@ namespace {
 constexpr double kSpacing_m = 1.0;
 constexpr int kSmoothingPasses = 6;
 
-/// Traffic must know where the sensor will be for as long as a car crosses the city.
+/// Traffic needs the path for the time in which a car crosses the city.
 constexpr double kForesight_s = 200.0;
 
-/// The lane as a point every metre, with the limits and stops that lie there.
-struct Way {
+/// The lane as a point every metre, with the limits and stops at these points.
+struct ResampledLane {
   std::vector<Eigen::Vector2d> control_m;
   std::vector<double> limit_mps;
   std::vector<double> stop_s;
 };
 
-Way way_along(const std::vector<LanePoint>& lane) {
+ResampledLane resampled_lane(const std::vector<LanePoint>& lane) {
   std::vector<Eigen::Vector2d> corners_m;
   for (const LanePoint& point : lane) corners_m.push_back(point.plane_m);
   auto [points_m, legs] = resampled(corners_m, kSpacing_m);
-  Way way{std::move(points_m), {}, {}};
+  ResampledLane result{std::move(points_m), {}, {}};
   std::size_t next = 0;
   for (const std::size_t leg : legs) {
     double stop_s = 0.0;
     for (; next <= leg; ++next) stop_s = std::max(stop_s, lane[next].stop_s);
-    way.limit_mps.push_back(lane[leg].speed_limit_mps);
-    way.stop_s.push_back(stop_s);
+    result.limit_mps.push_back(lane[leg].speed_limit_mps);
+    result.stop_s.push_back(stop_s);
   }
-  return way;
+  return result;
 }
 
 double curvature_per_m(const std::vector<Eigen::Vector2d>& control_m, std::size_t k) {
@@ -46,13 +46,13 @@ double curvature_per_m(const std::vector<Eigen::Vector2d>& control_m, std::size_
   return std::abs(first.x() * second.y() - first.y() * second.x()) / (speed * speed * speed);
 }
 
-std::vector<double> plan_speed(const Way& way, const DriverStyle& style) {
-  const std::size_t count = way.control_m.size();
-  std::vector<double> speed_mps = way.limit_mps;
+std::vector<double> plan_speed(const ResampledLane& lane, const DriverStyle& style) {
+  const std::size_t count = lane.control_m.size();
+  std::vector<double> speed_mps = lane.limit_mps;
   for (std::size_t k = 1; k + 1 < count; ++k) {
-    const double curvature = std::max(curvature_per_m(way.control_m, k), 1e-6);
+    const double curvature = std::max(curvature_per_m(lane.control_m, k), 1e-6);
     speed_mps[k] = std::min(speed_mps[k], std::sqrt(style.lateral_acceleration_mps2 / curvature));
-    if (way.stop_s[k] > 0.0) speed_mps[k] = 0.0;
+    if (lane.stop_s[k] > 0.0) speed_mps[k] = 0.0;
   }
   // The spline begins at control point 1.
   speed_mps[0] = 0.0;
@@ -73,18 +73,18 @@ std::vector<double> plan_speed(const Way& way, const DriverStyle& style) {
 
 DriverPath::DriverPath(const std::vector<LanePoint>& lane, const DriverStyle& style) {
   constexpr double kStartStop_s = 0.5;
-  Way way = way_along(lane);
-  smooth(way.control_m, kSmoothingPasses);
-  const std::vector<double> speed_mps = plan_speed(way, style);
-  control_m_ = std::move(way.control_m);
+  ResampledLane points = resampled_lane(lane);
+  smooth(points.control_m, kSmoothingPasses);
+  const std::vector<double> speed_mps = plan_speed(points, style);
+  control_m_ = std::move(points.control_m);
   double time_s = kStartStop_s;
   knots_.push_back({0.0, 0.0, 0.0});
   knots_.push_back({time_s, 0.0, 0.0});
   for (std::size_t k = 2; k + 2 < control_m_.size(); ++k) {
     time_s += 2.0 * kSpacing_m / std::max(speed_mps[k - 1] + speed_mps[k], 1e-3);
     knots_.push_back({time_s, static_cast<double>(k - 1) * kSpacing_m, speed_mps[k]});
-    if (way.stop_s[k] > 0.0) {
-      time_s += way.stop_s[k];
+    if (points.stop_s[k] > 0.0) {
+      time_s += points.stop_s[k];
       knots_.push_back({time_s, static_cast<double>(k - 1) * kSpacing_m, 0.0});
     }
   }

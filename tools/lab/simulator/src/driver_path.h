@@ -10,7 +10,7 @@
 
 namespace hqslam::sim {
 
-/// Where the car is on its way.
+/// The state of the car on its path.
 struct PathState {
   Eigen::Vector2d plane_m;
   double heading_rad = 0.0;
@@ -18,7 +18,7 @@ struct PathState {
   double along_m = 0.0;  ///< driven since the start
 };
 
-/// The way as a curve with continuous curvature, and the speed along it.
+/// The path of the sensor's car as a curve with continuous curvature, and the speed along it.
 ///
 /// Curve: the lane resampled every metre, smoothed, and taken as control points of a uniform cubic
 /// B-spline; one metre of `along_m` is one knot (true to a few per cent in tight corners, where the
@@ -43,8 +43,8 @@ class DriverPath {
   std::vector<Knot> knots_;
 };
 
-/// The way of the sensor's car for at least `duration_s` and as long as traffic looks ahead. A
-/// longer one begins with the shorter one.
+/// The path of the sensor's car for at least `duration_s` and the time for which traffic needs it.
+/// A longer path begins with the shorter one.
 DriverPath plan_path(const Layout& layout, const DriverStyle& style, std::uint64_t drive_seed,
                      double duration_s);
 

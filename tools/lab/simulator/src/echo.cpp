@@ -10,7 +10,7 @@ namespace hqslam::sim {
 
 namespace {
 
-/// Echoes closer together than this cannot be told apart (a pulse of 5 ns).
+/// Echoes closer together than this cannot be separated (a pulse of 5 ns).
 constexpr double kPulseLength_m = 0.75;
 /// Surfaces farther apart leave no mixed pixels.
 constexpr double kMixedReach_m = 2.0;

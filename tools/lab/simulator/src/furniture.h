@@ -4,14 +4,16 @@
 
 namespace hqslam::sim {
 
-/// Single things, upright in `frame` (x along the street, y away from it).
+// Single things, upright in `frame` (x along the street, y away from it).
+
 void add_lamp(TriangleMesh& mesh, const Eigen::Isometry3d& frame);
 void add_traffic_sign(TriangleMesh& mesh, const Eigen::Isometry3d& frame, Random& random);
 void add_traffic_light(TriangleMesh& mesh, const Eigen::Isometry3d& frame);
 void add_bench(TriangleMesh& mesh, const Eigen::Isometry3d& frame);
 void add_bin(TriangleMesh& mesh, const Eigen::Isometry3d& frame, Random& random);
 
-/// Things that follow a line of the sheet over the terrain.
+// Things that follow a line of the sheet over the terrain.
+
 void add_hedge(City& city, const Eigen::Vector2d& from_m, const Eigen::Vector2d& to_m,
                double height_m, Random& random);
 void add_picket_fence(City& city, const Eigen::Vector2d& from_m, const Eigen::Vector2d& to_m,

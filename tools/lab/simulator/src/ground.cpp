@@ -12,7 +12,7 @@ constexpr double kOpenLandCell_m = 10.0;
 /// Streets reach under the blocks, which end in rounded corners.
 constexpr double kStreetOverlap_m = 1.5;
 
-/// A rectangle of the sheet as a grid on the terrain, each point lifted by what `lift_m` says.
+/// A rectangle of the sheet as a grid on the terrain, each point lifted by `lift_m()`.
 template <typename Lift>
 void add_patch(City& city, const Eigen::AlignedBox2d& sheet_m, const Eigen::Vector2d& cell_m,
                Surface surface, Lift lift_m) {
@@ -65,7 +65,7 @@ std::vector<Eigen::Vector2d> kerb_line(const Eigen::AlignedBox2d& sheet_m) {
   return line;
 }
 
-/// What a sidewalk surrounds.
+/// The ground inside the sidewalk of a block.
 Eigen::AlignedBox2d inside_of(const Block& block) {
   return {block.sheet_m.min().array() + kSidewalkWidth_m,
           block.sheet_m.max().array() - kSidewalkWidth_m};

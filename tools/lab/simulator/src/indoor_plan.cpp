@@ -34,7 +34,7 @@ class RouteMaker {
       go_round(low_end_first);
       const bool turn = random_.chance(0.4);
       if (!turn) continue;
-      // Nobody turns on the spot: into a room ahead and out again.
+      // People do not turn on the spot: into a room ahead and out again.
       visit(next_room(low_end_first ? -1.0 : 1.0));
       low_end_first = !low_end_first;
     }

@@ -52,18 +52,19 @@ constexpr double kStairwellHalfWidth_m = 1.4;
 
 IndoorPlan make_indoor_plan(std::uint64_t seed);
 
-/// Where the middle of a room is that is kept free.
+/// The middle of the free part of a room.
 Eigen::Vector2d middle_of(const Room& room);
 constexpr double kFreeRadius_m = 1.7;
 
-/// Round after round: up one stairwell, down the other, and into some rooms on the way. Points on
-/// the floor, joined by straight lines; a longer route begins with the shorter one.
+/// A route on foot: round after round up one stairwell and down the other, with visits to some
+/// rooms. Points on the floor, joined by straight lines; a longer route begins with the shorter
+/// one.
 std::vector<Eigen::Vector3d> indoor_route(const IndoorPlan& plan, std::uint64_t seed,
                                           double min_length_m);
 
-/// Walls with doors and windows, floors, stairs, and what stands in rooms and corridors.
+/// Walls with doors and windows, floors, stairs, and the furniture of rooms and corridors.
 TriangleMesh make_indoor_mesh(const IndoorPlan& plan);
-/// Furniture of a room, clear of its middle and of the way to the door.
+/// Furniture of a room, clear of its middle and of the path to the door.
 void furnish_room(TriangleMesh& mesh, const Room& room);
 
 }  // namespace hqslam::sim

@@ -45,17 +45,17 @@ struct Street {
   bool tree_lined = false;
 };
 
-/// Whether blocks of this kind end in a kerb and a sidewalk; the others lie level with the street.
+/// Whether blocks of this kind end in a kerb and a sidewalk; the others are level with the street.
 constexpr bool has_sidewalk(BlockKind kind) { return kind < BlockKind::kField; }
 
-/// What lies between streets, up to the kerbs.
+/// The land between streets, up to the kerbs.
 struct Block {
   Eigen::AlignedBox2d sheet_m;
   BlockKind kind = BlockKind::kRowHouses;
   std::uint64_t seed = 0;
 };
 
-/// One of the waves that bend the sheet: (x, y) = (u, v) + sum_k a_k sin(w_k . (u, v) + phase_k).
+/// A wave that bends the sheet: (x, y) = (u, v) + sum_k a_k sin(w_k . (u, v) + phase_k).
 struct BendingWave {
   Eigen::Vector2d wave_vector_rad_per_m;
   Eigen::Vector2d amplitude_m;
@@ -88,7 +88,7 @@ struct Layout {
   double heading_rad(const Eigen::Vector2d& sheet_m, const Eigen::Vector2d& direction) const;
 };
 
-/// By how much blocks stand above the street.
+/// Height of blocks above the street.
 constexpr double kKerbHeight_m = 0.14;
 constexpr double kSidewalkWidth_m = 3.0;
 constexpr double kCornerRadius_m = 4.0;

@@ -106,7 +106,7 @@ void add_parking_row(City& city, const BlockSide& side, Random& random) {
   }
 }
 
-/// Clear of crossings, where whoever drives must see.
+/// Distance kept from crossings, so that drivers can see across them.
 constexpr double kCornerRoom_m = 14.0;
 
 /// Stretches of hedge or fence along a road, with nothing between them.
@@ -169,7 +169,7 @@ void plant_avenue(City& city, const BlockSide& side, Random& random) {
   }
 }
 
-/// A house and a barn some way back from the road.
+/// A house and a barn set back from the road.
 void add_farm(City& city, const Block& block, int front, Random& random) {
   const BlockSide side = sides_of(block.sheet_m)[front];
   double from_m = side.length_m * random.uniform(0.2, 0.6);
@@ -207,7 +207,7 @@ void add_smooth_walls(City& city, const Block& block, Random& random) {
 }
 
 void add_yard(City& city, const Block& block, Random& random) {
-  // Two containers or cars, whose length decides the margin, then smaller things.
+  // Two containers or cars, whose length determines the margin, then smaller things.
   constexpr double kLongMargin_m = 3.8;
   for (int k = 0; k < 2; ++k) {
     const Eigen::Vector2d at = draw_inside(block.sheet_m, kLongMargin_m, random);

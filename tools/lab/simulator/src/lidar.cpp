@@ -39,7 +39,7 @@ struct Lidar::Revolution {
   std::uint64_t seed;
   RowSelection rows;
   RangeImage image{lidar.sensor_.rows(), lidar.sensor_.columns};
-  /// What the ray in the middle of each pixel meets.
+  /// The hit of the ray in the middle of each pixel.
   std::vector<std::optional<RayHit>> central{image.range_m.size()};
 
   std::optional<RayHit> cast(int row, int column, const Eigen::Vector3d& direction) const {
@@ -51,8 +51,8 @@ struct Lidar::Revolution {
                       (firing + 0.5) / sensor.columns, 1.1 * sensor.max_range_m);
   }
 
-  /// What the beam brings back: of its middle and, where a neighbour lies beyond an edge, of its
-  /// rim towards that neighbour.
+  /// The echoes of the middle of the beam and, where a neighbour is beyond a depth edge, of the rim
+  /// of the beam towards that neighbour.
   Footprint footprint(int row, int column, const PixelBits& bits) const {
     const std::size_t pixel = image.index(row, column);
     Footprint footprint;
@@ -79,7 +79,8 @@ struct Lidar::Revolution {
     return footprint;
   }
 
-  /// What the beam and chance make of how bright a return is; 1 of a sensor without errors.
+  /// Factor of a return's intensity from its beam's gain and scatter; 1 for a sensor without
+  /// errors.
   double intensity_factor(int row, const PixelBits& bits) const {
     const double scatter = lidar.pulse_.intensity_scatter;
     return lidar.beams_.intensity_gain[static_cast<std::size_t>(row)] *

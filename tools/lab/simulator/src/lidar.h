@@ -13,7 +13,7 @@
 
 namespace hqslam::sim {
 
-/// A spinning LiDAR: rays, what comes back, and what the sensor makes of it.
+/// A spinning LiDAR: its rays, their returns, and the measured pixels.
 ///
 /// Signal: a surface of reflectivity rho at range r, met at an incidence angle of cosine c, returns
 ///   q = rho / 0.8 * max(c, 0.02)^(3/8) * (max_range / r)^2
@@ -27,10 +27,10 @@ namespace hqslam::sim {
 /// by power; otherwise the strongest counts.
 /// Glass: some windows have curtains, some show the room behind, some return nothing.
 /// Ranges are rounded to 1 mm.
-/// A sensor with errors (SensorErrors) looks where draw_beam_errors says, adds its beam's range
-/// error, and has the PulseErrors of echo.h.
+/// The beams of a sensor with errors (SensorErrors) have the directions and range errors of
+/// draw_beam_errors, and the PulseErrors of echo.h.
 ///
-/// Rain or fog of extinction a takes exp(-2 a r) of the signal on its way there and back
+/// Rain or fog of extinction a leaves exp(-2 a r) of the signal on its path to the surface and back
 /// (Beer-Lambert; here (1 + a r / 8)^-16, whose roundings are the same on every machine). With
 /// probability airborne_share a pixel meets drops at r_d = min_range + 12 m u^2, u uniform in
 /// [0, 1); if that is nearer than what the pixel would have reported, or it would have reported
@@ -48,8 +48,8 @@ class Lidar {
  public:
   /// With the conditions, the sensor's errors and the seed of a drive.
   Lidar(const SensorModel& sensor, const DriveSpec& drive);
-  /// One revolution; `T_world_sensor` at every column of the head. Of other rows nothing comes
-  /// back. intensity: is made the intensities, in the order of the pixels, 0 where no return.
+  /// One revolution; `T_world_sensor` at every column of the head. Rows that are not selected have
+  /// no returns. intensity: set to the intensities in the order of the pixels, 0 where no return.
   RangeImage measure(const RayScene& scene, const std::vector<Pose>& T_world_sensor,
                      std::int64_t scan, RowSelection rows = {},
                      std::vector<std::uint8_t>* intensity = nullptr) const;

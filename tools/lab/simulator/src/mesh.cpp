@@ -114,8 +114,8 @@ Eigen::Isometry3d upright_frame(const Eigen::Vector3d& origin, double heading_ra
   return frame;
 }
 
-// Where the point's foot on the plane lies inside the triangle, seen from all three edges, it is
-// the nearest; otherwise the nearest point lies on an edge.
+// The foot of the point on the plane is the nearest point if it is inside all three edges;
+// otherwise the nearest point is on an edge.
 double distance_to_triangle_m(const Eigen::Vector3d& point_m, const Eigen::Vector3d& a_m,
                               const Eigen::Vector3d& b_m, const Eigen::Vector3d& c_m) {
   const Eigen::Vector3d normal = (b_m - a_m).cross(c_m - a_m);

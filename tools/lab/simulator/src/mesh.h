@@ -7,7 +7,7 @@
 
 namespace hqslam::sim {
 
-/// What a surface is made of, as far as a laser cares.
+/// Materials that a laser distinguishes.
 enum class Material : std::uint8_t {
   kAsphalt,
   kConcrete,
@@ -81,7 +81,7 @@ void add_column(TriangleMesh& mesh, const Eigen::Vector3d& from, const Eigen::Ve
 void add_grid(TriangleMesh& mesh, const std::vector<Eigen::Vector3d>& points, int rows, int columns,
               Surface surface);
 
-/// What shapes of one surface are added to, in a frame of their own.
+/// A mesh to which shapes of one surface are added, in a frame of their own.
 struct Part {
   TriangleMesh& mesh;
   Eigen::Isometry3d frame;

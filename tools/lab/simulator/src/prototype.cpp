@@ -22,7 +22,7 @@ Eigen::Vector3d draw_direction(Random& random) {
   }
 }
 
-/// A tuft of leaves; real ones point every way.
+/// A tuft of leaves in a random orientation.
 void add_leaf(TriangleMesh& mesh, const Eigen::Vector3d& middle, double half_size_m,
               Random& random) {
   const Eigen::Vector3d normal = draw_direction(random);

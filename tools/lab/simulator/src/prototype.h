@@ -7,8 +7,8 @@
 
 namespace hqslam::sim {
 
-/// Things of which one shape stands in many places, each shape at the origin, x forward: where each
-/// kind begins among the prototypes.
+/// Shapes that are placed many times, each at the origin, x forward: the index of the first shape
+/// of each kind among the prototypes.
 constexpr int kTreeShapes = 10;
 constexpr int kBushShapes = 3;
 constexpr int kCarBodies = 4;  ///< hatchback, saloon, off-roader, van

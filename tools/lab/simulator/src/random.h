@@ -12,7 +12,7 @@ constexpr std::uint64_t scrambled(std::uint64_t bits) {
   return bits ^ (bits >> 31U);
 }
 
-/// A seed for one thing among many: whoever asks, in whatever order, gets the same one.
+/// A seed for one of many uses; it does not depend on the order of the calls.
 constexpr std::uint64_t seed_of(std::uint64_t seed, std::uint64_t key) {
   return scrambled(scrambled(seed) ^ (key * 0xd6e8feb86659fd93ULL));
 }

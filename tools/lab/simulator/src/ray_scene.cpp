@@ -12,7 +12,7 @@ namespace hqslam::sim {
 
 namespace {
 
-/// How the owner of an Embree object lets it go.
+/// Deleter of an Embree object.
 template <auto kRelease>
 struct Release {
   template <typename Object>
@@ -101,9 +101,9 @@ std::array<Eigen::Vector3d, 3> corners_m(const TriangleMesh& mesh, unsigned tria
 /// The ray o + t d (in the mesh's frame) against the plane of a triangle with normal n and corner
 /// v:
 ///   t = n . (v - o) / n . d,   cos of incidence = |n . d| / (|n| |d|)
-/// `embree_m` is Embree's t: for a ray that nearly lies in the plane it is the better one. Embree
-/// rounds the ray to single precision, and may meet what in double precision lies behind the origin
-/// already: no range is negative, lest one who goes on from hit to hit comes to the same one again.
+/// `embree_m` is Embree's t, which is more accurate for a ray that is nearly parallel to the plane.
+/// Embree rounds the ray to single precision and may hit a triangle that in double precision is
+/// behind the origin. No range is negative, so that a search from hit to hit always advances.
 RayHit meet_triangle(const TriangleMesh& mesh, unsigned triangle, const Eigen::Vector3d& origin,
                      const Eigen::Vector3d& direction, float embree_m) {
   const auto [a, b, c] = corners_m(mesh, triangle);
@@ -115,11 +115,11 @@ RayHit meet_triangle(const TriangleMesh& mesh, unsigned triangle, const Eigen::V
   return hit;
 }
 
-/// Embree works in single precision: it is to look a little farther.
+/// Embree works in single precision, so it searches a little farther.
 float search_radius(double distance_m) { return static_cast<float>(1.001 * distance_m + 1e-3); }
 
-/// The same for a ray in the world and a shape that stands there. Paint, car windows and clothes
-/// take the shade of the one who wears them.
+/// The hit of a ray in the world on a shape that stands there. Paint, car windows and clothes take
+/// the shade of the instance.
 RayHit meet_shape(const TriangleMesh& shape, const Eigen::Affine3d& T_shape_world,
                   std::uint8_t shade, const EmbreeHit& found, const Eigen::Vector3d& origin_m,
                   const Eigen::Vector3d& direction) {

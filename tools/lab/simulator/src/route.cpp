@@ -61,7 +61,7 @@ class CircuitPlanner {
   std::vector<Crossing> plan(double min_length_m) {
     while (route_.length_m() < min_length_m) {
       if (!drive_circuit()) wander();
-      for (int ways = random_.below(3); ways > 0; --ways) wander();
+      for (int stretches = random_.below(3); stretches > 0; --stretches) wander();
     }
     return route_.crossings();
   }
@@ -77,7 +77,7 @@ class CircuitPlanner {
       const int count = static_cast<int>(layout_.streets[axis].size());
       if (to[axis] < 0 || to[axis] >= count) return false;
     }
-    // Driving along axis 1 follows a street of axis 0 and the other way round.
+    // Driving along axis 1 follows a street of axis 0, and vice versa.
     const int street_axis = direction.x() == 0 ? 0 : 1;
     const int along = 1 - street_axis;
     return !layout_.closed.contains(
@@ -97,24 +97,24 @@ class CircuitPlanner {
       Direction direction = onward()[random_.below(3)];
       const std::array<int, 2> size = {1 + random_.below(style_.max_circuit_blocks),
                                        1 + random_.below(style_.max_circuit_blocks)};
-      std::vector<Direction> ways;
+      std::vector<Direction> directions;
       for (std::size_t side = 0; side < 4; ++side) {
-        ways.insert(ways.end(), static_cast<std::size_t>(size[side % 2]), direction);
+        directions.insert(directions.end(), static_cast<std::size_t>(size[side % 2]), direction);
         direction = left ? left_of(direction) : right_of(direction);
       }
-      ways.push_back(ways.front());
-      if (!passable(ways)) continue;
-      for (const Direction& way : ways) step(way);
+      directions.push_back(directions.front());
+      if (!passable(directions)) continue;
+      for (const Direction& onward : directions) step(onward);
       return true;
     }
     return false;
   }
 
-  bool passable(const std::vector<Direction>& ways) const {
+  bool passable(const std::vector<Direction>& directions) const {
     Crossing at = route_.here();
-    for (const Direction& way : ways) {
-      if (!open(at, way)) return false;
-      at += way;
+    for (const Direction& direction : directions) {
+      if (!open(at, direction)) return false;
+      at += direction;
     }
     return true;
   }
@@ -123,11 +123,11 @@ class CircuitPlanner {
   void wander() {
     std::vector<Direction> possible;
     std::vector<Direction> driven_backwards;
-    for (const Direction& way : onward()) {
-      if (!open(route_.here(), way)) continue;
-      possible.push_back(way);
-      if (driven_.contains(link_between(route_.here() + way, route_.here())))
-        driven_backwards.push_back(way);
+    for (const Direction& direction : onward()) {
+      if (!open(route_.here(), direction)) continue;
+      possible.push_back(direction);
+      if (driven_.contains(link_between(route_.here() + direction, route_.here())))
+        driven_backwards.push_back(direction);
     }
     const auto& choice =
         !driven_backwards.empty() && random_.chance(0.6) ? driven_backwards : possible;
@@ -142,8 +142,7 @@ class CircuitPlanner {
   std::set<Link> driven_;
 };
 
-/// The outermost streets, then the same the other way round, and so on. A street across the middle
-/// joins the two:
+/// The outermost streets in alternating directions, joined by a street across the middle:
 ///
 ///   +---Q---+    P, right, Q, left, P: counter-clockwise; right to Q, down to P;
 ///   |   |   |    P, left, Q, right, P: clockwise; left to Q, down to P.
@@ -206,17 +205,17 @@ struct LaneMaker {
   Eigen::Vector2d sheet(const Crossing& crossing) const {
     return {layout.streets[0][crossing.x()].position_m, layout.streets[1][crossing.y()].position_m};
   }
-  Eigen::Vector2d direction_of(std::size_t way) const {
-    return (route[way + 1] - route[way]).cast<double>();
+  Eigen::Vector2d direction_of(std::size_t stretch) const {
+    return (route[stretch + 1] - route[stretch]).cast<double>();
   }
-  /// The street that way `way` (from crossing `way` to the next) follows.
-  const Street& street_of(std::size_t way) const {
-    const int axis = route[way + 1].x() == route[way].x() ? 0 : 1;
-    return layout.streets[axis][route[way][axis]];
+  /// The street of a stretch, which leads from the crossing of the same number to the next.
+  const Street& street_of(std::size_t stretch) const {
+    const int axis = route[stretch + 1].x() == route[stretch].x() ? 0 : 1;
+    return layout.streets[axis][route[stretch][axis]];
   }
-  double draw_limit(std::size_t way) const {
+  double draw_limit(std::size_t stretch) const {
     return style.min_limit_mps +
-           (style.max_limit_mps - style.min_limit_mps) * uniform_of(seed_of(seed, 1, way));
+           (style.max_limit_mps - style.min_limit_mps) * uniform_of(seed_of(seed, 1, stretch));
   }
 
   void add(const Eigen::Vector2d& sheet_m) {

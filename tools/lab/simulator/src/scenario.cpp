@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 
-/// How a car sways on its springs with the sensor on its roof, by the distance s driven, so that a
-/// standing car stands still and the pose is as smooth in time as the path:
+/// Sway of a car with the sensor on its roof as a function of the distance s driven, so that a
+/// standing car does not move and the pose is as smooth in time as the path:
 ///   roll, pitch, heave = sum_k a_k sin(w_k s + p_k),  2 pi / w_k about 47, 23, 13 and 8 m
 class VehicleSway {
  public:
@@ -56,8 +56,8 @@ class VehicleSway {
   std::array<std::array<Wave, 4>, 3> waves_;  ///< roll, pitch, heave
 };
 
-/// How a sensor moves in the hand of somebody who walks upright: it rolls, pitches and turns as the
-/// style says, and rises with every step.
+/// Motion of a sensor in the hand of a walker: roll, pitch and yaw of the style's sizes, and a rise
+/// with every step.
 ///   angle(t) = A (0.85 + 0.15 sin(w_slow t + p_slow)) sin(w t + p),  2 pi / w = 0.95 to 1.05 s
 class HandSway {
  public:
@@ -75,7 +75,7 @@ class HandSway {
     }
   }
 
-  /// T_world_walker: the feet of who carries it, upright, x forward.
+  /// T_world_walker: the walker's feet, upright, x forward.
   Pose T_world_sensor(const Pose& T_world_walker, double time_s) const {
     const Pose T_hand_swung =
         pose_from_xyz_rpy({0.0, swings_[3].at(time_s), swings_[4].at(time_s)},
@@ -100,7 +100,7 @@ class HandSway {
   std::array<Swing, 5> swings_;  ///< roll, pitch, yaw, aside, up
 };
 
-/// Through the streets of a city.
+/// A drive through the streets of a city.
 Scenario make_street_scenario(const DriveSpec& spec, double duration_s) {
   const DriveStyle style = drive_style(spec.name);
   const auto city =
@@ -112,7 +112,7 @@ Scenario make_street_scenario(const DriveSpec& spec, double duration_s) {
   const std::uint64_t sway_seed = seed_of(spec.seed, DrivePart::kSway);
 
   Scenario scenario{.scenery = city, .T_world_sensor = {}, .actors = {}};
-  // The traffic looks at the city and the path.
+  // The traffic refers to the city and the path.
   scenario.actors = [city, path, traffic](double from_s, double to_s,
                                           const Eigen::Vector2d& plane_m) {
     return traffic->actors(from_s, to_s, plane_m);
@@ -127,7 +127,7 @@ Scenario make_street_scenario(const DriveSpec& spec, double duration_s) {
   } else {
     const HandSway sway(sway_seed, *style.hand, spec.mount);
     scenario.T_world_sensor = [city, path, sway](double time_s) {
-      // Who walks is upright whatever the slope.
+      // A walker is upright on any slope.
       const PathState state = path->at_time(time_s);
       const Eigen::Vector3d feet_m = city->layout.terrain.ground(state.plane_m, 0.0);
       return sway.T_world_sensor(upright_frame(feet_m, state.heading_rad), time_s);
@@ -142,9 +142,9 @@ constexpr double kStandStill_s = 0.5;
 constexpr HandStyle kHand = {.swing_rad = 0.06};
 constexpr double kSpare_m = 10.0;  ///< corners are cut, and the spline needs some points
 
-/// The way of somebody who walks on floors and stairs: a polyline with rounded corners, as control
-/// points of a uniform cubic B-spline every quarter of a metre. After half a second they start and
-/// then keep their pace. A longer polyline begins with the same way as a shorter one.
+/// Path of a walker on floors and stairs: a polyline with rounded corners, as control points of a
+/// uniform cubic B-spline every quarter of a metre. The walker starts after half a second and then
+/// keeps a constant pace. The path of a longer polyline begins with that of a shorter one.
 class WalkingPath {
  public:
   explicit WalkingPath(const std::vector<Eigen::Vector3d>& waypoints_m)

@@ -11,12 +11,12 @@
 
 namespace hqslam::sim {
 
-/// What one drive is simulated from: what stands still, how the sensor moves, and who else does.
-/// The same spec makes the same scenario, but for how far ahead it reaches.
+/// The inputs of a simulated drive: scenery, motion of the sensor, actors. The same spec makes the
+/// same scenario, up to its duration.
 struct Scenario {
   std::shared_ptr<const Scenery> scenery;
   std::function<Pose(double time_s)> T_world_sensor;
-  /// Who moves near the sensor during a scan, the nearest first.
+  /// The actors near the sensor during a scan, the nearest first.
   std::function<std::vector<ActorMotion>(double from_s, double to_s,
                                          const Eigen::Vector2d& plane_m)>
       actors;

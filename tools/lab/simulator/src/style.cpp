@@ -89,7 +89,7 @@ constexpr DriveStyle kNarrow = {
              .pedestrians_per_block = 2},
     .driver = {.min_limit_mps = 5.0, .max_limit_mps = 9.0, .lateral_acceleration_mps2 = 2.0}};
 
-/// A small robot among what stands about in a yard with houses around it.
+/// A small robot in a yard with containers, pallets and drums, and houses around it.
 constexpr DriveStyle kYard = {
     .city = {.grid = square({3, 24.0, 34.0}),
              .plain_streets = PlainStreets{.half_width_m = 2.2, .lane_offset_m = 0.6},
@@ -141,7 +141,7 @@ constexpr DriveStyle kCarPark = {
                .lateral_acceleration_mps2 = 2.0,
                .stop_share = 0.1}};
 
-/// The same city and driver at a busy hour: four times as many cars and walkers.
+/// A style's city and driver at a busy hour: four times as many cars and walkers.
 constexpr DriveStyle busy(DriveStyle style) {
   style.city.seconds_between_cars /= 4.0;
   style.city.pedestrians_per_block *= 4;

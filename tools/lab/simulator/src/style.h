@@ -7,7 +7,7 @@
 
 namespace hqslam::sim {
 
-/// The kinds of block that a city is made of. Those from kField on lie level with the street and
+/// The kinds of block that a city is made of. From kField on they are level with the street and
 /// have no sidewalk.
 enum class BlockKind {
   kRowHouses,
@@ -32,7 +32,7 @@ struct StreetGrid {
   double max_spacing_m = 120.0;
 };
 
-/// Streets that are all alike, without room for parked cars, without trees.
+/// Streets of one width without parked cars and trees.
 struct PlainStreets {
   double half_width_m = 3.0;
   double lane_offset_m = 1.4;
@@ -52,8 +52,7 @@ struct CityStyle {
   int pedestrians_per_block = 3;
 };
 
-/// Circuits around blocks joined by short ways; or a loop, the same loop the other way round, and
-/// so on.
+/// Circuits around blocks joined by short stretches, or one loop in alternating directions.
 enum class RouteKind { kCircuits, kLoopBothWays };
 
 struct DriverStyle {

@@ -29,7 +29,7 @@ void Traffic::add_trips(const DriveStyle& style, std::uint64_t seed, double unti
     const double high_m = layout_.rim_m.max()[1 - axis];
     for (std::size_t street = 0; street < layout_.streets[axis].size(); ++street) {
       const Street& line = layout_.streets[axis][street];
-      // Nobody drives through what is built over.
+      // No car drives on a street with a stretch that is built over.
       const bool blocked = std::ranges::any_of(layout_.closed, [&](const Stretch& stretch) {
         return stretch.axis == axis && stretch.street == static_cast<int>(street);
       });

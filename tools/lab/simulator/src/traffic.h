@@ -10,7 +10,7 @@
 
 namespace hqslam::sim {
 
-/// Somebody who moves during one scan: on a straight line from one pose to the other.
+/// An actor's motion during one scan: on a straight line from one pose to the other.
 struct ActorMotion {
   int prototype = 0;
   Eigen::Affine3d T_world_at_start = Eigen::Affine3d::Identity();
@@ -18,14 +18,14 @@ struct ActorMotion {
   std::uint8_t shade = 128;
 };
 
-/// Cars that drive through the city from end to end and people who walk around blocks. Whoever
-/// would come too close to the sensor's car does not set out.
+/// Cars that drive through the city from end to end and people who walk around blocks. An actor
+/// that would come too close to the sensor's car never sets out.
 class Traffic {
  public:
   /// Trips that begin before `until_s`; `ego` must be known for some minutes longer.
   Traffic(const Layout& layout, const DriveStyle& style, const DriverPath& ego, std::uint64_t seed,
           double until_s);
-  /// Those within reach of the sensor at `plane_m`, the nearest first.
+  /// The actors within reach of the sensor at `plane_m`, the nearest first.
   std::vector<ActorMotion> actors(double from_s, double to_s, const Eigen::Vector2d& plane_m) const;
 
  private:

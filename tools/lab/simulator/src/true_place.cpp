@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kAbove_m = 50.0;
 constexpr double kDepth_m = 100.0;
-constexpr double kBehind_m = 1e-3;  ///< a surface the ray goes on
+constexpr double kBehind_m = 1e-3;  ///< a surface, the search continues
 
 std::optional<double> lowest_surface_m(const RayScene& scene, const Eigen::Vector3d& point_m) {
   const double top_m = point_m.z() + kAbove_m;
@@ -28,7 +28,8 @@ std::optional<double> lowest_surface_m(const RayScene& scene, const Eigen::Vecto
   return lowest_m;
 }
 
-/// As spheres about its axis: their union is the column, but for dents of a seventh of its radius.
+/// Tests spheres about the column's axis: their union is the column, except for dents of a seventh
+/// of its radius.
 bool is_occupied(const RayScene& scene, const Eigen::Vector3d& bottom_m,
                  const UprightColumn& column) {
   const double height_m = column.highest_m - column.lowest_m;
@@ -43,9 +44,10 @@ bool is_occupied(const RayScene& scene, const Eigen::Vector3d& bottom_m,
   return false;
 }
 
-/// So near it is the surface, up to the sensor's noise: nothing behind glass will be nearer.
+/// A point this near is on the surface, up to the sensor's noise; no surface behind glass is
+/// nearer.
 constexpr double kOnSurface_m = 0.03;
-/// From farther away windows are seen too obliquely or too faintly to matter.
+/// Windows are ignored from farther away, where they are seen obliquely or faintly.
 constexpr double kFarthestPlace_m = 50.0;
 /// No room is deeper, seen obliquely.
 constexpr double kDeepest_m = 18.0;

@@ -31,7 +31,8 @@ void make_directory(const fs::path& directory) {
       directory.string(), failure.message());
 }
 
-/// One file per scan: what an earlier, longer drive left there would pass for scans of this one.
+/// Makes a folder for files of scans. Files that an earlier, longer drive left in it would be read
+/// as scans of this one.
 void make_empty_directory(const fs::path& directory) {
   make_directory(directory);
   if (fs::is_empty(directory)) return;
@@ -43,7 +44,7 @@ std::string in(const std::string& directory, std::string_view name) {
   return (fs::path(directory) / name).string();
 }
 
-/// At once on the disk: whatever stops the program, the file is whole up to here.
+/// Writes to the disk at once, so that the file is valid whenever the program stops.
 void append_text(std::ofstream& stream, const std::string& path, const std::string& text) {
   stream << text;
   stream.flush();
@@ -51,7 +52,7 @@ void append_text(std::ofstream& stream, const std::string& path, const std::stri
   throw Error("{}: cannot be written; check that the folder is writable and has free space", path);
 }
 
-/// What a calibration of the beams should find.
+/// Writes the beam errors, which a calibration of the beams should find.
 void write_sensor_errors_json(const std::string& path, const DriveSpec& spec, int rows) {
   BeamErrors beams = draw_beam_errors(spec.sensor_errors, rows, spec.seed);
   for (auto* angles : {&beams.elevation_rad, &beams.azimuth_rad}) {
@@ -65,9 +66,9 @@ void write_sensor_errors_json(const std::string& path, const DriveSpec& spec, in
   write_whole_file(path, json.dump(2) + "\n");
 }
 
-/// `directory`, after it has been made with the file that says what the drive is: members that open
-/// files in it are initialised with this. However soon writing stops, that file tells whose the
-/// others are.
+/// Makes `directory` with its drive.json and returns its path, with which members that open files
+/// in it are initialised: drive.json is the first file, so the others can be attributed to the
+/// drive whenever writing stops.
 const std::string& made(const std::string& directory, const DriveSpec& spec,
                         const SensorModel& sensor) {
   make_directory(directory);

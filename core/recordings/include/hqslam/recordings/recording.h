@@ -135,6 +135,10 @@ class Recording final : public ScanSource {
   StreamSource* stream_ = nullptr;  ///< source_, or what it reads, of a capture or a bag
 };
 
+/// Throws Error for an option that does not apply to this kind of recording, as Recording::open
+/// does too.
+void refuse_idle_options(const std::string& path, const OpenOptions& options);
+
 /// Whether this is a capture or a bag, by its first bytes or, damaged, its name.
 bool is_capture_or_bag(const std::string& path);
 

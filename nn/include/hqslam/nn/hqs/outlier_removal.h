@@ -15,9 +15,9 @@ struct OutlierRemovalOptions {
   double min_angle_rad = 0.17453292519943295;  // 10 degrees
   /// Components of fewer pixels are rejected.
   int min_pixels = 20;
-  /// A pixel of such a component stays if its range is within this share of a range that was
+  /// A pixel of such a component is kept if its range is within this share of a range that was
   /// measured in the next measured row above or below it, in its column or one beside it: a thin
-  /// pole, the edge of a wall. 0: none stays.
+  /// pole, the edge of a wall. 0: none is kept.
   float support_share = 0.0F;
 };
 
@@ -37,8 +37,8 @@ class OutlierRemoval {
 
   /// range_m: rows x columns, metres, row-major, 0 = no return. rejected: the same shape, 1 where
   /// the pixel is rejected, otherwise 0. Pixels of measured rows and pixels without a return are
-  /// never rejected. Uses up to `threads` OpenMP threads; the result does not depend on it. After
-  /// the first call no call allocates.
+  /// never rejected. Uses up to `threads` OpenMP threads; the result does not depend on their
+  /// number. No call allocates.
   void find(const float* range_m, std::uint8_t* rejected, int threads = 1);
 
  private:

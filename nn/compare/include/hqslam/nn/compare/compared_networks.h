@@ -1,9 +1,10 @@
 #pragma once
 
+#include "hqslam/nn/architectures.h"
+
 namespace hqslam::nn {
 
-/// Makes "srae" and "tulip" kinds of networks that recipes and weights files may have, beside those
-/// of hqslam::nn. A program that wants them calls it once, before it reads any.
-void add_compared_networks();
+/// Those of hqs_architectures() and the networks that they are compared with, SRAE and TULIP.
+const Architectures& all_architectures();
 
 }  // namespace hqslam::nn

@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <unsupported/Eigen/CXX11/Tensor>
 #include <vector>
 
 #include "hqslam/core/range_image.h"
@@ -13,14 +14,20 @@
 
 namespace hqslam::nn {
 
-/// An inner tensor in double precision; the same names, shapes and units as TracedTensor's.
+/// An inner tensor in double precision: channels x rows x columns, with the names, shapes and units
+/// of TracedTensor.
 struct ReferenceTensor {
+  /// DontAlign: as TracedTensor::Values.
+  using Values = Eigen::Tensor<double, 3, Eigen::RowMajor | Eigen::DontAlign>;
+
   std::string name;
   std::string unit;
-  int channels = 1;
-  int rows = 1;
-  int columns = 1;
-  std::vector<double> values;
+  Values values;
+
+  /// All values: channel by channel, row by row.
+  std::span<const double> all() const {
+    return {values.data(), static_cast<std::size_t>(values.size())};
+  }
 };
 
 /// In the order in which they are computed.
@@ -31,19 +38,19 @@ struct ReferenceTrace {
 };
 
 struct ReferenceOptions {
-  /// What the filter rejects in each layer, rows x columns; empty: what it finds by itself. A range
-  /// that is off by a rounding may connect two pixels or not: whoever compares numbers gives both
-  /// the same decisions.
+  /// The pixels that the filter rejects in each layer, rows x columns; empty: the reference
+  /// searches itself. A rounding of a range may connect two pixels or not: a comparison of numbers
+  /// gives both sides the same decisions.
   std::vector<std::vector<std::uint8_t>> rejected = {};
   /// M and W^2 of the networks with a memory; empty: nothing is recalled.
   RecalledImage recalled = {};
-  // Eq. 10c and the paper's prose to the letter, to show what comes of it.
+  // Eq. 10c and the paper's prose to the letter, to show their effect.
   bool filters_z = false;      ///< Y = Q(Z) instead of Q(H)
   bool rejected_zero = false;  ///< Y = 0 in a rejected pixel instead of Z
 };
 
-/// What a network makes of a scan, written as plainly as its formulas: double precision, one pixel
-/// after the other, no tiles in memory, no borders, no threads. A thousand times slower than
+/// The tensors of a network for a scan, written as plainly as its formulas: double precision, one
+/// pixel after the other, no tiles in memory, no borders, no threads. A thousand times slower than
 /// Network, which is tested against it, and meant to be read first: hqs.cpp is the loop.
 /// parameters: all arrays of parameter_shapes(description). measured: the measured rows, metres.
 /// "du-or", "simple-du" and "du-mix"; throws Error for others and for other shapes.
@@ -58,8 +65,8 @@ struct ReferenceDifference {
   double largest = 0.0;
   double root_mean_square = 0.0;
 };
-/// Of all tensors that both have, in the reference's order, with the trace's decisions of the
-/// filter and what it recalls. Throws Error as reference_trace.
+/// The differences of all tensors that both have, in the reference's order, with the filter's
+/// decisions and what is recalled from the trace. Throws Error as reference_trace.
 std::vector<ReferenceDifference> differences_from_reference(const NetworkDescription& description,
                                                             std::span<const float> parameters,
                                                             const Trace& trace);

@@ -15,10 +15,10 @@
 
 namespace hqslam::sim {
 
-/// How the sensor sits on what carries it.
+/// The mounting of the sensor on its carrier.
 struct SensorMount {
   double sensor_height_m = 1.85;  ///< above the ground beneath it; 0.1 to 10
-  /// Added to the roll and pitch of what carries it; -180 to 180 (upside down) and -45 to 45
+  /// Added to the carrier's roll and pitch; -180 to 180 (upside down) and -45 to 45
   /// degrees. Positive roll raises the left side, positive pitch lowers the front.
   double mount_roll_rad = 0.0;
   double mount_pitch_rad = 0.0;
@@ -26,7 +26,7 @@ struct SensorMount {
   bool operator==(const SensorMount&) const = default;
 };
 
-/// What makes the sensor see worse than on a clear day; src/lidar.h has the formulas.
+/// Weather and sensor noise; all zero is a clear day. src/lidar.h has the formulas.
 struct SensingConditions {
   double extra_range_noise_m = 0.0;  ///< standard deviation, beside the sensor's own; 0 to 1
   double dropout_share = 0.0;        ///< of the returns that are lost at random; 0 to below 1
@@ -48,8 +48,7 @@ struct DriveSpec {
 
   bool operator==(const DriveSpec&) const = default;
 };
-/// Raised whenever the same spec begins to give other ranges or poses, which are what is stored
-/// under it.
+/// Raised whenever the ranges or poses of the same spec change.
 constexpr int kDriveRevision = 2;
 /// Throws Error with field, value and constraint.
 void validate(const DriveSpec& spec);
@@ -67,8 +66,8 @@ std::vector<std::string> drive_preset_names();
 /// One scan with the truth.
 struct SimulatedScan {
   RangeImage image;  ///< rolling capture: column after column, from a moving sensor
-  /// Of each pixel, as a calibrated sensor reports it: reflectivity in percent up to 100, above
-  /// it what throws light back; src/lidar.h has the formula. 0 where no return.
+  /// Intensity of each pixel as a calibrated sensor reports it: reflectivity in percent up to 100,
+  /// retroreflectors above; src/lidar.h has the formula. 0 where no return.
   std::vector<std::uint8_t> intensity;
   double stamp_s = 0.0;                  ///< the middle of the scan
   Pose T_map_sensor = Pose::Identity();  ///< true pose at stamp_s; the first scan's is the identity
@@ -77,20 +76,20 @@ struct SimulatedScan {
   std::vector<SimulatedImuSample> imu;  ///< since the end of the scan before, skipped ones included
 };
 
-/// A part of space above a place: round, from lowest_m to highest_m above the ground.
+/// A cylinder above a place, from lowest_m to highest_m above the ground.
 struct UprightColumn {
   double radius_m = 0.05;
   double lowest_m = 0.25;
   double highest_m = 2.0;
 };
 
-/// What there is at a place.
+/// The truth at a place.
 struct TruePlace {
   double ground_m = 0.0;     ///< z of the ground
-  bool is_occupied = false;  ///< something that stands still comes into the column above it
+  bool is_occupied = false;  ///< a standing surface reaches into the column above it
 };
 
-/// Drives a sensor through the city, one scan after the other; never more than one in memory.
+/// Drives a sensor through the city and simulates one scan after the other.
 class DriveSimulator {
  public:
   DriveSimulator(const DriveSpec& spec, const SensorModel& sensor);
@@ -100,28 +99,26 @@ class DriveSimulator {
 
   const SensorModel& sensor() const;
   std::int64_t scans() const;
-  /// rows: only these are simulated, four times as fast for a quarter of them; the others of the
-  /// image are empty. (No beam of them then borders on one that is.) Nothing: all rows.
+  /// rows: the rows to simulate (a quarter of them takes a quarter of the time); the others are
+  /// empty, and are no neighbours at depth edges. Nothing: all rows.
   std::optional<SimulatedScan> next(const std::optional<RowSelection>& rows = std::nullopt);
-  /// Leaves out the next `scans` scans without simulating them; those after it stay the same.
+  /// Skips the next `scans` scans; the scans after them do not change.
   /// Throws Error for a negative number.
   void skip(std::int64_t scans);
 
-  /// Where the beams of the next scan would meet the true surface (map frame, in the order of the
-  /// pixels), and goes on to the scan after it: from where the sensor is then, without noise and
-  /// drop-outs, without those who move, and without glass, which shows what is behind it or
-  /// nothing. A beam counts if its surface lies within the sensor's range and is bright enough to
-  /// be seen at least every other time.
+  /// The points where the beams of the next scan meet the true surface (map frame, in the order of
+  /// the pixels), without noise, drop-outs, actors and glass; then advances to the scan after it. A
+  /// point counts if it is within the sensor's range and bright enough to be seen at least every
+  /// other time.
   std::optional<std::vector<Eigen::Vector3f>> next_visible();
-  /// From each point (map frame) to the nearest true surface: metres, infinity where that is
-  /// farther than `reach_m` and for points that are not finite. True are the surfaces of what
-  /// stands still, and what their windows show to a sensor on this drive (curtains, rooms, seats):
-  /// of that the distance along the line of sight from where the sensor was counts, every two
-  /// metres of the drive.
+  /// Distance of each point (map frame) from the nearest true surface, metres; infinity where it
+  /// exceeds `reach_m` and for points that are not finite. True surfaces are those of standing
+  /// things and those that windows show to the sensor on this drive (curtains, rooms, seats), to
+  /// which the distance is taken along the line of sight from every second metre of the drive.
   std::vector<float> distances_to_surface_m(const std::vector<Eigen::Vector3f>& points_m,
                                             double reach_m);
-  /// What there is above and below each point (map frame), the truth of an occupancy grid: out of
-  /// doors, where the lowest surface within 50 m is the ground. Nothing where there is none.
+  /// The truth of an occupancy grid at each point (map frame), outdoors: the lowest surface within
+  /// 50 m is the ground. Nothing where there is no ground.
   std::vector<std::optional<TruePlace>> true_places(const std::vector<Eigen::Vector3f>& points_m,
                                                     const UprightColumn& column);
 

@@ -9,9 +9,9 @@
 
 namespace hqslam::sim {
 
-/// What an inertial sensor measures that sits where the LiDAR is and turns with its housing.
+/// A sample of an inertial sensor in the LiDAR's frame.
 struct SimulatedImuSample : ImuSample {
-  // What of it is bias, which a user does not know.
+  // The biases in the sample, which are part of the truth.
   Eigen::Vector3d gyroscope_bias_rad_per_s = Eigen::Vector3d::Zero();
   Eigen::Vector3d accelerometer_bias_mps2 = Eigen::Vector3d::Zero();
 };

@@ -6,10 +6,10 @@
 
 namespace hqslam::sim {
 
-/// The drive that a folder's drive.json names (DriveWriter writes it). Throws Error: which file,
-/// what was expected, what was found; also where its city was another one (kDriveRevision).
+/// The specification in a drive.json written by DriveWriter. Throws Error, also for a drive of
+/// another revision of the simulator (kDriveRevision).
 DriveSpec read_drive_json(const std::string& path);
-/// The same of a drive that need not be simulated again.
+/// The specification of a drive that need not be simulated again, of any revision. Throws Error.
 DriveSpec read_drive_json_of_any_revision(const std::string& path);
 
 }  // namespace hqslam::sim

@@ -7,7 +7,7 @@
 
 namespace hqslam::sim {
 
-/// How far a simulated sensor is from what its maker says of it.
+/// Deviation of a simulated sensor from its beam table.
 enum class SensorErrors { kNone, kTypical, kBad };
 /// none, typical, bad.
 std::vector<std::string> sensor_errors_names();
@@ -15,12 +15,12 @@ std::string name_of(SensorErrors errors);
 /// Throws Error that lists the names for any other.
 SensorErrors sensor_errors_named(std::string_view name);
 
-/// What is the same for every point of a beam (row), highest beam first.
+/// Constant errors of each beam (row), highest beam first.
 struct BeamErrors {
-  std::vector<double> range_m;         ///< what is reported minus what is true
-  std::vector<double> elevation_rad;   ///< where the beam looks minus what the sensor model says
-  std::vector<double> azimuth_rad;     ///< the same, positive to the left
-  std::vector<double> intensity_gain;  ///< what is reported over what a calibrated beam would
+  std::vector<double> range_m;         ///< reported minus true
+  std::vector<double> elevation_rad;   ///< true minus the sensor model's
+  std::vector<double> azimuth_rad;     ///< true minus the sensor model's, positive to the left
+  std::vector<double> intensity_gain;  ///< reported over that of a calibrated beam
 };
 
 /// Drawn from a drive's seed, all independent of each other: normally distributed, drawn anew

@@ -10,30 +10,29 @@
 
 namespace hqslam::sim {
 
-/// Writes the file that says what a drive is; read_drive_json reads it. Throws Error.
+/// Writes the specification of a drive; read_drive_json reads it. Throws Error.
 void write_drive_json(const std::string& path, DriveSpec spec, const SensorModel& sensor);
 
-/// What is written beside the stack of range images: points of each scan as captured (not corrected
-/// for motion) with their intensities, what an inertial sensor measured.
+/// Files beside the stack of range images: the points of each scan as captured (not corrected for
+/// motion) with their intensities, and the samples of an inertial sensor.
 struct ExtraFormats {
   bool kitti_bin = false;  ///< bin/000000.bin, ...
   bool pcd = false;        ///< pcd/000000.pcd, ...
   bool imu = false;        ///< imu.csv, and the truth of its biases, imu_biases.csv
 };
 
-/// Writes a drive to a folder, scan by scan; what is there is valid whenever writing stops:
+/// Writes a drive to a folder, scan by scan; the files are valid whenever writing stops:
 ///   scans.npy          N x rows x columns, float32 metres, 0 = no return, row 0 the highest beam
 ///   intensity.npy      N x rows x columns, bytes: SimulatedScan::intensity
 ///   sensor.json        the sensor model
 ///   drive.json         name, seed and planned length of the drive, and the simulator's revision;
 ///                      mount, conditions and sensor errors where they are not the usual ones
-///   imu.csv            if asked for: 100 samples a second, as ImuSample has them; imu_biases.csv
-///   has
-///                      what of each is bias, in the same columns
+///   imu.csv            if asked for: 100 samples a second (ImuSample)
+///   imu_biases.csv     the bias of each of these samples, in the same columns
 ///   sensor_errors.json where the sensor has any: of each beam range_m (reported minus true),
-///                      elevation_deg and azimuth_deg (where it looks minus sensor.json's)
+///                      elevation_deg and azimuth_deg (true minus sensor.json's)
 ///   truth.tum          true pose of every scan at its stamp, in the frame of the first scan
-///   truth.kitti        the same as KITTI writes it
+///   truth.kitti        these poses in KITTI's format
 ///   truth_columns.npy  N x columns x 7, float64: x y z qx qy qz qw when the head is at each column
 /// Throws Error if the folder cannot be made or a file cannot be written.
 class DriveWriter {

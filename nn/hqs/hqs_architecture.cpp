@@ -1,0 +1,160 @@
+#include "hqs_architecture.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "hqs_network.h"
+#include "hqslam/core/angles.h"
+#include "parameters.h"
+#include "plain_prior.h"
+#include "two_modes_prior.h"
+#include "u_shaped_prior.h"
+
+namespace hqslam::nn {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr float kFirstPenalty = 0.1F;
+constexpr float kFirstAlpha = 10.99F;  // as in the authors' code of Simple DU
+
+/// Replaces what the object `field` names; nothing if there is no such field.
+void read_filter(JsonFields& fields, const char* field, OutlierRemovalOptions& filter) {
+  if (!fields.has(field)) return;
+  JsonFields options = fields.object(field);
+  double min_angle_deg = filter.min_angle_rad * kDegreesPerRadian;
+  options.optional("min_angle_deg", min_angle_deg);
+  filter.min_angle_rad = min_angle_deg / kDegreesPerRadian;
+  options.optional("min_pixels", filter.min_pixels);
+  options.optional("support_share", filter.support_share);
+  options.finish();
+}
+
+Json filter_json(const OutlierRemovalOptions& filter) {
+  return {{"min_angle_deg", std::round(filter.min_angle_rad * kDegreesPerRadian * 1e9) / 1e9},
+          {"min_pixels", filter.min_pixels},
+          {"support_share", std::round(filter.support_share * 1e6) / 1e6}};
+}
+
+PriorDescription read_prior(const HqsPreset& preset, JsonFields& network) {
+  JsonFields sizes = network.has("denoiser") ? network.object("denoiser")
+                                             : JsonFields(std::string("{}"), "denoiser");
+  PriorDescription prior = preset.read_prior(sizes);
+  sizes.finish();
+  return prior;
+}
+
+/// Files have these three fields, which have one value each.
+void check_fixed(const HqsPreset& preset, JsonFields& network) {
+  bool shared = preset.shared;
+  network.optional("shared_weights", shared);
+  if (shared != preset.shared) {
+    network.complain("shared_weights", preset.shared ? "true" : "false");
+  }
+  if (network.has("filtered_iterate")) network.choice("filtered_iterate", {"h"});
+  if (network.has("rejected_pixel")) network.choice("rejected_pixel", {"takes-z"});
+}
+
+}  // namespace
+
+const HqsPreset kDuOr{.kind = "du-or", .read_prior = read_u_shaped_prior};
+const HqsPreset kSimpleDu{.kind = "simple-du",
+                          .read_prior = read_plain_prior,
+                          .filters = false,
+                          .starts_at_zero = true,
+                          .shared = true};
+const HqsPreset kDuMix{.kind = "du-mix",
+                       .read_prior = read_two_modes_prior,
+                       .filters = false,
+                       .learned_penalty = false,
+                       .says_confidence = true};
+
+std::shared_ptr<const Architecture> read_hqs(const HqsPreset& preset, JsonFields& network) {
+  HqsSizes sizes;
+  PriorDescription prior = read_prior(preset, network);
+  if (preset.says_confidence) {
+    sizes.layers = 1;
+    sizes.last_filter.min_pixels = 0;
+  } else {
+    network.optional("layers", sizes.layers);
+    check_fixed(preset, network);
+    read_filter(network, "filter", sizes.filter);
+    sizes.last_filter = sizes.filter;
+  }
+  read_filter(network, "last_filter", sizes.last_filter);
+  return std::make_shared<HqsArchitecture>(preset, sizes, std::move(prior));
+}
+
+HqsArchitecture::HqsArchitecture(const HqsPreset& preset, const HqsSizes& sizes,
+                                 PriorDescription prior)
+    : preset_(preset), sizes_(sizes), prior_(std::move(prior)) {
+  check_field("layers", sizes_.layers, 1, kMostLayers);
+}
+
+void HqsArchitecture::write(Json& network) const {
+  if (preset_.says_confidence) {
+    network["denoiser"] = prior_.sizes;
+    if (last_filter()) network["last_filter"] = filter_json(*last_filter());
+    return;
+  }
+  network["layers"] = sizes_.layers;
+  network["shared_weights"] = preset_.shared;
+  network["denoiser"] = prior_.sizes;
+  network["filter"] = filter_json(sizes_.filter);
+  network["last_filter"] = filter_json(sizes_.last_filter);
+  network["filtered_iterate"] = "h";
+  network["rejected_pixel"] = "takes-z";
+}
+
+void HqsArchitecture::validate(const NetworkDescription& d) const {
+  nn::validate(sizes_.filter);
+  if (prior_.check) prior_.check(d);
+  check_image(prior_, d.sensor.rows(), d.sensor.columns);
+  const LayerGraph graph = graph_of(prior_, d);
+  const std::int64_t images = 2 * static_cast<std::int64_t>(d.sensor.rows()) * d.sensor.columns;
+  check_memory(sizes_.layers * (graph.values() + images), d);
+}
+
+std::vector<ParameterShape> HqsArchitecture::parameter_shapes(const NetworkDescription& d) const {
+  const std::vector<ParameterShape> of_one = graph_of(prior_, d).parameter_shapes();
+  std::vector<ParameterShape> shapes;
+  for (int layer = 0; layer < prior_count(); ++layer) {
+    add_part(fmt::format("layers.{}", layer), of_one, shapes);
+  }
+  if (penalty_count() > 0) {
+    shapes.push_back({preset_.shared ? "alpha" : "log_penalty", {penalty_count()}});
+  }
+  return shapes;
+}
+
+std::vector<float> HqsArchitecture::initial_parameters(const NetworkDescription& d,
+                                                       std::uint64_t seed) const {
+  const LayerGraph graph = graph_of(prior_, d);
+  std::vector<float> parameters;
+  for (int layer = 0; layer < prior_count(); ++layer) {
+    std::vector<float> of_one = graph.initial_parameters(seed * 1000 + layer);
+    if (prior_.start) prior_.start(of_one);
+    parameters.insert(parameters.end(), of_one.begin(), of_one.end());
+  }
+  parameters.insert(parameters.end(), penalty_count(),
+                    preset_.shared ? kFirstAlpha : std::log(kFirstPenalty));
+  return parameters;
+}
+
+std::unique_ptr<Network> HqsArchitecture::make_network(const NetworkDescription& d, int columns,
+                                                       InstructionSet instruction_set,
+                                                       int threads) const {
+  return std::make_unique<HqsNetwork>(d, columns, instruction_set, threads);
+}
+
+std::optional<OutlierRemovalOptions> HqsArchitecture::last_filter() const {
+  if (sizes_.last_filter.min_pixels == 0) return std::nullopt;
+  return sizes_.last_filter;
+}
+
+const HqsArchitecture& hqs_of(const NetworkDescription& description) {
+  return dynamic_cast<const HqsArchitecture&>(*description.architecture);
+}
+
+}  // namespace hqslam::nn

@@ -1,0 +1,308 @@
+#include "hqslam/nn/training/trainer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <span>
+#include <thread>
+
+#include "hqslam/core/error.h"
+#include "hqslam/nn/network.h"
+#include "hqslam/nn/training/trainable_network.h"
+#include "parameters.h"
+#include "random.h"
+#include "validation.h"
+
+namespace hqslam::nn {
+namespace {
+
+/// Runs job(worker index, item) for every item, item i on worker i mod workers. What a job throws
+/// is thrown once all have ended.
+template <typename Job>
+void in_parallel(int workers, int items, const Job& job) {
+  std::vector<std::thread> threads;
+  std::vector<std::exception_ptr> thrown(workers);
+  const auto run = [&](int worker) {
+    try {
+      for (int item = worker; item < items; item += workers) job(worker, item);
+    } catch (...) {
+      thrown[worker] = std::current_exception();
+    }
+  };
+  for (int worker = 1; worker < workers; ++worker) threads.emplace_back(run, worker);
+  run(0);
+  for (std::thread& thread : threads) thread.join();
+  for (const std::exception_ptr& exception : thrown) {
+    if (exception != nullptr) std::rethrow_exception(exception);
+  }
+}
+
+void check_shape(int rows, int columns, const SensorModel& sensor) {
+  if (rows != sensor.rows() || columns != sensor.columns) {
+    throw Error("training: a scan of {} x {}, expected the sensor's {} x {}", rows, columns,
+                sensor.rows(), sensor.columns);
+  }
+}
+
+void check_scans(const std::vector<TrainingScan>& scans, const SensorModel& sensor) {
+  for (const auto& [truth, recalled] : scans) {
+    check_shape(truth.rows, truth.columns, sensor);
+    if (!recalled.is_empty()) check_shape(recalled.image.rows, recalled.image.columns, sensor);
+  }
+}
+
+void check_state(const TrainingState& state, const NetworkDescription& description) {
+  const std::int64_t expected = elements(parameter_shapes(description));
+  for (const std::vector<float>* values :
+       {&state.parameters, &state.average, &state.optimiser.first_moment,
+        &state.optimiser.second_moment}) {
+    if (static_cast<std::int64_t>(values->size()) != expected) {
+      throw Error("training: a state of {} parameters, {} means, {} and {} moments, expected {}",
+                  state.parameters.size(), state.average.size(),
+                  state.optimiser.first_moment.size(), state.optimiser.second_moment.size(),
+                  expected);
+    }
+  }
+}
+
+/// Weight decay pulls at the weights of convolutions and linear layers alone: a penalty or a bias
+/// that it pulled at would end where the decay wants it.
+std::vector<std::uint8_t> decays_of(const NetworkDescription& description) {
+  std::vector<std::uint8_t> decays;
+  for (const ParameterShape& shape : parameter_shapes(description)) {
+    const bool is_weight = shape.shape.size() > 1 && shape.name.ends_with("weight");
+    decays.insert(decays.end(), shape.elements(), is_weight ? 1 : 0);
+  }
+  return decays;
+}
+
+/// Where the statistics begin and end among the parameters.
+std::vector<std::pair<std::size_t, std::size_t>> statistics_of(
+    const NetworkDescription& description) {
+  std::vector<std::pair<std::size_t, std::size_t>> ranges;
+  std::size_t begin = 0;
+  for (const ParameterShape& shape : parameter_shapes(description)) {
+    const std::size_t end = begin + static_cast<std::size_t>(shape.elements());
+    if (shape.statistic) ranges.emplace_back(begin, end);
+    begin = end;
+  }
+  return ranges;
+}
+
+/// With statistics of a batch (batch norm) the gradients of its scans depend on each other.
+bool sees_whole_batch(const NetworkDescription& description) {
+  return !statistics_of(description).empty();
+}
+
+/// The share by which a mean over about `steps` steps follows at step 1, 2, ...: at once in the
+/// first ones and ever more slowly later.
+float follow_share(std::int64_t step, std::int64_t steps) {
+  const double share =
+      std::max(1.0 / static_cast<double>(steps), 10.0 / (9.0 + static_cast<double>(step)));
+  return static_cast<float>(std::min(share, 1.0));
+}
+
+/// The steps over which batch norm's statistics are averaged; a momentum of 0.99.
+constexpr std::int64_t kStatisticsSteps = 100;
+
+}  // namespace
+
+struct Trainer::Implementation {
+  NetworkDescription description;
+  TrainingPlan plan;
+  std::unique_ptr<const TrainingScans> scans;
+  TrainingState state;
+  std::vector<std::uint8_t> decays;
+  std::vector<std::pair<std::size_t, std::size_t>> statistics;
+  Ranks& ranks;
+  int validation_threads = 1;
+  std::vector<std::unique_ptr<TrainableNetwork>> workers = {};
+  int samples_of_call = 1;
+  /// One per call; the ranks' parts one behind the other.
+  std::vector<double> losses = {};
+  std::vector<float> gradients = {};
+
+  struct Drawn {
+    TrainingSample sample;
+    std::uint64_t seed = 0;  ///< of what is random in the network
+  };
+  Drawn draw(int place) const;
+  std::span<float> gradient(int call) {
+    const std::size_t parameters = state.parameters.size();
+    return std::span(gradients).subspan(parameters * static_cast<std::size_t>(call), parameters);
+  }
+  void run_own_calls();
+  void run_call(TrainableNetwork& network, int call);
+  void follow_statistics(std::span<float> gradient);
+  void average();
+};
+
+void validate(const TrainingPlan& plan, const SensorModel& sensor) {
+  const Augmentation& a = plan.augmentation;
+  const auto check = [](bool good, const char* field, auto value, const char* expected) {
+    check_that(good, "training", field, value, expected);
+  };
+  check(plan.steps >= 1, "steps", plan.steps, "at least 1");
+  check(plan.batch >= 1 && plan.batch <= 1024, "batch", plan.batch, "1 to 1024");
+  check(plan.learning_rate > 0.0F, "learning_rate", plan.learning_rate, "above 0");
+  check(plan.warm_up_steps >= 0, "warm_up_steps", plan.warm_up_steps, "at least 0");
+  check(plan.adamw.weight_decay >= 0.0F, "weight_decay", plan.adamw.weight_decay, "at least 0");
+  check(plan.layer_loss_share >= 0.0F, "layer_loss_share", plan.layer_loss_share, "at least 0");
+  check(plan.average_steps >= 1, "average_steps", plan.average_steps, "at least 1");
+  check(plan.largest_gradient_norm > 0.0, "largest_gradient_norm", plan.largest_gradient_norm,
+        "above 0");
+  check(a.crop_columns >= 0 && a.crop_columns <= sensor.columns, "crop_columns", a.crop_columns,
+        "0 to the sensor's columns");
+  check(a.smallest_scale > 0.0F && a.smallest_scale <= a.largest_scale, "smallest_scale",
+        a.smallest_scale, "above 0 and at most largest_scale");
+  check(a.range_noise_m >= 0.0F, "range_noise_m", a.range_noise_m, "at least 0");
+  check(a.largest_dropout_share >= 0.0F && a.largest_dropout_share < 1.0F, "largest_dropout_share",
+        a.largest_dropout_share, "0 to below 1");
+}
+
+void require_shares(const NetworkDescription& description, const TrainingPlan& plan,
+                    const Ranks& ranks) {
+  if (ranks.count() == 1) return;
+  if (plan.batch % ranks.count() != 0) {
+    throw Error(
+        "training: batch is {}, which {} processes cannot share evenly; start as many as divide it",
+        plan.batch, ranks.count());
+  }
+  if (sees_whole_batch(description)) {
+    throw Error(
+        "training: this network's gradients need the whole batch (batch norm), expected 1 process, "
+        "found {} processes; start one",
+        ranks.count());
+  }
+}
+
+Trainer::Trainer(const NetworkDescription& description, const TrainingPlan& plan,
+                 std::unique_ptr<const TrainingScans> scans, TrainingState state, int threads,
+                 Ranks& ranks) {
+  nn::validate(plan, description.sensor);
+  if (scans == nullptr || scans->size() == 0) throw Error("training: no scans to train on");
+  check_shape(scans->rows(), scans->columns(), description.sensor);
+  check_state(state, description);
+  require_shares(description, plan, ranks);
+  implementation_ = std::make_unique<Implementation>(
+      Implementation{description, plan, std::move(scans), std::move(state), decays_of(description),
+                     statistics_of(description), ranks});
+  Implementation& self = *implementation_;
+  const int columns = plan.augmentation.crop_columns > 0 ? plan.augmentation.crop_columns
+                                                         : description.sensor.columns;
+  if (sees_whole_batch(description)) self.samples_of_call = plan.batch;
+  const int calls = plan.batch / self.samples_of_call;
+  const int own = calls / ranks.count();
+  for (int worker = 0; worker < std::clamp(threads, 1, own); ++worker) {
+    self.workers.push_back(make_trainable(description, columns, chosen_instruction_set()));
+  }
+  self.validation_threads = std::clamp(threads, 1, calls);
+  self.gradients.resize(calls * self.state.parameters.size());
+  self.losses.resize(calls);
+}
+Trainer::~Trainer() = default;
+
+const TrainingState& Trainer::state() const { return implementation_->state; }
+
+Trainer::Implementation::Drawn Trainer::Implementation::draw(int place) const {
+  const auto number = static_cast<std::uint64_t>(state.optimiser.steps * plan.batch + place);
+  Random random(plan.seed * 0x9E3779B97F4A7C15ULL + number);
+  const TrainingScan scan = scans->read(random.below(scans->size()));
+  Drawn drawn{augmented_sample(scan, description.sensor, description.measured_rows,
+                               plan.augmentation, random.bits()),
+              0};
+  drawn.seed = random.bits() >> 20;
+  return drawn;
+}
+
+/// One call of the network: of one sample, or of all together.
+void Trainer::Implementation::run_call(TrainableNetwork& network, int call) {
+  std::vector<TrainingSample> samples;
+  std::vector<std::uint64_t> seeds;
+  for (int place = call * samples_of_call; place < (call + 1) * samples_of_call; ++place) {
+    Drawn drawn = draw(place);
+    samples.push_back(std::move(drawn.sample));
+    seeds.push_back(drawn.seed);
+  }
+  std::ranges::fill(gradient(call), 0.0F);
+  losses[call] =
+      network.add_gradients(samples, {.layer_share = plan.layer_loss_share}, seeds, gradient(call));
+}
+
+/// Gradients and losses of this rank's part of the batch.
+void Trainer::Implementation::run_own_calls() {
+  const int own = static_cast<int>(losses.size()) / ranks.count();
+  in_parallel(static_cast<int>(workers.size()), own, [&](int worker, int item) {
+    const bool is_first = item == worker;
+    if (is_first) workers[worker]->set_parameters(state.parameters);
+    run_call(*workers[worker], own * ranks.rank() + item);
+  });
+}
+
+/// Statistics move by a share of their gradient, which the optimiser then does not get.
+void Trainer::Implementation::follow_statistics(std::span<float> gradient) {
+  const float share = follow_share(state.optimiser.steps + 1, kStatisticsSteps);
+  for (const auto& [begin, end] : statistics) {
+    for (std::size_t i = begin; i < end; ++i) {
+      state.parameters[i] -= share * gradient[i];
+      gradient[i] = 0.0F;
+    }
+  }
+}
+
+void Trainer::Implementation::average() {
+  const float follow = follow_share(state.optimiser.steps, plan.average_steps);
+  for (std::size_t i = 0; i < state.parameters.size(); ++i) {
+    state.average[i] += follow * (state.parameters[i] - state.average[i]);
+  }
+}
+
+TrainingStep Trainer::step() {
+  Implementation& self = *implementation_;
+  self.run_own_calls();
+  self.ranks.gather(std::span(self.losses));
+  self.ranks.gather(std::span(self.gradients));
+  // In the order of the batch, whichever process computed which part of it.
+  const std::span<float> sum = self.gradient(0);
+  double loss = self.losses.front();
+  for (int call = 1; call < static_cast<int>(self.losses.size()); ++call) {
+    loss += self.losses[call];
+    const std::span<const float> gradient = self.gradient(call);
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += gradient[i];
+  }
+  const float share = 1.0F / static_cast<float>(self.plan.batch);
+  for (float& g : sum) g *= share;
+  self.follow_statistics(sum);
+  TrainingStep result;
+  result.loss = loss * share;
+  result.gradient_norm = clip_norm(self.plan.largest_gradient_norm, sum);
+  result.learning_rate = cosine_learning_rate(self.plan.learning_rate, self.plan.warm_up_steps,
+                                              self.plan.steps, self.state.optimiser.steps);
+  if (!std::isfinite(result.loss) || !std::isfinite(result.gradient_norm)) {
+    throw Error("training: the loss of step {} is not finite; a smaller learning_rate may help",
+                self.state.optimiser.steps);
+  }
+  self.state.optimiser.step(sum, result.learning_rate, self.decays, self.state.parameters);
+  self.average();
+  return result;
+}
+
+Validation Trainer::validate(const std::vector<TrainingScan>& scans) {
+  Implementation& self = *implementation_;
+  const NetworkDescription& description = self.description;
+  check_scans(scans, description.sensor);
+  const int workers = self.validation_threads;
+  std::vector<std::unique_ptr<Network>> whole;
+  for (int i = 0; i < workers; ++i) {
+    whole.push_back(
+        make_network(description, description.sensor.columns, chosen_instruction_set(), 1));
+    whole.back()->set_parameters(self.state.average);
+  }
+  std::vector<ValidatedScan> each(scans.size());
+  in_parallel(workers, static_cast<int>(scans.size()), [&](int worker, int item) {
+    each[item] = validated_scan(*whole[worker], description, scans[item]);
+  });
+  return validation_of(each);
+}
+
+}  // namespace hqslam::nn

@@ -1,0 +1,36 @@
+#include "pages/text_table.h"
+
+#include <doctest/doctest.h>
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/parts_of_text.h"
+
+namespace hqslam::tools {
+
+TEST_CASE("figures become cells of a table and fields of a file; what a row lacks is missing") {
+  struct Row {
+    double share;
+    std::optional<double> lost;
+  };
+  const std::vector<Figure<Row>> figures = {
+      {"share, %", "share", 1, 100.0, [](const Row& row) { return row.share; }},
+      {"lost", "lost", 2, 1.0, [](const Row& row) { return row.lost; }},
+      {nullptr, "twice", 0, 1.0, [](const Row& row) { return 2.0 * row.share; }}};
+  const TextTable table = table_of(std::vector<Row>{{0.25, 3.0}, {0.5, std::nullopt}}, "row",
+                                   figures, [](const Row& row) { return row.lost ? "a" : "b"; });
+  CHECK(
+      markdown_of(table) ==
+      "| row | share, % | lost |\n| --- | ---: | ---: |\n| a | 25.0 | 3.00 |\n| b | 50.0 | - |\n");
+  CHECK(aligned_text(table).starts_with("row                     share, %          lost\na "));
+  CHECK(holds(aligned_text({.columns = {"", "fourteen chars", "fourteen chars"}}), "chars four"));
+  std::map<std::string, double> fields;
+  add_figures(Row{0.5, std::nullopt}, figures, fields);
+  CHECK(fields == std::map<std::string, double>{{"share", 0.5}, {"twice", 1.0}});
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,79 @@
+#include "pages/turning_view.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "tools/parts_of_text.h"
+
+namespace hqslam::tools {
+namespace {
+
+std::vector<Eigen::Vector3f> points_m(std::size_t count) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> along_m(-100.0F, 100.0F);
+  std::vector<Eigen::Vector3f> result;
+  for (std::size_t i = 0; i < count; ++i) {
+    result.emplace_back(along_m(random), along_m(random), 0.05F * along_m(random));
+  }
+  return result;
+}
+
+/// Points are 4 bytes each, as base64.
+std::size_t points_in(const nlohmann::json& cloud) {
+  return cloud["points"].get<std::string>().size() * 3 / 16;
+}
+
+}  // namespace
+
+TEST_CASE("a view has all points of a small cloud, and no more than a page may have") {
+  TurningView view;
+  view.clouds = {{"large", points_m(kMostCloudPoints + 100'000)}, {"small", points_m(1000)}};
+  for (int i = 0; i < 3; ++i) {
+    view.scans.push_back(
+        {"scan", i, Pose::Identity(), {"", points_m(50'000)}, {"", points_m(300'000)}});
+  }
+  const nlohmann::json data = turning_view_json(view);
+  CHECK(points_in(data["clouds"][1]) >= 999);
+  CHECK(points_in(data["clouds"][0]) <= kMostCloudPoints - 1000);
+  CHECK(points_in(data["clouds"][0]) > kMostCloudPoints * 9 / 10);
+  std::size_t of_scans = 0;
+  for (const auto& scan : data["scans"]) {
+    CHECK(points_in(scan["measured"]) > 49'000);
+    of_scans += points_in(scan["measured"]) + points_in(scan["upsampled"]);
+  }
+  CHECK(of_scans <= kMostScanPoints);
+  CHECK(data.dump().size() < 11'000'000);
+}
+
+TEST_CASE("intensities go from their 2nd to their 98th percentile, a byte for each point") {
+  ViewCloud cloud{"map", points_m(101)};
+  for (int i = 0; i <= 100; ++i) cloud.intensity.push_back(static_cast<float>(i));
+  const nlohmann::json map = turning_view_json({{cloud}, {}, {}, {}})["clouds"][0];
+  CHECK(map["bright"] == nlohmann::json({2.0, 98.0}));
+  CHECK(map["brightness"].get<std::string>().size() == 136);  // 101 bytes as base64
+  cloud.intensity.assign(101, std::nanf(""));
+  CHECK(turning_view_json({{cloud}, {}, {}, {}})["clouds"][0]["bright"].empty());
+}
+
+TEST_CASE("a view of nothing is still one, without numbers that are none") {
+  const nlohmann::json data = turning_view_json({});
+  CHECK(data["clouds"].empty());
+  CHECK(data["scans"].empty());
+  CHECK(data["radius"] == 5.0);
+  CHECK_FALSE(holds(data.dump(), "null"));
+}
+
+TEST_CASE("the view begins around the path, or around most of the points") {
+  TurningView view;
+  view.clouds = {{"map", points_m(1000)}};
+  CHECK(turning_view_json(view)["radius"].get<double>() == doctest::Approx(127).epsilon(0.05));
+  view.path_m = {{{100.0F, 0.0F, 1.0F}, {130.0F, 0.0F, 1.0F}}};
+  const nlohmann::json data = turning_view_json(view);
+  CHECK(data["centre"] == nlohmann::json({115.0, 0.0, 1.0}));
+  CHECK(data["radius"].get<double>() == doctest::Approx(33.5).epsilon(0.01));
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,129 @@
+#include "run/report_page.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tools/example_run.h"
+#include "tools/page_data.h"
+#include "tools/parts_of_text.h"
+
+namespace hqslam::tools {
+namespace {
+
+using test::numbers_of;
+
+/// The value of a headline number.
+std::string headline(const nlohmann::json& data, const std::string& label) {
+  for (const auto& number : data["numbers"]) {
+    if (number["label"] == label) return number["value"];
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("the headline has scans, path, error and speed") {
+  const nlohmann::json data = report_json(compared_run(30, 0.5));
+  CHECK(headline(data, "Scans") == "30");
+  CHECK(headline(data, "Path length") == "29.0");
+  CHECK_FALSE(headline(data, "Position error").empty());
+  CHECK(headline(data, "Scans per second") == "50.0");
+  CHECK(headline(data, "SLAM per scan") == "10.0");
+}
+
+TEST_CASE("where the relative pose of two scans is unknown there is a gap and no path") {
+  SlamRun run = example_run(30);
+  const auto gaps = [&] {
+    const std::vector<float> gap = numbers_of(report_json(run)["trajectory"]["gap"]);
+    return std::ranges::count(gap, 1.0F);
+  };
+  CHECK(gaps() == 0);
+  std::fill(run.segment_of_scan.begin() + 10, run.segment_of_scan.end(), 1);
+  run.scans[20].report.mapping_status = slam::Status::kNotRecognized;
+  CHECK(gaps() == 3);
+  const nlohmann::json data = report_json(run);
+  CHECK(headline(data, "Path length") == "26.0");  // of 29: one to segment 1, two about scan 20
+  CHECK_FALSE(holds(data["numbers"].dump(), "not joined"));
+  run.part_of_scan = run.segment_of_scan;
+  CHECK(gaps() == 3);
+  CHECK(holds(report_json(run)["numbers"].dump(), "2 submaps not joined"));
+}
+
+TEST_CASE("every status is counted, and each pose has its own") {
+  SlamRun run = example_run(30);
+  run.scans[20].report.mapping_status = slam::Status::kNotRecognized;
+  const nlohmann::json data = report_json(run);
+  const auto& names = data["statuses"]["names"];
+  const auto place = std::ranges::find(names, "not recognized") - names.begin();
+  CHECK(data["statuses"]["mapping"][place] == 1);
+  CHECK(numbers_of(data["trajectory"]["mapping"])[20] == static_cast<float>(place));
+  CHECK(numbers_of(data["trajectory"]["mapping"])[19] == 0.0F);
+}
+
+TEST_CASE("a run that ended early gives the reason, and a hostile file name stays text") {
+  SlamRun run = example_run(3);
+  run.input = "</script><img>";
+  run.end = ReadingEnd::kUnreadableScan;
+  run.end_message = "<000003.bin>: truncated";
+  const std::string html = report_html(run);
+  CHECK_FALSE(holds(html, "<img>"));
+  const nlohmann::json data = test::data_of(html);
+  CHECK(holds(data["notices"][0].get<std::string>(), "<000003.bin>: truncated"));
+  CHECK(holds(data["title"].get<std::string>(), "<img>"));
+}
+
+TEST_CASE("a run without a single scan still makes a page") {
+  SlamRun run = example_run(0);
+  run.end = ReadingEnd::kInterrupted;
+  const nlohmann::json data = test::data_of(report_html(run));
+  CHECK(data["trajectory"]["scan"].empty());
+  CHECK_FALSE(data.contains("error"));
+}
+
+TEST_CASE("the page of a long run has some 100 bytes for each scan") {
+  CHECK(report_html(example_run(8000)).size() < 1'200'000);
+}
+
+TEST_CASE("with a reference each pose has its error, and the reference is in the map frame") {
+  const SlamRun run = compared_run(30, 2.0);
+  REQUIRE(run.comparison);
+  const nlohmann::json data = report_json(run);
+  const std::vector<float> error_m = numbers_of(data["trajectory"]["error_m"]);
+  REQUIRE(error_m.size() == 30);
+  CHECK(*std::ranges::max_element(error_m) ==
+        doctest::Approx(data["trajectory"]["largest_error_m"].get<double>()));
+  CHECK(numbers_of(data["error"]["translation_m"]).size() == 30);
+
+  const nlohmann::json exact = report_json(compared_run(30, 0.0));  // in another frame
+  const std::vector<float> x_m = numbers_of(exact["trajectory"]["x"]);
+  const std::vector<float> reference_x_m = numbers_of(exact["reference"]["x"]);
+  REQUIRE(reference_x_m.size() == x_m.size());
+  for (std::size_t i = 0; i < x_m.size(); ++i) {
+    CHECK(std::abs(reference_x_m[i] - x_m[i]) < 1e-3);
+  }
+  CHECK_FALSE(report_json(example_run(30)).contains("reference"));
+}
+
+TEST_CASE("an occupancy grid is packed into two bits a cell, a large one thinned") {
+  slam::OccupancyMap map{0.1, {1.0, 2.0}, 2, 3, {}};
+  using enum slam::Occupancy;
+  map.cells = {kUnknown, kFree, kOccupied, kOccupied, kUnknown, kFree};
+  const nlohmann::json grid = report_json(example_run(3), nullptr, &map)["grid"];
+  CHECK(grid["rows"] == 2);
+  CHECK(grid["columns"] == 3);
+  CHECK(numbers_of(grid["cells"]) == std::vector<float>{0b10100100, 0b0100});
+
+  const slam::OccupancyMap coarse = thinned(map, 2);
+  CHECK(coarse.rows == 1);
+  CHECK(coarse.columns == 2);
+  CHECK(coarse.resolution_m == doctest::Approx(0.2));
+  CHECK(coarse.origin_m == map.origin_m);
+  CHECK(coarse.cells == std::vector{kOccupied, kOccupied});
+  CHECK(thinned(map, 6).cells == map.cells);
+}
+
+}  // namespace hqslam::tools

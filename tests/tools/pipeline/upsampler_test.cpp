@@ -1,0 +1,136 @@
+#include "hqslam/pipeline/upsampler.h"
+
+#include <doctest/doctest.h>
+
+#include <string>
+
+#include "error_message.h"
+#include "hqslam/core/error.h"
+#include "hqslam/core/projection.h"
+#include "temporary_directory.h"
+#include "tools/program/untrained_weights.h"
+
+namespace hqslam::pipeline {
+namespace {
+
+using test::refused_with;
+
+struct Weights {
+  test::TemporaryDirectory folder;
+  std::string file = folder.file("weights.npz");
+  Weights() { test::write_untrained_weights(file, sensor_preset("os1-64")); }
+};
+
+SensorModel half_as_many_columns(SensorModel sensor) {
+  sensor.columns /= 2;
+  return sensor;
+}
+
+}  // namespace
+
+TEST_CASE("scans of the measured rows and of all rows are upsampled to the same rows") {
+  const Weights weights;
+  const Upsampler measured(sensor_preset("os1-16"), {.method = weights.file});
+  CHECK(measured.recorded() == sensor_preset("os1-16"));
+  CHECK_FALSE(measured.selected_rows());
+  SensorModel all_rows = sensor_preset("os1-64");
+  all_rows.measured_rows = RowSelection{3, 4};
+  CHECK(measured.sensor() == all_rows);
+  CHECK(measured.method()->name() == "du-or");
+
+  const Upsampler all(sensor_preset("os1-64"), {.method = weights.file});
+  CHECK(all.selected_rows() == RowSelection{3, 4});
+  CHECK(all.measured_sensor().rows() == 16);
+  CHECK(all.sensor() == all_rows);
+
+  const Upsampler made_for(UpsamplingOptions{.method = weights.file});
+  CHECK(made_for.recorded().beam_elevation_rad == sensor_preset("os1-16").beam_elevation_rad);
+}
+
+TEST_CASE("the sensor's own beams, rate and limits are kept when its scans are upsampled") {
+  const Weights weights;
+  SensorModel own = sensor_preset("os1-64");
+  for (double& elevation_rad : own.beam_elevation_rad) elevation_rad += 0.002;  // 0.11 degrees
+  own.name = "own";
+  CHECK(Upsampler(own, {.method = weights.file}).sensor().name == "own");
+
+  SensorModel fast = sensor_preset("os1-16");
+  fast.scan_period_s = 0.05;
+  fast.min_range_m = 0.8;
+  fast.max_range_m = 200.0;
+  const SensorModel upsampled = Upsampler(fast, {.method = weights.file}).sensor();
+  CHECK(upsampled.rows() == 64);
+  CHECK(upsampled.scan_period_s == 0.05);
+  CHECK(upsampled.min_range_m == 0.8);
+  CHECK(upsampled.max_range_m == 200.0);
+}
+
+TEST_CASE("an interpolation takes every fourth row as measured, or the rows that are asked for") {
+  const SensorModel os1_64 = sensor_preset("os1-64");
+  CHECK(Upsampler(os1_64, {.method = "nearest"}).selected_rows()->stride == 4);
+  CHECK(Upsampler(os1_64, {.method = "inverse", .rows = 32}).selected_rows()->stride == 2);
+  const Upsampler alone(select_rows(os1_64, {3, 4}), {.method = "linear", .all_rows = os1_64});
+  CHECK_FALSE(alone.selected_rows());
+  CHECK(alone.sensor().rows() == 64);
+  const SensorModel os1_16 = sensor_preset("os1-16");
+  CHECK(refused_with([&] { Upsampler(os1_16, {.method = "linear"}); }, "all 16 rows",
+                     "nothing between them", "os1-64"));
+  CHECK(
+      refused_with([&] { Upsampler(os1_16, {.method = "linear", .rows = 32, .all_rows = os1_64}); },
+                   "16 rows", "32"));
+  CHECK(Upsampler(os1_16, {.method = "linear", .rows = 4}).selected_rows()->stride == 4);
+}
+
+TEST_CASE("a sensor that the weights were not made for is one line with what they expect") {
+  const Weights weights;
+  const UpsamplingOptions options{.method = weights.file};
+  const auto refused = [&](const char* sensor, const auto&... parts) {
+    return refused_with([&] { Upsampler(sensor_preset(sensor), options, "drive"); }, parts...);
+  };
+  CHECK(refused("hdl-64e", "os1-64", "drive is of 'hdl-64e'"));
+  CHECK(refused("vlp-16", "16 x 1024", "vlp-16"));
+  CHECK(refused_with(
+      [&] { Upsampler(sensor_preset("os1-64"), {.method = weights.file, .rows = 32}); },
+      "16 measured rows", "32"));
+  CHECK(refused_with(
+      [&] { Upsampler(half_as_many_columns(sensor_preset("os1-16")), options, "drive"); },
+      "expects 1024 columns a turn", "drive has 512"));
+  CHECK(refused_with([&] { Upsampler(UpsamplingOptions{.method = "linear"}); }, "weights"));
+}
+
+TEST_CASE("scans in more columns than the network's are projected into its columns") {
+  const Weights weights;
+  SensorModel fine = sensor_preset("os1-16");
+  fine.columns = 2048;
+  const Upsampler upsampler(fine, {.method = weights.file});
+  CHECK(upsampler.recorded().columns == 1024);
+  RangeImage image(16, fine.columns);
+  image.range_m.assign(image.range_m.size(), 10.0F);
+  const OrganizedCloud measured = upsampler.measured(unproject(image, fine, CaptureTime::kRolling));
+  CHECK(measured.columns == 1024);
+  CHECK(points_of(measured).size() == 16 * 1024);
+  CHECK(measured.time_offset_s.size() == measured.range_m.size());
+}
+
+TEST_CASE("rows that nothing fills are selected, all of them where none are asked for") {
+  const SensorModel os1_64 = sensor_preset("os1-64");
+  const Upsampler few(os1_64, {.rows = 16});
+  CHECK(few.sensor().rows() == 16);
+  CHECK(few.measured(OrganizedCloud(64, 8)).rows == 16);
+  const Upsampler all(os1_64, UpsamplingOptions{});
+  CHECK_FALSE(all.selected_rows());
+  CHECK(all.sensor() == os1_64);
+}
+
+TEST_CASE("weights that come with hqslam are chosen by name and sensor") {
+  const Upsampler os1(sensor_preset("os1-16"), {.method = "du-mix"});
+  CHECK(os1.sensor().rows() == 64);
+  SensorModel fast_packets = sensor_preset("vlp-16");
+  fast_packets.columns = 1800;
+  CHECK(Upsampler(fast_packets, {.method = "du-mix"}).method()->name() == "du-mix");
+  CHECK(refused_with([] { Upsampler(sensor_preset("hdl-32e"), {.method = "du-mix"}); }, "du-mix",
+                     "hdl-64e", "none for 'hdl-32e'"));
+  CHECK(refused_with([] { load_method({.method = "du-mix"}); }, "name the sensor"));
+}
+
+}  // namespace hqslam::pipeline

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hqslam/core/pose.h"
+
+namespace hqslam::tools {
+
+/// Points under a name, in metres. confidence: 0 to 1 for each point, or empty where the source has
+/// none; intensity: one for each point in any unit, or empty.
+struct ViewCloud {
+  std::string name;
+  std::vector<Eigen::Vector3f> points_m;
+  std::vector<float> confidence = {};
+  std::vector<float> intensity = {};
+};
+
+/// A scan as it was measured, and what was computed between, in the frame of the clouds.
+struct ViewScan {
+  std::string name;
+  std::int64_t number = 0;  ///< its name in links: page.html#scan=3
+  Pose T_map_sensor = Pose::Identity();
+  ViewCloud measured;
+  ViewCloud upsampled;  ///< without points: the scan was not upsampled
+};
+
+/// What a view shows: everything in one frame, z upwards.
+struct TurningView {
+  std::vector<ViewCloud> clouds;  ///< one is shown at a time
+  /// In pieces: the relative pose of two pieces is unknown.
+  std::vector<std::vector<Eigen::Vector3f>> path_m;
+  std::vector<std::pair<Eigen::Vector3f, Eigen::Vector3f>> loops_m;  ///< places that are the same
+  std::vector<ViewScan> scans;
+};
+
+/// What a page may have of points of 4 bytes (5 with an intensity), so that it stays below 15 MB
+/// with its pictures.
+inline constexpr std::size_t kMostCloudPoints = 1'200'000;
+inline constexpr std::size_t kMostScanPoints = 700'000;
+
+/// What tools/web/cloud.js shows as a cloud that is turned, moved and zoomed, with the scans one
+/// after another over it. Points are thinned to what a page may have.
+nlohmann::ordered_json turning_view_json(const TurningView& view);
+
+}  // namespace hqslam::tools

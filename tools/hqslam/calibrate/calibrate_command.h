@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+
+#include "recording/recording_choice.h"
+
+namespace hqslam::tools {
+
+struct CalibrateOptions : InputChoice {
+  int rows = 0;           ///< of the recording; 0: all
+  double path_m = 150.0;  ///< that is looked at
+  std::string out;
+};
+
+void declare(CLI::App& app, CalibrateOptions& options);
+/// Returns an ExitStatus. Throws Error.
+int run(const CalibrateOptions& options);
+
+}  // namespace hqslam::tools

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "recording/recording_choice.h"
+#include "run/slam_settings.h"
+
+namespace hqslam::tools {
+
+struct InspectOptions : InputChoice {  ///< sensor empty: as for hqslam upsample
+  std::string weights;
+  bool slam = false;  ///< what SLAM makes of it, not the network; weights: upsampled by it first
+  int rows = 0;       ///< of SLAM: of the recording, 0: all
+  SlamSettings slam_settings;
+  std::string poses;  ///< for networks with a memory; empty: they have none of earlier scans
+  std::int64_t scan = 0;
+  std::vector<std::string> tensors;  ///< by name
+  bool list = false;                 ///< say their names, write nothing
+  bool reference = false;            ///< compare all of them with the reference
+  std::string out;
+};
+
+void declare(CLI::App& app, InspectOptions& options);
+/// Returns an ExitStatus. Throws Error.
+int run(const InspectOptions& options);
+
+}  // namespace hqslam::tools

@@ -1,0 +1,283 @@
+#include "inspect/layers_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "hqslam/core/angles.h"
+#include "hqslam/evaluation/image_error.h"
+#include "pages/page.h"
+
+namespace hqslam::tools {
+namespace {
+
+using Json = PageJson;
+
+std::string layer_name(std::size_t k, const char* what) {
+  return fmt::format("layers.{}.{}", k, what);
+}
+
+std::size_t layer_count(const nn::Trace& trace) {
+  std::size_t count = 0;
+  while (trace.has(layer_name(count, "z"))) ++count;
+  return count;
+}
+
+double rms(std::span<const float> a, std::span<const float> b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const double gap = static_cast<double>(a[i]) - b[i];
+    sum += gap * gap;
+  }
+  return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, a.size())));
+}
+
+std::int64_t count_of(const nn::TracedTensor& mask) {
+  return std::ranges::count_if(mask.all(), [](float value) { return value != 0.0F; });
+}
+
+/// The image with its measured rows as they were measured.
+RangeImage restored(RangeImage image, const LayersReport& report) {
+  const RowSelection rows = report.network.measured_rows;
+  for (int row = 0; row < report.measured.rows; ++row) {
+    for (int column = 0; column < image.columns; ++column) {
+      image.at(rows.offset + row * rows.stride, column) = report.measured.at(row, column);
+    }
+  }
+  return image;
+}
+
+void add_error(const LayersReport& report, const RangeImage& image, LayerFigures& figures) {
+  if (!report.truth) return;
+  const ImageError error = image_error(restored(image, report), *report.truth);
+  figures.error_all_m = error.mae_all_m;
+  figures.error_valid_m = error.mae_valid_m;
+}
+
+LayerFigures figures_of_layer(const LayersReport& report, std::size_t k) {
+  const nn::Trace& trace = report.trace;
+  LayerFigures figures;
+  figures.name = fmt::format("Layer {}", k + 1);
+  const auto tensor = [&](const char* what) -> const nn::TracedTensor* {
+    const std::string name = layer_name(k, what);
+    return trace.has(name) ? &trace.tensor(name) : nullptr;
+  };
+  if (const auto* penalty = tensor("penalty")) figures.penalty = penalty->all().front();
+  if (const auto* h = tensor("h")) {
+    figures.rms_h_z_m = rms(h->all(), tensor("z")->all());
+    if (const auto* y = tensor("y")) figures.rms_h_y_m = rms(h->all(), y->all());
+    const RangeImage kept = select_rows(trace.image(h->name), report.network.measured_rows);
+    figures.rms_dh_l_m = rms(kept.range_m, trace.tensor("measured").all());
+  }
+  if (const auto* rejected = tensor("rejected")) figures.rejected = count_of(*rejected);
+  add_error(report, trace.image(layer_name(k, "z")), figures);
+  return figures;
+}
+
+/// Collects the page's images.
+class Images {
+ public:
+  explicit Images(const LayersReport& report) : report_(report) {}
+
+  void begin(std::string group) { group_ = std::move(group); }
+  /// what: the name under which the page explains it.
+  Json& add(const char* what, const char* kind, int rows, int columns, Json values) {
+    json_.push_back({{"group", group_},
+                     {"what", what},
+                     {"kind", kind},
+                     {"rows", rows},
+                     {"columns", columns},
+                     {"values", std::move(values)}});
+    return json_.back();
+  }
+  /// What is nearer than the sensor's least range counts as no return, as in the result.
+  void range(const char* what, RangeImage image) {
+    for (float& range_m : image.range_m) {
+      if (!(range_m >= report_.network.sensor.min_range_m)) range_m = 0.0F;
+    }
+    add(what, "range", image.rows, image.columns, range_block(image));
+  }
+  void share(const char* what, std::span<const float> shares, int rows, int columns) {
+    add(what, "share", rows, columns, u16_block(shares, 0.0F, 1.0F));
+  }
+  /// 0: no return, 1: kept, 2: rejected.
+  void mask(const RangeImage& filtered, const std::string& tensor) {
+    const std::span<const float> rejected = report_.trace.tensor(tensor).all();
+    std::vector<std::uint8_t> classes;
+    for (std::size_t i = 0; i < rejected.size(); ++i) {
+      const bool is_return = filtered.range_m[i] >= report_.network.sensor.min_range_m;
+      classes.push_back(rejected[i] != 0.0F ? 2 : is_return ? 1 : 0);
+    }
+    add("rejected", "mask", filtered.rows, filtered.columns, u8_block(classes));
+  }
+  Json take() { return std::move(json_); }
+
+ private:
+  const LayersReport& report_;
+  std::string group_;
+  Json json_ = Json::array();
+};
+
+/// M, and W^2 / (W^2 + 1), the share of H that the memory has where its mode does not scale it.
+void add_input(const LayersReport& report, Images& images) {
+  const nn::Trace& trace = report.trace;
+  images.begin("Input");
+  images.range("measured", report.measured);
+  if (trace.has("start")) images.range("start", trace.image("start"));
+  if (!trace.has("recalled")) return;
+  const std::span<const float> weights = trace.tensor("recalled_weight").all();
+  std::vector<float> share(weights.begin(), weights.end());
+  for (float& weight : share) weight /= weight + 1.0F;
+  const RangeImage recalled = trace.image("recalled");
+  images.range("recalled", recalled);
+  images.share("recalled_share", share, recalled.rows, recalled.columns);
+}
+
+void add_layer(const LayersReport& report, std::size_t k, Images& images) {
+  const nn::Trace& trace = report.trace;
+  const RangeImage z = trace.image(layer_name(k, "z"));
+  images.begin(fmt::format("Layer {}", k + 1));
+  if (trace.has(layer_name(k, "h"))) images.range("h", trace.image(layer_name(k, "h")));
+  if (trace.has("probability")) {
+    images.range("mode_1", trace.image("mode_1"));
+    images.range("mode_2", trace.image("mode_2"));
+    images.share("weight_1", trace.tensor("weight_1").all(), z.rows, z.columns);
+    images.share("probability", trace.tensor("probability").all(), z.rows, z.columns);
+  }
+  images.range("z", z);
+  if (const std::string rejected = layer_name(k, "rejected"); trace.has(rejected)) {
+    const bool has_h = trace.has(layer_name(k, "h"));
+    images.mask(has_h ? trace.image(layer_name(k, "h")) : z, rejected);
+    images.range("y", trace.image(layer_name(k, "y")));
+  }
+}
+
+/// How the memory changed the result: 0: no return, 1: by 0.1 m at most, 2: nearer to the truth, 3:
+/// farther from it, 4: where the truth has no return, or there is no truth.
+void add_without_memory(const LayersReport& report, Images& images) {
+  constexpr float kSame_m = 0.1F;
+  std::vector<std::uint8_t> classes;
+  for (std::size_t i = 0; i < report.result.range_m.size(); ++i) {
+    const float with_m = report.result.range_m[i];
+    const float without_m = report.without_memory->range_m[i];
+    const float truth_m = report.truth ? report.truth->range_m[i] : 0.0F;
+    const bool nearer = std::abs(with_m - truth_m) < std::abs(without_m - truth_m);
+    classes.push_back(std::abs(with_m - without_m) <= kSame_m ? (with_m > 0.0F ? 1 : 0)
+                      : truth_m == 0.0F                       ? 4
+                      : nearer                                ? 2
+                                                              : 3);
+  }
+  images.range("without_memory", *report.without_memory);
+  images.add("memory_change", "change", report.result.rows, report.result.columns,
+             u8_block(classes));
+}
+
+/// Whether a filter removed outliers from the result. Networks with a confidence have none.
+bool has_last_filter(const LayersReport& report) {
+  return report.confidence.empty() && nn::last_filter(report.network);
+}
+
+void add_result(const LayersReport& report, Images& images) {
+  images.begin("Result");
+  images.range("result", report.result);
+  if (!report.confidence.empty()) {
+    images.share("confidence", report.confidence, report.result.rows, report.result.columns);
+  }
+  const std::size_t layers = layer_count(report.trace);
+  if (has_last_filter(report) && layers > 0) {
+    images.mask(report.trace.image(layer_name(layers - 1, "z")), "rejected");
+  }
+  if (report.without_memory) add_without_memory(report, images);
+  if (report.truth) images.range("truth", *report.truth);
+}
+
+/// The tensors that were asked for, channel by channel, each on a scale of its own: beside a
+/// channel of large values one of small ones would have one colour all over.
+void add_tensor(const nn::TracedTensor& tensor, Images& images) {
+  const auto pixels = static_cast<std::size_t>(tensor.rows()) * tensor.columns();
+  images.begin(tensor.name);
+  for (int channel = 0; channel < tensor.channels(); ++channel) {
+    const std::span<const float> values =
+        tensor.all().subspan(static_cast<std::size_t>(channel) * pixels, pixels);
+    const auto [low, high] = std::ranges::minmax(values);
+    Json& image =
+        images.add("tensor", "value", tensor.rows(), tensor.columns(), u16_block(values, low, high));
+    image["channel"] = channel;
+    image["unit"] = tensor.unit;
+    image["low"] = low + 0.0F;  // no zero has a sign
+    image["high"] = high + 0.0F;
+  }
+}
+
+Json json_of(const LayerFigures& figures) {
+  Json json = {{"name", figures.name}};
+  const auto add = [&](const char* key, const auto& value) {
+    if (value) json[key] = *value;
+  };
+  add("penalty", figures.penalty);
+  add("rms_h_z_m", figures.rms_h_z_m);
+  add("rms_h_y_m", figures.rms_h_y_m);
+  add("rms_dh_l_m", figures.rms_dh_l_m);
+  add("rejected", figures.rejected);
+  add("error_all_m", figures.error_all_m);
+  add("error_valid_m", figures.error_valid_m);
+  return json;
+}
+
+}  // namespace
+
+std::vector<LayerFigures> layer_figures(const LayersReport& report) {
+  std::vector<LayerFigures> all;
+  for (std::size_t k = 0; k < layer_count(report.trace); ++k) {
+    all.push_back(figures_of_layer(report, k));
+  }
+  LayerFigures& result = all.emplace_back();
+  result.name = "Result";
+  if (!report.confidence.empty()) {
+    result.rejected = std::ranges::count_if(report.confidence, [&](float confidence) {
+      return confidence < report.network.least_confidence;
+    });
+  } else if (has_last_filter(report)) {
+    result.rejected = count_of(report.trace.tensor("rejected"));
+  }
+  add_error(report, report.result, result);
+  return all;
+}
+
+Json layers_json(const LayersReport& report) {
+  Images images(report);
+  add_input(report, images);
+  for (std::size_t k = 0; k < layer_count(report.trace); ++k) add_layer(report, k, images);
+  add_result(report, images);
+  for (const std::string& name : report.tensors) add_tensor(report.trace.tensor(name), images);
+  Json data = {{"title", fmt::format("Scan {}, layer by layer", report.scan)},
+               {"subtitle", fmt::format("{}, upsampled by {}", report.recording, report.weights)},
+               {"max_range_m", report.network.sensor.max_range_m},
+               {"tolerance_m", nn::SuperResolverOptions{}.tolerance_m},
+               {"least_confidence", report.network.least_confidence},
+               {"elevation_deg", Json::array()},
+               {"images", images.take()},
+               {"layers", Json::array()},
+               {"differences", Json::array()}};
+  for (const double elevation_rad : report.network.sensor.beam_elevation_rad) {
+    data["elevation_deg"].push_back(kDegreesPerRadian * elevation_rad);
+  }
+  for (const LayerFigures& figures : layer_figures(report)) {
+    data["layers"].push_back(json_of(figures));
+  }
+  for (const nn::ReferenceDifference& difference : report.differences) {
+    data["differences"].push_back({{"name", difference.name},
+                                   {"unit", difference.unit},
+                                   {"largest", difference.largest},
+                                   {"rms", difference.root_mean_square}});
+  }
+  return data;
+}
+
+std::string layers_html(const LayersReport& report) {
+  return page_html("layers", layers_json(report));
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "hqslam/slam/occupancy_grid.h"
+#include "pages/turning_view.h"
+#include "run/dense_map.h"
+#include "run/slam_run.h"
+
+namespace hqslam::tools {
+
+/// The dense map of a run if there is one, the features of its map, its path, loops and scans,
+/// whose points are where the sensor was when it measured each. Other submaps, if there are any,
+/// are not in it: their relative pose is unknown.
+TurningView view_of(const SlamRun& run, const DenseMapRun* dense_map = nullptr);
+
+/// What a page may have of an occupancy grid: cells of twice, three times, ... the side, so that
+/// there are at most so many. A cell is occupied if one of its own is, else free if one is.
+slam::OccupancyMap thinned(const slam::OccupancyMap& map, std::size_t most_cells = 4'000'000);
+
+/// What tools/web/report.html shows: headline numbers, the view of the map, the trajectory from
+/// above, errors and poses over time, time per stage, statuses, and the occupancy grid if there is
+/// one.
+nlohmann::ordered_json report_json(const SlamRun& run, const DenseMapRun* dense_map = nullptr,
+                                   const slam::OccupancyMap* grid = nullptr);
+std::string report_html(const SlamRun& run, const DenseMapRun* dense_map = nullptr,
+                        const slam::OccupancyMap* grid = nullptr);
+
+}  // namespace hqslam::tools

@@ -1,0 +1,127 @@
+#include "run/run_summary.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "hqslam/core/angles.h"
+#include "timing/timing.h"
+
+namespace hqslam::tools {
+namespace {
+
+/// "mapping: 198 scans ok, 2 degenerate; 1 loop closed"
+std::string mapping_summary(const SlamRun& run) {
+  std::vector<std::string> counts;
+  for (const auto& [status, scans] : status_counts(run, &slam::ScanReport::mapping_status)) {
+    if (scans > 0) {
+      counts.push_back(
+          fmt::format("{}{} {}", scans, counts.empty() ? " scans" : "", slam::name(status)));
+    }
+  }
+  std::string summary = fmt::format("mapping: {}", fmt::join(counts, ", "));
+  if (run.slam.loop_closing.enabled) {
+    const std::int64_t closed = loops_closed(run);
+    summary += fmt::format("; {} loop{} closed", closed, closed == 1 ? "" : "s");
+  }
+  const std::size_t parts = scans_of_parts(run).size();
+  if (parts > 1) summary += fmt::format("; {} parts of the path, not joined", parts);
+  return summary;
+}
+
+/// "inertial sensor: measured the way to 198 of 200 scans"; nothing where there is none
+std::string inertial_summary(const SlamRun& run) {
+  if (!run.has_imu) return "";
+  const auto measured = std::ranges::count_if(
+      run.scans, [](const ScanRecord& scan) { return scan.report.predicted_by_imu; });
+  return fmt::format(
+      "inertial sensor: measured the way to {} of {} scans{}\n", measured, run.scans.size(),
+      2 * measured > std::ssize(run.scans)
+          ? ""
+          : "; between others its samples are missing, more than 50 ms apart, or hold no gravity");
+}
+
+/// "mounting: roll 0.1, pitch 12.0 degrees, estimated from the ground"; nothing of a level one
+std::string mounting_summary(const SlamRun& run) {
+  const slam::MountingOptions& mounted = run.mounting;
+  const bool is_level = mounted.roll_rad == 0.0 && mounted.pitch_rad == 0.0;
+  if (is_level && !run.slam.mounting.estimated) return "";
+  const char* how = mounted.estimated             ? ", estimated from the ground"
+                    : run.slam.mounting.estimated ? "; not estimated, no ground was found"
+                                                  : "";
+  return fmt::format("mounting: roll {:.1f}, pitch {:.1f} degrees{}\n",
+                     kDegreesPerRadian * mounted.roll_rad, kDegreesPerRadian * mounted.pitch_rad,
+                     how);
+}
+
+/// The median share of a scan's returns that lie on the ground; 1 where nothing was seen.
+double median_ground_share(const SlamRun& run) {
+  std::vector<double> shares;
+  for (const ScanRecord& scan : run.scans) {
+    if (scan.report.returns == 0) continue;
+    shares.push_back(static_cast<double>(scan.report.ground_points) / scan.report.returns);
+  }
+  return shares.empty() ? 1.0 : distribution_of(shares).median;
+}
+
+/// Sensors on the road, on robots and in hands see a third of their returns and more on the ground,
+/// one that hangs upside down and of which that was not said 5 to 9 %, rooms 5 %.
+constexpr double kLittleGround = 0.1;
+
+/// What a user may have forgotten to say; empty where enough ground was seen.
+std::string ground_summary(const SlamRun& run) {
+  const double share = median_ground_share(run);
+  if (share >= kLittleGround) return "";
+  return fmt::format(
+      "ground: only {:.0f} % of what was seen; usual in rooms, elsewhere the sensor may lean or "
+      "hang upside down: say so (mounting in hqslam slam-options)\n",
+      100.0 * share);
+}
+
+/// Of which part of the map the maps are, if there are several.
+std::string map_summary(const SlamRun& run) {
+  const std::map<std::size_t, std::int64_t> parts = scans_of_parts(run);
+  if (parts.size() < 2) return "";
+  const std::int64_t scans = parts.at(run.map_part);
+  return fmt::format(
+      "maps: of part {} alone, {} scans; the {} of other parts are left out, for how they lie to "
+      "it is not known\n",
+      run.map_part, scans, std::ssize(run.scans) - scans);
+}
+
+}  // namespace
+
+std::string run_summary(const SlamRun& run) {
+  std::string summary =
+      fmt::format("{} scans, {:.1f} m of path, {:.1f} scans/s\n{}\n", run.scans.size(),
+                  known_path_m(run), scans_per_second(run), mapping_summary(run));
+  summary += map_summary(run);
+  summary += inertial_summary(run);
+  summary += mounting_summary(run);
+  summary += ground_summary(run);
+  if (!run.located_in.empty()) {
+    const bool found = std::ranges::any_of(run.scans, [](const ScanRecord& scan) {
+      return scan.report.mapping_status != slam::Status::kNotRecognized;
+    });
+    summary += found ? fmt::format("located in the map of {}\n", run.located_in)
+                     : fmt::format("not located: no place of the map of {} was recognized\n",
+                                   run.located_in);
+  }
+  if (!run.upsampled_by.empty()) {
+    summary += fmt::format("upsampled to {} rows by {}: {:.1f} ms a scan (median)\n", run.rows,
+                           run.upsampled_by, distribution_of(stage_times(run)[1].times_ms).median);
+  }
+  return summary;
+}
+
+std::string results_line(const SlamRun& run, const std::string& out) {
+  return fmt::format(
+      "results: {}/trajectory.tum, trajectory.kitti, covariances.csv, map.pcd, timings.json, "
+      "report.html{}{}{}\n",
+      out, run.saved_map ? ", saved_map.npz" : "",
+      run.dense_map_summary.empty() ? "" : ", dense_map.pcd, dense_map.ply",
+      run.occupancy_grid_summary.empty() ? "" : ", map.pgm, map.yaml");
+}
+
+}  // namespace hqslam::tools

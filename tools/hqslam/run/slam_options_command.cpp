@@ -1,0 +1,53 @@
+#include "run/slam_options_command.h"
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "hqslam/slam/options.h"
+#include "terminal/terminal.h"
+
+namespace hqslam::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string json_of_defaults() {
+  const slam::SlamOptions defaults;
+  Json json;
+  for (const slam::NamedOption& option : slam::option_table()) {
+    const std::size_t point = option.name.find('.');
+    const std::string part(option.name.substr(0, point));
+    const std::string field(option.name.substr(point + 1));
+    const double value = option.get(defaults);
+    json[part][field] = option.is_whole ? Json(static_cast<int>(value)) : Json(value);
+  }
+  return json.dump(2) + "\n";
+}
+
+}  // namespace
+
+void declare(CLI::App& app, SlamOptionsCommand& options) {
+  add_command(app, "slam-options",
+              "The options of SLAM: names, defaults, bounds and what they mean",
+              "Lengths in metres, angles in radians. Given to run and live by --slam-options "
+              "FILE.json\n"
+              "and --set NAME=NUMBER. A default is LeGO-LOAM's unless its line says otherwise.")
+      .option("--json", &options.json,
+              "Print JSON; >options.json makes a file of it for run --slam-options");
+}
+
+int run(const SlamOptionsCommand& options) {
+  if (options.json) {
+    to_stdout("{}", json_of_defaults());
+    return kOk;
+  }
+  const slam::SlamOptions defaults;
+  to_stdout("{:<42} {:<8} {}\n", "option", "default", "what it means, and what it may be");
+  for (const slam::NamedOption& option : slam::option_table()) {
+    to_stdout("{:<42} {:<8.4g} {} ({})\n", option.name, option.get(defaults), option.meaning,
+              option.expected);
+  }
+  return kOk;
+}
+
+}  // namespace hqslam::tools

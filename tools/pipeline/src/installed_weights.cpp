@@ -1,0 +1,70 @@
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <system_error>
+
+#include "hqslam/pipeline/upsampler.h"
+
+namespace hqslam::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The shared object that this function is in, a Python module say, or the program.
+fs::path own_file() {
+  Dl_info info{};
+  if (dladdr(reinterpret_cast<const void*>(&own_file), &info) == 0) return {};
+  return info.dli_fname != nullptr ? info.dli_fname : "";
+}
+
+std::array<fs::path, 4> folders_of_weights() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  return {program.parent_path().parent_path() / HQSLAM_DATA_FOLDER / "hqslam/weights",
+          own_file().parent_path() / "share/hqslam/weights", HQSLAM_WEIGHTS_INSTALLED,
+          HQSLAM_WEIGHTS_SOURCE};
+}
+
+}  // namespace
+
+std::vector<std::string> installed_weights_names() {
+  std::vector<std::string> names;
+  for (const fs::path& folder : folders_of_weights()) {
+    std::error_code error;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+      if (entry.path().extension() != ".npz") continue;
+      const std::string file = entry.path().filename().string();
+      names.push_back(file.substr(0, file.find('_')));
+    }
+    if (!names.empty()) break;
+  }
+  std::ranges::sort(names);
+  names.erase(std::ranges::unique(names).begin(), names.end());
+  return names;
+}
+
+std::vector<std::string> installed_weights_files(const std::string& name) {
+  std::vector<std::string> files;
+  for (const fs::path& folder : folders_of_weights()) {
+    std::error_code error;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+      const std::string file = entry.path().filename().string();
+      if (file.ends_with(".npz") && file.starts_with(name + '_')) files.push_back(entry.path());
+    }
+    if (!files.empty()) break;
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+std::optional<std::string> installed_weights(const std::string& file) {
+  for (const fs::path& folder : folders_of_weights()) {
+    std::error_code error;
+    if (fs::is_regular_file(folder / file, error)) return (folder / file).string();
+  }
+  return std::nullopt;
+}
+
+}  // namespace hqslam::pipeline

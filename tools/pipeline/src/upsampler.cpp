@@ -1,0 +1,139 @@
+#include "hqslam/pipeline/upsampler.h"
+
+#include <utility>
+
+#include "hqslam/core/error.h"
+#include "hqslam/core/projection.h"
+#include "hqslam/nn/upsampled_cloud.h"
+
+namespace hqslam::pipeline {
+namespace {
+
+/// An interpolation of all rows takes every fourth as measured, of sensors with at least 64 rows.
+constexpr int kInterpolationFactor = 4;
+constexpr int kFewestRowsToThin = 64;
+/// Sensors do not keep their rate to the percent.
+constexpr double kFewestColumnsShare = 0.9;
+
+/// In an image of more columns than a turn has, a network would take the gaps for no return.
+void check_columns(const UpsamplingOptions& options, const std::string& source, int found,
+                   int expected) {
+  if (found >= kFewestColumnsShare * expected) return;
+  throw Error(
+      "{}: expects {} columns a turn, {} has {}; let the sensor turn more slowly, interpolate, or "
+      "train for it (docs/training.md)",
+      options.method, expected, source, found);
+}
+
+[[noreturn]] void fail_for_sensor(const SensorModel& found, const SensorModel& full,
+                                  RowSelection measured_rows, const std::string& method,
+                                  const std::string& source) {
+  const SensorModel measured = select_rows(full, measured_rows);
+  throw Error(
+      "{}: expects scans of '{}' ({} x {}) or its rows {}, {}, ... alone ({} x {}), beams within "
+      "{} degrees, but {} is of '{}' ({} x {}); give weights made for that sensor, or name the "
+      "sensor if it is another one",
+      method, full.name, full.rows(), full.columns, measured_rows.offset,
+      measured_rows.offset + measured_rows.stride, measured.rows(), measured.columns,
+      kBeamTolerance_deg, source, found.name, found.rows(), found.columns);
+}
+
+/// The sensor that the weights were made for, its measured rows alone.
+SensorModel measured_sensor_of(const UpsamplingMethod& method, const UpsamplingOptions& options) {
+  const std::optional<SensorModel> full = sensor_of(method);
+  if (full) return select_rows(*full, *full->measured_rows);
+  throw Error("'{}': expected weights, which name their sensor, found none; give the sensor",
+              options.method);
+}
+
+}  // namespace
+
+Upsampler::Upsampler(const SensorModel& recorded, const UpsamplingOptions& options,
+                     const std::string& source)
+    : Upsampler(recorded, load_method(options, recorded), options, source) {}
+
+Upsampler::Upsampler(const UpsamplingOptions& options) {
+  UpsamplingMethod method = load_method(options);
+  const SensorModel measured = measured_sensor_of(method, options);
+  *this = Upsampler(measured, std::move(method), options);
+}
+
+Upsampler::Upsampler(const SensorModel& recorded, UpsamplingMethod method,
+                     const UpsamplingOptions& options, const std::string& source)
+    : recorded_(recorded), columns_(recorded.columns) {
+  if (auto* network = std::get_if<nn::SuperResolver>(&method)) {
+    fit_network(std::move(*network), options, source);
+  } else if (const auto* interpolation = std::get_if<nn::Interpolation>(&method)) {
+    fit_interpolation(*interpolation, options, source);
+  } else if (options.rows > 0 && options.rows != recorded_.rows()) {
+    rows_ = selection_for(recorded_.rows(), options.rows);
+  }
+  measured_sensor_ = rows_ ? select_rows(recorded_, *rows_) : recorded_;
+}
+
+void Upsampler::fit_network(nn::SuperResolver network, const UpsamplingOptions& options,
+                            const std::string& source) {
+  SensorModel full = network.sensor();
+  const RowSelection measured_rows = network.description().measured_rows;
+  const SensorModel measured = select_rows(full, measured_rows);
+  if (options.rows > 0 && options.rows != measured.rows()) {
+    throw Error(
+        "{}: was made for {} measured rows, expected no other number, found {}; leave it out",
+        options.method, measured.rows(), options.rows);
+  }
+  check_columns(options, source, recorded_.columns, full.columns);
+  recorded_.columns = full.columns;
+  if (have_same_beams(recorded_, full)) {
+    rows_ = measured_rows;
+    method_.emplace(std::move(network), recorded_);
+  } else if (have_same_beams(recorded_, measured)) {
+    full.scan_period_s = recorded_.scan_period_s;
+    full.min_range_m = recorded_.min_range_m;
+    full.max_range_m = recorded_.max_range_m;
+    method_.emplace(std::move(network), full);
+  } else {
+    recorded_.columns = columns_;
+    fail_for_sensor(recorded_, full, measured_rows, options.method, source);
+  }
+}
+
+void Upsampler::fit_interpolation(nn::Interpolation interpolation, const UpsamplingOptions& options,
+                                  const std::string& source) {
+  SensorModel full = options.all_rows.value_or(recorded_);
+  full.columns = recorded_.columns;
+  const int rows = recorded_.rows();
+  if (rows < full.rows()) {
+    if (options.rows > 0 && options.rows != rows) {
+      throw Error("{}: has {} rows, expected {} to be used as measured; leave their number out",
+                  source, rows, options.rows);
+    }
+    const RowSelection measured_rows = selection_for(full.rows(), rows);
+    recorded_ = select_rows(full, measured_rows);
+    method_.emplace(interpolation, full, measured_rows);
+    return;
+  }
+  if (options.rows == 0 && rows < kFewestRowsToThin) {
+    throw Error(
+        "{}: has all {} rows of sensor '{}', so there is nothing between them to fill; name the "
+        "sensor with the rows to fill (os1-64 for scans of an os1-16), or choose with hqslam run "
+        "--rows how many of the {} are used as measured",
+        source, rows, full.name, rows);
+  }
+  rows_ = selection_for(rows, options.rows > 0 ? options.rows : rows / kInterpolationFactor);
+  method_.emplace(interpolation, full, *rows_);
+}
+
+OrganizedCloud Upsampler::measured(const OrganizedCloud& recorded) const {
+  const bool has_other_columns = recorded.columns == columns_ && columns_ != recorded_.columns;
+  OrganizedCloud cloud =
+      has_other_columns ? project(returns_of(recorded), recorded_).cloud : recorded;
+  if (!recorded_.elevation_correction_rad.empty()) cloud = calibrated(std::move(cloud), recorded_);
+  return rows_ ? select_rows(cloud, *rows_) : cloud;
+}
+
+OrganizedCloud Upsampler::upsampled(const OrganizedCloud& measured,
+                                    const nn::RecalledImage& recalled) {
+  return method_ ? nn::upsampled_cloud(*method_, measured, recalled) : measured;
+}
+
+}  // namespace hqslam::pipeline

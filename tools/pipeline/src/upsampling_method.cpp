@@ -1,0 +1,64 @@
+#include <fmt/ranges.h>
+
+#include <filesystem>
+#include <system_error>
+
+#include "hqslam/core/error.h"
+#include "hqslam/nn/weights_file.h"
+#include "hqslam/pipeline/upsampler.h"
+
+namespace hqslam::pipeline {
+namespace {
+
+/// Whether weights made for `full` take scans of `recorded`.
+bool takes(const SensorModel& recorded, const SensorModel& full, RowSelection measured_rows) {
+  return have_same_beams(recorded, full) ||
+         have_same_beams(recorded, select_rows(full, measured_rows));
+}
+
+/// Of the weights of a name the file that was made for a sensor.
+std::string weights_for(const std::string& name, const std::optional<SensorModel>& recorded) {
+  const std::vector<std::string> files = installed_weights_files(name);
+  std::vector<std::string> made_for;
+  for (const std::string& file : files) {
+    const nn::NetworkDescription network = nn::read_weights(file).description;
+    if (recorded && takes(*recorded, network.sensor, network.measured_rows)) return file;
+    made_for.push_back(network.sensor.name);
+  }
+  if (!recorded) {
+    throw Error(
+        "{}: expected a recording whose sensor is known, to choose between weights for {}; name "
+        "the sensor or give a weights file",
+        name, fmt::join(made_for, ", "));
+  }
+  throw Error(
+      "{}: there are weights for {}, none for '{}'; give a weights file that was made for it", name,
+      fmt::join(made_for, ", "), recorded->name);
+}
+
+}  // namespace
+
+bool is_weights_name(const std::string& method) {
+  std::error_code error;
+  return !method.empty() && !std::filesystem::is_regular_file(method, error) &&
+         !installed_weights_files(method).empty();
+}
+
+UpsamplingMethod load_method(const UpsamplingOptions& options,
+                             const std::optional<SensorModel>& recorded) {
+  const std::string& method = options.method;
+  if (method.empty()) return std::monostate();
+  if (nn::is_interpolation(method)) return nn::interpolation_from_name(method);
+  return nn::SuperResolver::load(is_weights_name(method) ? weights_for(method, recorded) : method,
+                                 options.network);
+}
+
+std::optional<SensorModel> sensor_of(const UpsamplingMethod& method) {
+  const auto* network = std::get_if<nn::SuperResolver>(&method);
+  if (network == nullptr) return std::nullopt;
+  SensorModel sensor = network->sensor();
+  sensor.measured_rows = network->description().measured_rows;
+  return sensor;
+}
+
+}  // namespace hqslam::pipeline

@@ -1,0 +1,529 @@
+'use strict';
+// A cloud of points that is turned, moved and zoomed with mouse, fingers or keys, with the path of
+// the sensor and single scans over it. It needs WebGL 2.
+//
+// A picture is made in three passes: the points are drawn into memory, with the depth of every
+// pixel; that picture goes onto the canvas, darkened beside what is nearer, so that edges are seen;
+// the path and the sensor are drawn over it. Places are in metres from the camera's target, so that
+// numbers stay small wherever the map is.
+const kPointVertices = `#version 300 es
+in uint point;                // x, y, z in steps from the block's corner, and its confidence
+in float bright;
+uniform mat4 toClip;
+uniform vec3 corner;
+uniform float step, side, least;  // metres of a step; pixels of a point 1 m away, and at least
+uniform vec2 heights;
+uniform int by;               // height, confidence, brightness
+uniform vec3 palette[5];
+flat out vec3 colour;
+void main() {
+  vec3 place = corner + (vec3(point & 511u, point >> 9 & 511u, point >> 18 & 511u) + .5) * step;
+  gl_Position = toClip * vec4(place, 1);
+  gl_PointSize = clamp(side / gl_Position.w, least, 16.);
+  float height = (place.z - heights.x) / (heights.y - heights.x);
+  float share = 4. * clamp(by == 2 ? bright : by == 1 ? float(point >> 27) / 31. : height, 0., 1.);
+  int stop = min(int(share), 3);
+  colour = mix(palette[stop], palette[stop + 1], share - float(stop));
+}`;
+const kPointPixels = `#version 300 es
+precision mediump float;
+flat in vec3 colour;
+out vec4 pixel;
+void main() {
+  vec2 off = 2. * gl_PointCoord - 1.;
+  if (dot(off, off) > 1.5) discard;  // rounder where points are large
+  pixel = vec4(colour, 1);
+}`;
+
+// One triangle that covers the canvas.
+const kWholeCanvas = `#version 300 es
+void main() { gl_Position = vec4(4 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID & 2) - 1, 0, 1); }`;
+// Eye-dome lighting (Boucheny 2009): a pixel is the darker, the nearer the pixels beside it are, as
+// factors of its distance. The depth buffer holds 1 - near / distance.
+const kShadedPixels = `#version 300 es
+precision highp float;
+uniform highp sampler2D depths;
+uniform sampler2D colours;
+uniform int reach;
+out vec4 pixel;
+const ivec2 kBeside[4] = ivec2[](ivec2(-1, 0), ivec2(1, 0), ivec2(0, -1), ivec2(0, 1));
+float nearness(ivec2 at) { return 1. - texelFetch(depths, at, 0).r; }
+void main() {
+  ivec2 at = clamp(ivec2(gl_FragCoord.xy), ivec2(reach), textureSize(depths, 0) - 1 - reach);
+  vec3 colour = texelFetch(colours, at, 0).rgb;
+  float own = nearness(at), behind = 0.;
+  if (own > 0.) {
+    for (int i = 0; i < 4; ++i) {
+      behind += clamp(nearness(at + reach * kBeside[i]) / own - 1., 0., .07);
+    }
+  }
+  pixel = vec4(colour * exp(-16. * behind), 1);
+}`;
+
+// A stretch of a line as a strip of two triangles, as wide everywhere on the canvas.
+const kLineVertices = `#version 300 es
+in vec3 from, to;
+uniform mat4 toClip;
+uniform vec3 shift;
+uniform vec2 pixel;           // of the canvas, whose sides are 2
+uniform float width, near;
+void main() {
+  vec4 a = toClip * vec4(from + shift, 1), b = toClip * vec4(to + shift, 1);
+  if (a.w < near && b.w > near) a = mix(a, b, (near - a.w) / (b.w - a.w));
+  if (b.w < near && a.w > near) b = mix(b, a, (near - b.w) / (a.w - b.w));
+  vec2 along = normalize((b.xy / b.w - a.xy / a.w) / pixel);
+  vec2 across = vec2(-along.y, along.x) * (gl_VertexID % 2 == 0 ? 1. : -1.);
+  gl_Position = gl_VertexID < 2 ? a : b;
+  gl_Position.xy += (across + (gl_VertexID < 2 ? -along : along)) * .5 * width * pixel * gl_Position.w;
+  gl_Position.z = 0.;
+}`;
+const kLinePixels = `#version 300 es
+precision mediump float;
+uniform vec3 colour;
+out vec4 pixel;
+void main() { pixel = vec4(colour, 1); }`;
+
+const rgb = hex => [16, 8, 0].map(bits => (parseInt(hex, 16) >> bits & 255) / 255);
+const kHeights = ['3a4c96', '2a8498', '56b276', 'd6c85c', 'f6ecce'].map(rgb);
+const kConfidence = ['c0392b', 'e67e22', 'e8d36b', '7fc8a9', '4aa3df'].map(rgb);
+const kBrightness = ['262a52', '6a3d8f', 'c34f72', 'f28f4e', 'fbe9a8'].map(rgb);
+const kPalettes = [kHeights, kConfidence, kBrightness];
+const kMeasured = rgb('ffd24a'), kUpsampled = rgb('35c3f3');
+const kPath = rgb('ff7a5c'), kLoops = rgb('d58cff'), kSensor = rgb('ffffff');
+const kBackground = rgb('11141c');
+
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const less = (a, b) => a.map((value, i) => value - b[i]);
+
+/** The elements of a view: controls above, the canvas below. */
+function turningStage(data) {
+  const box = (name, colour, text) => el('label', {}, el('input', {type: 'checkbox', class: name, checked: true}),
+                                         colour ? el('i', {style: `background:${colour};border-radius:50%`}) : null, text);
+  const upsamples = data.scans.some(scan => scan.upsampled.blocks.length);
+  const hasScans = data.scans.length > 0, when = (condition, element) => { element.hidden = !condition; return element; };
+  return el('figure', {class: 'turning-view'},
+    el('div', {class: 'controls'},
+      el('button', {'data-view': 'overview'}, 'Overview'), el('button', {'data-view': 'above'}, 'From above'),
+      when(hasScans, el('button', {'data-view': 'behind'}, 'Behind the sensor')),
+      when(data.clouds.length > 1, el('label', {}, 'Points ', el('select', {class: 'cloud'}))),
+      el('label', {}, 'Colour ', el('select', {class: 'colour'}, ...['height', 'confidence', 'intensity'].map(name => el('option', {}, name)))),
+      when(hasScans, box('map', '', 'map')), when(data.path.length, box('path', '#ff7a5c', 'path')),
+      when(data.loops.length, el('label', {}, el('i', {style: 'background:#d58cff;border-radius:50%'}), 'loops: places recognized again'))),
+    when(hasScans, el('div', {class: 'controls scans'},
+      el('button', {class: 'play'}, 'Play'), el('input', {type: 'range', class: 'scan', min: 0, value: 0, 'aria-label': 'Scan'}), el('output'),
+      box('measured', '#ffd24a', 'measured'), when(upsamples, box('upsampled', '#35c3f3', 'upsampled')))),
+    el('div', {class: 'stage'}, el('canvas', {tabindex: 0, 'aria-label': 'Points in three dimensions'}),
+      el('button', {class: 'full'}, 'Full screen'),
+      el('div', {class: 'over metres'}, el('span'), el('i')),
+      el('div', {class: 'over key'}, el('span', {class: 'low'}), el('i'), el('span', {class: 'high'}))),
+    el('figcaption', {}, 'Drag to turn, Shift or right button to move, wheel to zoom (click first); two fingers move and zoom; arrow keys, + and -.'));
+}
+
+/**
+ * Puts a view of data (C++: turning_view.h) into the element `into`. Returns its figure, of which
+ * renew(data) shows other data with as many clouds from the same place, and sensorAt(pose) moves
+ * the arrow of the first scan; null without WebGL 2.
+ */
+function turningView(into, data) {
+  const root = turningStage(data), find = name => root.querySelector(name);
+  const canvas = find('canvas');
+  const gl = canvas.getContext('webgl2', {antialias: false, alpha: false});
+  if (!gl) {
+    into.append(el('p', {class: 'notice'}, 'The view that turns needs a browser with WebGL 2.'));
+    return null;
+  }
+  into.append(root);
+
+  function program(vertices, pixels) {
+    const result = gl.createProgram();
+    for (const [kind, text] of [[gl.VERTEX_SHADER, vertices], [gl.FRAGMENT_SHADER, pixels]]) {
+      const shader = gl.createShader(kind);
+      gl.shaderSource(shader, text);
+      gl.compileShader(shader);
+      gl.attachShader(result, shader);
+    }
+    for (const [place, name] of [[0, 'point'], [1, 'bright'], [0, 'from'], [1, 'to']]) gl.bindAttribLocation(result, place, name);
+    gl.linkProgram(result);
+    if (!gl.getProgramParameter(result, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(result));
+    const at = {program: result};  // and where its uniforms are
+    for (let i = gl.getProgramParameter(result, gl.ACTIVE_UNIFORMS); i-- > 0;) {
+      const name = gl.getActiveUniform(result, i).name.replace('[0]', '');
+      at[name] = gl.getUniformLocation(result, name);
+    }
+    return at;
+  }
+  const points = program(kPointVertices, kPointPixels);
+  const shaded = program(kWholeCanvas, kShadedPixels);
+  const lines = program(kLineVertices, kLinePixels);
+
+  function bufferOf(values) {
+    const buffer = gl.createBuffer();
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+    gl.bufferData(gl.ARRAY_BUFFER, values, gl.STATIC_DRAW);
+    return buffer;
+  }
+  // Pairs of places, by their distance from the middle of the scene.
+  function linesOf(pairs) {
+    return {count: pairs.length, buffer: bufferOf(new Float32Array(pairs.flatMap(
+        ([from, to]) => [...less(from, data.centre), ...less(to, data.centre)])))};
+  }
+  let path, loops;
+  function takeLines() {
+    path = linesOf(data.path.flatMap(piece => piece.slice(1).map((to, i) => [piece[i], to])));
+    loops = linesOf(data.loops);
+  }
+  takeLines();
+  let sensor = linesOf([]);
+
+  // The picture in memory, as large as the canvas.
+  const memory = gl.createFramebuffer();
+  let textures = [];
+  function fitCanvas(sharpness) {
+    const ratio = sharpness * Math.min(window.devicePixelRatio || 1, 2);
+    const width = Math.max(1, Math.round(canvas.clientWidth * ratio));
+    const height = Math.max(1, Math.round(canvas.clientHeight * ratio));
+    if (textures.length && canvas.width === width && canvas.height === height) return;
+    canvas.width = width; canvas.height = height;
+    textures.forEach(texture => gl.deleteTexture(texture));
+    gl.bindFramebuffer(gl.FRAMEBUFFER, memory);
+    textures = [[gl.RGBA8, gl.COLOR_ATTACHMENT0], [gl.DEPTH_COMPONENT24, gl.DEPTH_ATTACHMENT]].map(([kind, role]) => {
+      const texture = gl.createTexture();
+      gl.bindTexture(gl.TEXTURE_2D, texture);
+      gl.texStorage2D(gl.TEXTURE_2D, 1, kind, width, height);
+      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
+      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
+      gl.framebufferTexture2D(gl.FRAMEBUFFER, role, gl.TEXTURE_2D, texture, 0);
+      return texture;
+    });
+  }
+
+  // The camera looks at the target from a distance; yaw 0 looks along x, pitch is downwards.
+  const camera = {target: [...data.centre], distance: 2.4 * data.radius, yaw: 1.1, pitch: .62};
+  let goal = null;  // where the camera glides to
+  let shown = {cloud: 0, scan: 0, by: 0};
+  // While the camera moves: how many pixels a voxel may be wide, and whether pixels are twice as
+  // large; as 30 pictures a second need.
+  let coarse = 2, blurred = false;
+
+  function lens() {
+    const {yaw, pitch, distance} = camera;
+    const [cy, sy, cp, sp] = [Math.cos(yaw), Math.sin(yaw), Math.cos(pitch), Math.sin(pitch)];
+    const ahead = [cp * cy, cp * sy, -sp], right = [sy, -cy, 0], up = [cy * sp, sy * sp, cp];
+    const y = 2.2, x = y * canvas.height / canvas.width, near = clamp(distance / 100, .05, 5);
+    const toClip = [0, 1, 2].flatMap(i => [x * right[i], y * up[i], ahead[i], ahead[i]]);
+    toClip.push(0, 0, distance - 2 * near, distance);
+    return {ahead, right, up, x, y, near, toClip, focal: y * canvas.height / 2};
+  }
+
+  // Draws the blocks within the picture, each with as many points as its distance needs.
+  function drawCloud(cloud, look, colours) {
+    if (!cloud.buffer) {
+      cloud.buffer = bufferOf(bytesOf(cloud.points));
+      cloud.shine = bufferOf(bytesOf(cloud.brightness));
+      delete cloud.points;
+      delete cloud.brightness;
+    }
+    if (colours.by === 2) {
+      gl.bindBuffer(gl.ARRAY_BUFFER, cloud.shine);
+      gl.enableVertexAttribArray(1);
+      gl.vertexAttribPointer(1, 1, gl.UNSIGNED_BYTE, true, 0, 0);
+      gl.vertexAttribDivisor(1, 0);
+    } else {
+      gl.disableVertexAttribArray(1);
+    }
+    gl.bindBuffer(gl.ARRAY_BUFFER, cloud.buffer);
+    gl.vertexAttribIPointer(0, 1, gl.UNSIGNED_INT, 0, 0);
+    gl.uniform1f(points.step, cloud.step);
+    gl.uniform1f(points.least, colours.least * canvas.height / canvas.clientHeight);
+    gl.uniform1i(points.by, colours.by);
+    gl.uniform3fv(points.palette, colours.palette.flatMap(stop => stop.map(part => part * colours.light)));
+    const size = 512 * cloud.step, reach = .87 * size;
+    const origin = less(cloud.origin, camera.target);
+    let first = 0;
+    for (const [x, y, z, ...ends] of cloud.blocks) {
+      const corner = [origin[0] + x * size, origin[1] + y * size, origin[2] + z * size];
+      const middle = corner.map(value => value + size / 2);
+      const away = dot(look.ahead, middle) + camera.distance;
+      const seen = away > -reach &&
+          Math.abs(dot(look.right, middle)) * look.x < away + reach * Math.hypot(1, look.x) &&
+          Math.abs(dot(look.up, middle)) * look.y < away + reach * Math.hypot(1, look.y);
+      if (seen) {
+        const voxel = look.coarse * Math.max(away - reach, look.near) / look.focal;  // metres
+        const level = clamp(Math.floor(Math.log2(voxel / cloud.step)), 0, ends.length - 1);
+        gl.uniform3fv(points.corner, corner);
+        gl.uniform1f(points.side, look.focal * Math.max(colours.spacing, cloud.step * 2 ** level));
+        gl.drawArrays(gl.POINTS, first, ends[level]);
+      }
+      first += ends[0];
+    }
+  }
+
+  function drawLines(what, colour, width) {
+    if (!what.count) return;
+    gl.bindBuffer(gl.ARRAY_BUFFER, what.buffer);
+    for (const place of [0, 1]) gl.vertexAttribPointer(place, 3, gl.FLOAT, false, 24, 12 * place);
+    gl.uniform3fv(lines.colour, colour);
+    gl.uniform1f(lines.width, width * canvas.height / canvas.clientHeight);
+    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, what.count);
+  }
+
+  function draw(coarseness, sharpness) {
+    fitCanvas(sharpness);
+    const look = {...lens(), coarse: coarseness};
+    gl.bindFramebuffer(gl.FRAMEBUFFER, memory);
+    gl.viewport(0, 0, canvas.width, canvas.height);
+    gl.clearColor(...kBackground, 1);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    gl.enable(gl.DEPTH_TEST);
+    gl.enableVertexAttribArray(0);
+    gl.vertexAttribDivisor(0, 0);
+    gl.useProgram(points.program);
+    gl.uniformMatrix4fv(points.toClip, false, look.toClip);
+    gl.uniform2fv(points.heights, data.heights.map(height => height - camera.target[2]));
+    const scan = data.scans[shown.scan - 1];
+    const palette = kPalettes[shown.by];
+    if (data.clouds.length && find('.map').checked) {
+      const cloud = data.clouds[shown.cloud];
+      drawCloud(cloud, look, {palette, by: shown.by, light: scan ? .4 : 1, spacing: .8 * cloud.spacing, least: 1});
+    }
+    if (scan) {  // a little nearer than the map, which has the same surfaces
+      const nearer = [...look.toClip];
+      nearer[14] -= .04 * look.near;
+      gl.uniformMatrix4fv(points.toClip, false, nearer);
+      for (const [kind, colour] of [['measured', kMeasured], ['upsampled', kUpsampled]]) {
+        const plain = {palette: Array(5).fill(colour), by: 0, light: 1, spacing: .07, least: 2};
+        if (find('.' + kind).checked) drawCloud(scan[kind], look, plain);
+      }
+    }
+
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.disable(gl.DEPTH_TEST);
+    gl.disableVertexAttribArray(0);
+    gl.useProgram(shaded.program);
+    textures.forEach((texture, i) => { gl.activeTexture(gl.TEXTURE0 + i); gl.bindTexture(gl.TEXTURE_2D, texture); });
+    gl.uniform1i(shaded.colours, 0);
+    gl.uniform1i(shaded.depths, 1);
+    gl.uniform1i(shaded.reach, Math.max(1, Math.round(canvas.height / canvas.clientHeight)));
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    gl.activeTexture(gl.TEXTURE0);
+
+    gl.useProgram(lines.program);
+    for (const place of [0, 1]) { gl.enableVertexAttribArray(place); gl.vertexAttribDivisor(place, 1); }
+    gl.uniformMatrix4fv(lines.toClip, false, look.toClip);
+    gl.uniform3fv(lines.shift, less(data.centre, camera.target));
+    gl.uniform2f(lines.pixel, 2 / canvas.width, 2 / canvas.height);
+    gl.uniform1f(lines.near, look.near);
+    if (find('.path').checked) {
+      drawLines(path, kPath, 3);
+      drawLines(loops, kLoops, 8);
+    }
+    drawLines(sensor, kSensor, 3);
+    gl.disableVertexAttribArray(1);
+    showScale(look);
+  }
+
+  function showScale(look) {
+    const pixelsPerMetre = look.focal / camera.distance * canvas.clientHeight / canvas.height;
+    const metres = [.1, .2, .5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000].find(m => m * pixelsPerMetre > 60) || 5000;
+    find('.metres i').style.width = metres * pixelsPerMetre + 'px';
+    find('.metres span').textContent = metres + ' m';
+  }
+
+  // Pictures are drawn as long as something moves, then once with all points.
+  let drawing = false, moved = false, movingUntil = 0, before = 0;
+  function frame(now) {
+    if (goal) glide();
+    if (moved) movingUntil = now + 200;
+    moved = false;
+    const moving = now < movingUntil;
+    if (moving && before) {
+      coarse = clamp(coarse * clamp((now - before) / 30, .92, 1.25), 1, 8);
+      if (coarse > 4 && !blurred) { blurred = true; coarse = 2; }
+      if (coarse === 1) blurred = false;
+    }
+    before = now;
+    if (moving) draw(coarse, blurred ? .5 : 1); else draw(1, 1);
+    drawing = moving;
+    if (moving) requestAnimationFrame(frame);
+  }
+  function redraw(moving = false) {
+    moved = moved || moving;
+    if (drawing) return;
+    drawing = true;
+    before = 0;
+    requestAnimationFrame(frame);
+  }
+  function glide() {
+    const turn = Math.atan2(Math.sin(goal.yaw - camera.yaw), Math.cos(goal.yaw - camera.yaw));
+    camera.yaw += .2 * turn;
+    camera.pitch += .2 * (goal.pitch - camera.pitch);
+    camera.distance *= (goal.distance / camera.distance) ** .2;
+    camera.target = camera.target.map((value, i) => value + .2 * (goal.target[i] - value));
+    const left = Math.abs(turn) + Math.hypot(...less(goal.target, camera.target)) / goal.distance +
+        Math.abs(goal.pitch - camera.pitch) + Math.abs(Math.log(goal.distance / camera.distance));
+    if (left < .002) goal = null;
+    moved = true;
+  }
+
+  let following = false;
+  const takeOver = () => { goal = null; following = false; };
+  const turnBy = (yaw, pitch) => {
+    takeOver();
+    camera.yaw += yaw;
+    camera.pitch = clamp(camera.pitch + pitch, -.3, Math.PI / 2);
+    redraw(true);
+  };
+  const moveBy = (right, up) => {  // pixels, over the ground
+    takeOver();
+    const scale = camera.distance / lens().focal * canvas.height / canvas.clientHeight;
+    const [cy, sy] = [Math.cos(camera.yaw), Math.sin(camera.yaw)];
+    const far = up / Math.max(.35, Math.sin(camera.pitch));
+    camera.target[0] += scale * (right * sy + far * cy);
+    camera.target[1] += scale * (far * sy - right * cy);
+    redraw(true);
+  };
+  const zoomBy = factor => {
+    takeOver();
+    camera.distance = clamp(camera.distance * factor, .5, 20 * data.radius);
+    redraw(true);
+  };
+
+  // Mouse and fingers: one turns, two move and zoom.
+  const fingers = new Map();
+  canvas.onpointerdown = event => {
+    canvas.setPointerCapture(event.pointerId);
+    fingers.set(event.pointerId, [event.clientX, event.clientY]);
+  };
+  canvas.onpointerup = canvas.onpointercancel = event => fingers.delete(event.pointerId);
+  canvas.onpointermove = event => {
+    const was = fingers.get(event.pointerId);
+    if (!was) return;
+    const [x, y] = [event.clientX, event.clientY], [dx, dy] = [x - was[0], y - was[1]];
+    fingers.set(event.pointerId, [x, y]);
+    if (fingers.size === 2) {
+      const [other] = [...fingers].filter(([id]) => id !== event.pointerId).map(([, place]) => place);
+      const apart = place => Math.max(10, Math.hypot(place[0] - other[0], place[1] - other[1]));
+      zoomBy(apart(was) / apart([x, y]));
+      moveBy(-dx / 2, dy / 2);
+    } else if (event.shiftKey || event.buttons & 6) {
+      moveBy(-dx, dy);
+    } else {
+      turnBy(-.006 * dx, .006 * dy);
+    }
+  };
+  canvas.oncontextmenu = event => event.preventDefault();
+  canvas.onwheel = event => {  // of a page that scrolls only once it was clicked on
+    if (document.activeElement !== canvas && document.documentElement.scrollHeight > innerHeight) return;
+    event.preventDefault();
+    zoomBy(Math.exp(event.deltaY / 700));
+  };
+  canvas.onkeydown = event => {
+    const step = {ArrowLeft: [1, 0], ArrowRight: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1]}[event.key];
+    if (step && event.shiftKey) moveBy(-40 * step[0], 40 * step[1]);
+    else if (step) turnBy(.06 * step[0], .06 * step[1]);
+    else if (event.key === '+') zoomBy(.9);
+    else if (event.key === '-') zoomBy(1 / .9);
+    else if (event.key === ' ' && data.scans.length) play();
+    else return;
+    event.preventDefault();
+  };
+
+  // Buttons and choices.
+  const views = {
+    overview: () => ({target: data.centre, distance: 2.4 * data.radius, yaw: camera.yaw, pitch: .62}),
+    above: () => ({target: data.centre, distance: 2.2 * data.radius, yaw: Math.PI / 2, pitch: Math.PI / 2}),
+    behind: () => {
+      const scan = data.scans[Math.max(0, shown.scan - 1)];
+      return {target: scan.at, distance: 26, yaw: scan.yaw, pitch: .38};
+    },
+  };
+  for (const button of root.querySelectorAll('[data-view]')) {
+    button.onclick = () => {
+      following = button.dataset.view === 'behind';
+      if (following && shown.scan === 0) show(1);
+      goal = views[button.dataset.view]();
+      redraw(true);
+    };
+  }
+  function show(scan) {
+    shown.scan = scan;
+    find('.scan').value = scan;
+    const seen = data.scans[scan - 1];
+    find('output').textContent = seen ? seen.name : 'the map alone';
+    const arrow = (forward, left) => seen.at.map((value, i) => value + (i === 2 ? 0 :
+        i === 0 ? forward * Math.cos(seen.yaw) - left * Math.sin(seen.yaw)
+                : forward * Math.sin(seen.yaw) + left * Math.cos(seen.yaw)));
+    gl.deleteBuffer(sensor.buffer);
+    sensor = linesOf(seen ? [[arrow(-1, 0), arrow(2, 0)], [arrow(2, 0), arrow(1.1, .6)], [arrow(2, 0), arrow(1.1, -.6)]] : []);
+    if (seen && following) goal = views.behind();
+    redraw(true);
+  }
+  let timer = 0;
+  function play() {
+    if (timer) { clearInterval(timer); timer = 0; }
+    else timer = setInterval(() => show(shown.scan % data.scans.length + 1), 400);
+    find('.play').textContent = timer ? 'Stop' : 'Play';
+  }
+  find('.play').onclick = play;
+  root.renew = fresh => {  // for a page that is updated
+    const clouds = [...data.clouds, ...data.scans.flatMap(scan => [scan.measured, scan.upsampled])];
+    for (const old of [path, loops, ...clouds]) { gl.deleteBuffer(old.buffer); gl.deleteBuffer(old.shine); }
+    Object.assign(data, fresh);
+    takeLines();
+    find('.scan').max = data.scans.length;
+    choose();
+    show(Math.min(shown.scan, data.scans.length));
+  };
+  root.sensorAt = pose => {
+    Object.assign(data.scans[0], pose);
+    show(shown.scan);
+  };
+  find('.scan').max = data.scans.length;
+  find('.scan').oninput = event => show(Number(event.target.value));
+  root.querySelectorAll('input[type=checkbox]').forEach(box => { box.onchange = () => redraw(); });
+  find('.full').onclick = () => document.fullscreenElement ? document.exitFullscreen() : root.requestFullscreen();
+  for (const cloud of data.clouds) find('.cloud').add(new Option(cloud.name));
+  function choose() {
+    shown.cloud = Math.max(0, find('.cloud').selectedIndex);
+    const {sure, bright = []} = data.clouds[shown.cloud] || {};
+    const colour = find('.colour');
+    [true, sure, bright.length].forEach((known, i) => { colour[i].disabled = colour[i].hidden = !known; });
+    if (colour.selectedOptions[0].disabled) colour.selectedIndex = 0;
+    colour.parentElement.hidden = !sure && !bright.length;
+    shown.by = colour.selectedIndex;
+    const stops = kPalettes[shown.by].map(stop => `rgb(${stop.map(part => 255 * part)})`);
+    find('.key i').style.background = `linear-gradient(90deg, ${stops})`;
+    const ends = [data.heights.map(height => height.toFixed(1) + ' m'), ['0', '1: certain'],
+                  bright.map(value => String(Number(value.toPrecision(2))))][shown.by];
+    find('.key .low').textContent = ends[0];
+    find('.key .high').textContent = ends[1];
+    redraw();
+  }
+  find('.cloud').onchange = find('.colour').onchange = choose;
+  new ResizeObserver(() => redraw()).observe(canvas);
+
+  // A link can name the view: page.html#yaw=0.5&pitch=0.3&distance=40&scan=3&colour=2
+  const asked = Object.fromEntries([...new URLSearchParams(location.hash.slice(1))]
+      .map(([name, value]) => [name, Number(value)]));
+  for (const name of ['yaw', 'pitch', 'distance']) if (Number.isFinite(asked[name])) camera[name] = asked[name];
+  if (asked.cloud in data.clouds) find('.cloud').selectedIndex = asked.cloud;
+  if (asked.colour in kPalettes) find('.colour').selectedIndex = asked.colour;
+  choose();
+  const apart = data.scans.map(scan => Math.abs(scan.number - asked.scan));  // NaN: none was asked for
+  if (data.scans.length) show(apart.indexOf(Math.min(...apart)) + 1);
+  if (shown.scan) camera.target = [...data.scans[shown.scan - 1].at];
+  return root;
+}
+
+/** The points of a cloud, x and y in metres: what a map from above is drawn from. */
+function placesOf(cloud) {
+  const words = new Uint32Array(bytesOf(cloud.points).buffer), xs = new Float32Array(words.length), ys = new Float32Array(words.length);
+  let i = 0;
+  for (const [x, y, , end] of cloud.blocks) {
+    for (const last = i + end; i < last; ++i) {
+      xs[i] = cloud.origin[0] + (512 * x + (words[i] & 511) + .5) * cloud.step;
+      ys[i] = cloud.origin[1] + (512 * y + (words[i] >> 9 & 511) + .5) * cloud.step;
+    }
+  }
+  return [xs, ys];
+}

@@ -1,0 +1,119 @@
+'use strict';
+// Range images, tensors and classes of pixels, with a colour scale and the value under the pointer.
+
+// Colours from low to high, rising in lightness, so that they are told apart in grey, too (after
+// viridis, magma and cividis of matplotlib).
+const kViridis = ['#440154', '#414487', '#2a788e', '#22a884', '#7ad151', '#fde725'];
+const kMagma = ['#000004', '#3b0f70', '#8c2981', '#de4968', '#fe9f6d', '#fcfdbf'];
+const kGreys = ['#000000', '#ffffff'];
+
+/** 256 colours of a palette as bytes. */
+function table256(stops) { return Array.from({length: 256}, (_, i) => colourBetween(stops, i / 255)); }
+
+/**
+ * How values become colours: {name, stops, share: value => 0 to 1, ends: [text, text]}.
+ * Ranges: near is bright, logarithmic, no return is black.
+ */
+function rangeScale(most_m) {
+  return {
+    name: 'range',
+    stops: [...kViridis].reverse(),
+    none: value => !(value > 0),
+    ends: ['1 m', `${short(most_m)} m; black: no return`],
+    share: value => Math.log(Math.max(value, 1)) / Math.log(most_m)
+  };
+}
+const errorScaleOfImages = {
+  name: 'error',
+  stops: kMagma,
+  ends: ['0.01 m', '10 m and more'],
+  share: value => (2 + Math.log10(Math.max(value, 1e-3))) / 3
+};
+const shareScale = {
+  name: 'share',
+  stops: kGreys,
+  ends: ['0', '1'],
+  share: value => value
+};
+function linearScale(low, high) {
+  return {
+    name: 'value',
+    stops: kViridis,
+    ends: [short(low), short(high)],
+    share: value => (value - low) / Math.max(high - low, 1e-12)
+  };
+}
+/** Classes: [[colour, name], ...] by the value of the pixel. */
+const classScale = classes => ({name: 'class', classes});
+
+/** The colour bar or the list of classes of a scale. */
+function scaleLegend(scale) {
+  if (scale.classes) return legend(scale.classes.map(([colour, name]) => [colour, name]));
+  return el(
+      'div', {class: 'scale'}, scale.ends[0], el('i', {style: `background:linear-gradient(90deg,${scale.stops})`}),
+      scale.ends[1]);
+}
+
+/**
+ * An image of rows x columns values.
+ * spec: {rows, columns, values, scale, unit, height: css, label: (row, column, value) => texts, axes:
+ * whether to write the azimuth below, marks: [{row, column, colour}] drawn over it}
+ * The figure has show({values, scale, unit}), which replaces what is seen, and onpick(row, column).
+ */
+function imageFigure(spec) {
+  const {rows, columns} = spec;
+  const canvas = el('canvas', {width: columns, height: rows, style: `height:${spec.height || '8rem'}`});
+  const readout = el('div', {class: 'readout'}, hint(spec.hint));
+  const key = el('div');
+  const caption = el('figcaption', {}, spec.caption || '');
+  const axes = spec.axes === false ?
+      null :
+      el('div', {class: 'axes'},
+         ...['behind (+180°)', 'left (+90°)', 'ahead (0°)', 'right (-90°)', 'behind (-180°)'].map(
+             text => el('span', {}, text)));
+  const figure = el('figure', {}, caption, el('div', {class: 'image'}, canvas, axes), key, readout);
+  let shown = {};
+  figure.show = what => {
+    shown = {...shown, ...what};
+    if (what.caption !== undefined) caption.textContent = what.caption;
+    const {values, scale} = shown, context = canvas.getContext('2d'), image = context.createImageData(columns, rows);
+    const colours =
+        scale.classes ? scale.classes.map(([colour]) => colourBetween([colour, colour], 0)) : table256(scale.stops);
+    for (let i = 0; i < rows * columns; ++i) {
+      const value = values[i];
+      const colour = scale.classes        ? colours[value] :
+          scale.none && scale.none(value) ? [0, 0, 0] :
+                                            colours[clamp(Math.round(255 * scale.share(value)), 0, 255)];
+      image.data.set(colour || [0, 0, 0], 4 * i);
+      image.data[4 * i + 3] = 255;
+    }
+    if (shown.shade)
+      for (let i = 0; i < rows * columns; ++i)
+        for (let k = 0; k < 3; ++k) image.data[4 * i + k] *= shown.shade(i);
+    for (const mark of shown.marks || [])
+      image.data.set(colourBetween([mark.colour, mark.colour], 0), 4 * (mark.row * columns + mark.column));
+    context.putImageData(image, 0, 0);
+    key.replaceChildren(scaleLegend(scale));
+  };
+  figure.read = (row, column) => {
+    const value = shown.values[row * columns + column], {scale, unit} = shown;
+    const valueText = scale.classes            ? (scale.classes[value] || ['', '?'])[1] :
+        scale.name === 'range' && !(value > 0) ? 'no return' :
+                                                 `${short(value)} ${unit || ''}`;
+    const azimuth = 180 - 360 * (column + .5) / columns;
+    readout.replaceChildren(
+        el('b', {}, valueText),
+        `  row ${row}, column ${column}${spec.axes === false ? '' : `, azimuth ${azimuth.toFixed(1)}°`}`,
+        ...(spec.label ? ['  ' + spec.label(row, column)] : []));
+  };
+  canvas.onpointermove = canvas.onpointerdown = event => {
+    const box = canvas.getBoundingClientRect();
+    const row = clamp(Math.floor((event.clientY - box.top) / box.height * rows), 0, rows - 1);
+    const column = clamp(Math.floor((event.clientX - box.left) / box.width * columns), 0, columns - 1);
+    figure.read(row, column);
+    if (figure.onpick) figure.onpick(row, column);
+  };
+  if (spec.values)
+    figure.show({values: spec.values, scale: spec.scale, unit: spec.unit, marks: spec.marks, shade: spec.shade});
+  return figure;
+}
