@@ -2,16 +2,16 @@
 #include <vector>
 
 #include "captures.h"
-#include "hesai_decoder.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/recordings/recording.h"
 #include "input_file.h"
-#include "ouster_decoder.h"
+#include "packets/hesai_decoder.h"
+#include "packets/ouster_decoder.h"
+#include "packets/robosense_decoder.h"
+#include "packets/velodyne_decoder.h"
+#include "packets/velodyne_tables.h"
 #include "readers.h"
-#include "robosense_decoder.h"
-#include "velodyne_decoder.h"
-#include "velodyne_tables.h"
 
 namespace hqslam::fuzz {
 

@@ -10,15 +10,15 @@
 #include <string_view>
 #include <utility>
 
-#include "bag.h"
-#include "hesai_decoder.h"
+#include "bags/bag.h"
+#include "bags/message_packets.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
-#include "message_packets.h"
-#include "ouster_decoder.h"
-#include "ouster_metadata.h"
-#include "robosense_decoder.h"
-#include "velodyne_tables.h"
+#include "packets/hesai_decoder.h"
+#include "packets/ouster_decoder.h"
+#include "packets/ouster_metadata.h"
+#include "packets/robosense_decoder.h"
+#include "packets/velodyne_tables.h"
 
 namespace hqslam::recordings {
 

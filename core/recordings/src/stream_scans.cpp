@@ -7,10 +7,10 @@
 #include <tuple>
 #include <utility>
 
+#include "bags/message_packets.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
-#include "message_packets.h"
-#include "ouster_decoder.h"
+#include "packets/ouster_decoder.h"
 
 namespace hqslam::recordings {
 

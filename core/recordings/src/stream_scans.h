@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "bags/message_packets.h"
 #include "hqslam/core/error.h"
 #include "hqslam/recordings/recording.h"
 #include "hqslam/recordings/scan_assembler.h"
 #include "imu_queue.h"
-#include "message_packets.h"
 #include "stream_reader.h"
 
 namespace hqslam::recordings {
