@@ -25,10 +25,10 @@ constexpr int kColumns = 16;
 /// As hqslam info and hqslam run read a capture or a bag, if it begins as one.
 void read_recording(const std::string& path) {
   if (!is_capture_or_bag(path)) return;
-  const auto source = recordings::open_recording(path, {.sensor = "vlp-16", .columns = kColumns});
+  auto source = Recording::open(path, {.sensor = "vlp-16", .columns = kColumns});
   while (true) {
     try {
-      if (!source->next()) break;
+      if (!source.next()) break;
     } catch (const ScanError&) {
       continue;  // left out
     }

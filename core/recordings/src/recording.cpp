@@ -204,20 +204,27 @@ void describe_imu(const std::vector<ImuSample>& samples, RecordingInfo& info) {
   }
 }
 
-RecordingInfo inspect_files(const std::string& path, const OpenOptions& options) {
+RecordingInfo info_of_files(const std::string& path, const OpenOptions& options,
+                            const ScanSource& source) {
   RecordingInfo info;
-  const auto source = open_files(path, options);
   info.sensor_known = options.sensor.empty();
-  info.sensor = source->sensor();
-  info.scans = source->size().value_or(0);
+  info.sensor = source.sensor();
+  info.scans = source.size().value_or(0);
   info.duration_s = static_cast<double>(info.scans) * info.sensor.scan_period_s;
-  info.has_stamps = source->has_stamps();
+  info.has_stamps = source.has_stamps();
   const fs::path extension = fs::path(path).extension();
   std::error_code error;
   info.kind = fs::is_directory(path, error) ? "folder of scans"
               : extension == ".npy"         ? "stack of range images"
                                             : "file of one scan";
   describe_imu(imu_of_drive(path), info);
+  info.warnings = source.warnings();
+  return info;
+}
+
+RecordingInfo inspect_files(const std::string& path, const OpenOptions& options) {
+  const auto source = open_files(path, options);
+  RecordingInfo info = info_of_files(path, options, *source);
   look_at_scans(*source, info);
   return info;
 }
@@ -291,19 +298,8 @@ void Recording::use_columns(int columns) {
   }
 }
 
-std::unique_ptr<StreamSource> open_stream(const std::string& path, const OpenOptions& options) {
-  return open_stream(path, options, true);
-}
-
-std::unique_ptr<ScanSource> open_recording(const std::string& path, const OpenOptions& options) {
-  return std::make_unique<Recording>(Recording::open(path, options));
-}
-
-std::unique_ptr<ScanSource> with_imu_of_drive(std::unique_ptr<ScanSource> source,
-                                              const std::string& path) {
-  std::vector<ImuSample> samples = imu_of_drive(path);
-  if (samples.empty()) return source;
-  return with_imu(std::move(source), std::move(samples), (fs::path(path) / "imu.csv").string());
+RecordingInfo Recording::info() const {
+  return stream_ != nullptr ? stream_->info() : info_of_files(path_, options_, *source_);
 }
 
 RecordingInfo inspect(const std::string& path, const OpenOptions& options) {

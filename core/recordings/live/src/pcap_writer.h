@@ -26,7 +26,7 @@ class PcapWriter {
 
   /// Throws Error if the disk is full.
   void add(const recordings::Packet& packet);
-  /// Writes an Ouster's metadata where open_recording looks for them: the same name with .json.
+  /// Writes an Ouster's metadata where Recording::open finds them: the same name with .json.
   /// Throws Error.
   void put_beside(const std::string& metadata) const;
 

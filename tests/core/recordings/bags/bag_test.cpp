@@ -63,14 +63,14 @@ TEST_CASE("every kind of bag carries the same packets") {
   std::filesystem::create_directory(directory.file("folder"));
   write_file(directory.file("folder/metadata.yaml"), "rosbag2_bagfile_information:\n");
   write_db3(velodyne_messages(false), directory.file("folder/folder_0.db3"));
-  const auto expected = all_scans(*open_recording(directory.file("a.db3")));
+  const auto expected = all_scans(Recording::open(directory.file("a.db3")));
   REQUIRE(expected.size() == 4);
   for (const char* name :
        {"a.mcap", "alz4.mcap", "azstd.mcap", "anone.bag", "alz4.bag", "abz2.bag", "folder"}) {
     CAPTURE(name);
-    const auto source = open_recording(directory.file(name));
-    CHECK(same_scans(all_scans(*source), expected));
-    CHECK(source->warnings().empty());  // nothing came twice
+    auto source = Recording::open(directory.file(name));
+    CHECK(same_scans(all_scans(source), expected));
+    CHECK(source.warnings().empty());  // nothing came twice
     CHECK(inspect(directory.file(name)).streams.size() == 2);
   }
 }
@@ -85,9 +85,9 @@ TEST_CASE("a bag that was cut off gives the scans before the cut, and a warning 
   const std::string path = directory.file("a.mcap");
   for (const auto& [bytes, complaints] : {std::pair(whole, 0), std::pair(cut, 1)}) {
     write_file(path, bytes);
-    const auto source = open_recording(path);
-    CHECK(all_scans(*source).size() == 4);
-    REQUIRE(std::ssize(source->warnings()) == complaints);
+    auto source = Recording::open(path);
+    CHECK(all_scans(source).size() == 4);
+    REQUIRE(std::ssize(source.warnings()) == complaints);
   }
   const std::string warning = inspect(path).warnings.at(0);
   CHECK(warning.find("cut off") != std::string::npos);
@@ -98,9 +98,9 @@ TEST_CASE(
     "a bag whose recorder left the serialization format empty is read, one of another is not") {
   const TemporaryDirectory directory;
   write_db3(velodyne_messages(false), directory.file("a.db3"), "");
-  CHECK(all_scans(*open_recording(directory.file("a.db3"))).size() == 4);
+  CHECK(all_scans(Recording::open(directory.file("a.db3"))).size() == 4);
   write_db3(velodyne_messages(false), directory.file("b.db3"), "protobuf");
-  CHECK(refused_with([&] { open_recording(directory.file("b.db3")); }, "none"));
+  CHECK(refused_with([&] { Recording::open(directory.file("b.db3")); }, "none"));
 }
 
 TEST_CASE("an Ouster's metadata are found wherever they stand in a bag") {
@@ -116,7 +116,7 @@ TEST_CASE("an Ouster's metadata are found wherever they stand in a bag") {
   messages.push_back({"/metadata", "std_msgs/msg/String", 40'000'000'000,
                       text_message(ouster_metadata_text(OusterProfile::kRng19), false)});
   write_file(directory.file("a.mcap"), mcap_bytes(messages, ""));
-  CHECK(all_scans(*open_recording(directory.file("a.mcap"))).size() == 2);
+  CHECK(all_scans(Recording::open(directory.file("a.mcap"))).size() == 2);
 }
 
 TEST_CASE("rings and times of clouds are found by any of the names that drivers give them") {
@@ -130,7 +130,7 @@ TEST_CASE("rings and times of clouds are found by any of the names that drivers 
                                         false, 8, time_name, ring_name)});
     }
     write_file(directory.file("a.mcap"), mcap_bytes(messages, ""));
-    return all_scans(*open_recording(directory.file("a.mcap"), {.sensor = "vlp-16"}));
+    return all_scans(Recording::open(directory.file("a.mcap"), {.sensor = "vlp-16"}));
   };
   const auto expected = scans_of("timestamp", "ring");
   REQUIRE(expected.size() == 3);
@@ -156,8 +156,8 @@ TEST_CASE("a bag in write-ahead mode is read without a file being written beside
   std::string bytes = file_contents(path);
   bytes[18] = bytes[19] = 2;  // of SQLite's header: the versions that write and read such a file
   write_file(path, bytes);
-  const auto source = open_recording(path);
-  CHECK(all_scans(*source).size() == 4);
+  auto source = Recording::open(path);
+  CHECK(all_scans(source).size() == 4);
   const std::filesystem::directory_iterator files(directory.file("."));
   CHECK(std::distance(begin(files), end(files)) == 1);
 }
@@ -166,7 +166,7 @@ TEST_CASE("the log that lies beside a bag in write-ahead mode is read with it") 
   const TemporaryDirectory directory;
   write_db3(velodyne_messages(false), directory.file("whole.db3"));
   copy_with_half_taken_back(directory.file("whole.db3"), directory.file("stopped.db3"));
-  const auto scans = all_scans(*open_recording(directory.file("stopped.db3")));
+  const auto scans = all_scans(Recording::open(directory.file("stopped.db3")));
   CHECK(!scans.empty());
   CHECK(scans.size() < 4);
 }
@@ -190,8 +190,8 @@ TEST_CASE("of several Ousters in a bag each has its own metadata, whatever other
   }
   const std::string path = directory.file("a.mcap");
   write_file(path, mcap_bytes(messages, "zstd"));
-  CHECK(open_recording(path, {.stream = "/front/lidar_packets"})->sensor().rows() == 8);
-  CHECK(open_recording(path, {.stream = "/rear/lidar_packets"})->sensor().rows() == 16);
+  CHECK(Recording::open(path, {.stream = "/front/lidar_packets"}).sensor().rows() == 8);
+  CHECK(Recording::open(path, {.stream = "/rear/lidar_packets"}).sensor().rows() == 16);
 }
 
 TEST_CASE("of a bag's metadata no more is kept than an Ouster's may be") {
@@ -234,13 +234,14 @@ TEST_CASE("a connection of a ROS 1 bag that is longer than any is refused") {
   const TemporaryDirectory directory;
   write_file(directory.file("a.bag"),
              ros1_bytes({{"/a", std::string(1U << 20U, 't'), 1, Payload(8)}}, "bz2"));
-  CHECK(refused_with([&] { open_recording(directory.file("a.bag")); }, "at most 1048576 bytes"));
+  CHECK(refused_with([&] { Recording::open(directory.file("a.bag")); }, "at most 1048576 bytes"));
 }
 
 TEST_CASE("a bag whose messages are a view that never ends is refused") {
   const TemporaryDirectory directory;
   write_endless_db3(directory.file("a.db3"));
-  CHECK(refused_with([&] { open_recording(directory.file("a.db3")); }, "a.db3", "whole .db3 file"));
+  CHECK(
+      refused_with([&] { Recording::open(directory.file("a.db3")); }, "a.db3", "whole .db3 file"));
 }
 
 TEST_CASE("clouds of every unit and origin of times get the recording's stamps") {
@@ -258,14 +259,14 @@ TEST_CASE("clouds of every unit and origin of times get the recording's stamps")
     CAPTURE(c.absolute);
     write_file(directory.file("a.mcap"),
                mcap_bytes(cloud_messages(c.period_s, c.unit_s, c.absolute, c.type, false), "lz4"));
-    const auto unnamed = open_recording(directory.file("a.mcap"));  // found in the points
-    CHECK(unnamed->sensor().beam_elevation_rad == sensor_preset("vlp-16").beam_elevation_rad);
-    CHECK(unnamed->sensor().columns == 360);
-    CHECK(unnamed->warnings().front().find("vlp-16") != std::string::npos);
-    CHECK(unnamed->sensor().scan_period_s == doctest::Approx(c.period_s).scale(0).epsilon(1e-3));
-    const auto source = open_recording(directory.file("a.mcap"), {.sensor = "vlp-16"});
-    CHECK(source->sensor().scan_period_s == doctest::Approx(c.period_s).scale(0).epsilon(1e-3));
-    const auto scans = all_scans(*source);
+    auto unnamed = Recording::open(directory.file("a.mcap"));  // found in the points
+    CHECK(unnamed.sensor().beam_elevation_rad == sensor_preset("vlp-16").beam_elevation_rad);
+    CHECK(unnamed.sensor().columns == 360);
+    CHECK(unnamed.warnings().front().find("vlp-16") != std::string::npos);
+    CHECK(unnamed.sensor().scan_period_s == doctest::Approx(c.period_s).scale(0).epsilon(1e-3));
+    auto source = Recording::open(directory.file("a.mcap"), {.sensor = "vlp-16"});
+    CHECK(source.sensor().scan_period_s == doctest::Approx(c.period_s).scale(0).epsilon(1e-3));
+    const auto scans = all_scans(source);
     REQUIRE(scans.size() == 4);
     const double middle_s = c.period_s * 359.0 / 720.0;
     CHECK(scans[0].stamp_s == doctest::Approx(1'600'000'000.0 + middle_s).scale(0).epsilon(1e-12));
@@ -274,7 +275,7 @@ TEST_CASE("clouds of every unit and origin of times get the recording's stamps")
     // A point behind the sensor is measured in the middle of the turn; rings count from below.
     const OrganizedCloud& cloud = scans[0].cloud;
     const std::size_t behind =
-        cloud.index(0, source->sensor().column_of(0, std::numbers::pi - 1e-3));
+        cloud.index(0, source.sensor().column_of(0, std::numbers::pi - 1e-3));
     CHECK(cloud.range_m[behind] == doctest::Approx(5.0).epsilon(1e-5));
     CHECK(cloud.points_m[behind].z() > 1.0F);
     CHECK(std::abs(cloud.time_offset_s[behind]) < 0.01 * c.period_s);
@@ -290,7 +291,7 @@ TEST_CASE("times of a clock that is not the messages' are counted from each mess
                         cloud_message(begin_ns, round_cloud(0.1, 1.0, 127.0 + 0.1 * i), false, 8)});
   }
   write_file(directory.file("a.mcap"), mcap_bytes(messages, ""));
-  const auto scans = all_scans(*open_recording(directory.file("a.mcap"), {.sensor = "vlp-16"}));
+  const auto scans = all_scans(Recording::open(directory.file("a.mcap"), {.sensor = "vlp-16"}));
   REQUIRE(scans.size() == 4);
   const double middle_s = 0.1 * 359.0 / 720.0;
   for (int i = 0; i < 4; ++i) {
@@ -326,12 +327,12 @@ TEST_CASE("clouds with the fields that other makers' drivers write are read") {
                           cloud_message(begin_ns, points, false, d.time_type, d.time, d.ring)});
     }
     write_file(directory.file("a.mcap"), mcap_bytes(messages, ""));
-    const auto source = open_recording(directory.file("a.mcap"));
-    CHECK(source->sensor().rows() == 16);
-    const auto scans = all_scans(*source);
+    auto source = Recording::open(directory.file("a.mcap"));
+    CHECK(source.sensor().rows() == 16);
+    const auto scans = all_scans(source);
     REQUIRE(scans.size() == 3);
     const OrganizedCloud& cloud = scans[1].cloud;
-    const std::size_t behind = cloud.index(0, source->sensor().column_of(0, 3.14));
+    const std::size_t behind = cloud.index(0, source.sensor().column_of(0, 3.14));
     CHECK(cloud.points_m[behind].z() == doctest::Approx(5.0 * std::sin(15.0 / 57.29577951)));
     CHECK(std::abs(cloud.time_offset_s[behind]) < 0.001);
     CHECK(scans[1].stamp_s == doctest::Approx(1'600'000'000.15).scale(0).epsilon(1e-12));
@@ -345,13 +346,13 @@ TEST_CASE("times that contradict the rate are refused in one line, scan by scan"
   messages[1].bytes =
       cloud_message(1'600'000'000'100'000'000, round_cloud(0.4, 1.0, 0.0), false, 7);
   write_file(directory.file("a.mcap"), mcap_bytes(messages, ""));
-  const auto source = open_recording(directory.file("a.mcap"), {.sensor = "vlp-16"});
-  CHECK(source->next());
-  CHECK_THROWS_AS(source->next(), ScanError);
-  CHECK(source->next());
-  const auto again = open_recording(directory.file("a.mcap"), {.sensor = "vlp-16"});
-  again->next();
-  CHECK(refused_with([&] { again->next(); }, "a.mcap[1]", "timestamp", "0.1 s", "0.39"));
+  auto source = Recording::open(directory.file("a.mcap"), {.sensor = "vlp-16"});
+  CHECK(source.next());
+  CHECK_THROWS_AS(source.next(), ScanError);
+  CHECK(source.next());
+  auto again = Recording::open(directory.file("a.mcap"), {.sensor = "vlp-16"});
+  again.next();
+  CHECK(refused_with([&] { again.next(); }, "a.mcap[1]", "timestamp", "0.1 s", "0.39"));
 }
 
 TEST_CASE("clouds of four thousand million rows without a column are read at once") {
@@ -368,8 +369,8 @@ TEST_CASE("clouds of four thousand million rows without a column are read at onc
   messages.insert(messages.begin() + 1, 30, empty);
   write_file(directory.file("a.mcap"), mcap_bytes(messages, ""));
   const std::clock_t begin = std::clock();
-  const auto source = open_recording(directory.file("a.mcap"), {.sensor = "vlp-16"});
-  CHECK(all_scans(*source).size() == 34);
+  auto source = Recording::open(directory.file("a.mcap"), {.sensor = "vlp-16"});
+  CHECK(all_scans(source).size() == 34);
   const double processor_s = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   CHECK(processor_s < 10.0);  // a minute, were the rows counted
 }

@@ -71,8 +71,8 @@ TEST_CASE("a bag's clouds come with its sensor_msgs/Imu, turned as /tf_static sa
           transform_message("mast", "/lidar", upside_down, ros1)}});
     const std::string path = folder.file(ros1 ? "a.bag" : "a.mcap");
     write_file(path, ros1 ? ros1_bytes(messages, "none") : mcap_bytes(messages, ""));
-    const auto source = open_stream(path, {.sensor = "vlp-16"});
-    const auto scans = all_scans(*source);
+    auto source = Recording::open(path, {.sensor = "vlp-16"});
+    const auto scans = all_scans(source);
     REQUIRE(scans.size() == 6);
     CHECK(scans[0].imu.size() == 10);
     for (const RecordedScan& scan : scans) {
@@ -81,10 +81,10 @@ TEST_CASE("a bag's clouds come with its sensor_msgs/Imu, turned as /tf_static sa
       CHECK(near(scan.imu[0].angular_rate_rad_per_s, {0.0, 0.0, -0.5}));
       CHECK(near(scan.imu[0].specific_force_mps2, {1.0, -2.0, -9.8}));
     }
-    CHECK(source->info().imu_stream == "/robot/imu");
-    CHECK(source->info().imu.used == 60);
-    CHECK(source->info().imu_rate_hz == doctest::Approx(100.0).epsilon(1e-3));
-    CHECK(source->warnings().empty());
+    CHECK(source.info().imu_stream == "/robot/imu");
+    CHECK(source.info().imu.used == 60);
+    CHECK(source.info().imu_rate_hz == doctest::Approx(100.0).epsilon(1e-3));
+    CHECK(source.warnings().empty());
   }
 }
 

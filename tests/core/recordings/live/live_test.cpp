@@ -85,12 +85,12 @@ TEST_CASE("scans that come over UDP are those of the capture with the same packe
   const TemporaryDirectory folder;
   const auto packets = velodyne_capture({.duration_s = 1.5});
   write_file(folder.file("a.pcap"), pcap_bytes(packets));
-  const auto recorded = open_recording(folder.file("a.pcap"));
+  auto recorded = Recording::open(folder.file("a.pcap"));
   const LiveOptions options = vlp16();
   LiveSensor sensor(options);
   const std::jthread sending([&] { replay(packets, options.port, 1.0); });
   REQUIRE(sensor.recognise(kPatience_s));
-  CHECK(sensor.sensor() == recorded->sensor());
+  CHECK(sensor.sensor() == recorded.sensor());
   CHECK(sensor.format() == "Velodyne packets, single return");
   CHECK(text(sensor.sender()) == fmt::format("127.0.0.1:{}", options.port));
   sensor.start();
@@ -98,8 +98,8 @@ TEST_CASE("scans that come over UDP are those of the capture with the same packe
   const auto scans = all_scans(sensor, 8);
   REQUIRE(scans.size() == 8);
   for (const LiveScan& scan : scans) {
-    std::optional<RecordedScan> same = recorded->next();
-    while (same && same->cloud.range_m != scan.scan.cloud.range_m) same = recorded->next();
+    std::optional<RecordedScan> same = recorded.next();
+    while (same && same->cloud.range_m != scan.scan.cloud.range_m) same = recorded.next();
     CHECK(same);  // in the same order
     CHECK(scan.completed_ns > 1'700'000'000'000'000'000);
     // Its stamp is by this computer's clock, in the middle of the turn before it was complete.
@@ -233,9 +233,9 @@ TEST_CASE("what was recorded live is opened as any capture, an Ouster's metadata
   const RecordingInfo info = inspect(folder.file("kept.pcap"));
   CHECK(info.format == "Ouster packets, RNG15_RFL8_NIR8");
   CHECK(info.packets.used == 33);
-  const auto source = open_recording(folder.file("kept.pcap"));
-  CHECK(source->next()->counts.kept <= 8 * 16);
-  CHECK(source->next()->cloud.range_m == live_range_m);
+  auto source = Recording::open(folder.file("kept.pcap"));
+  CHECK(source.next()->counts.kept <= 8 * 16);
+  CHECK(source.next()->cloud.range_m == live_range_m);
 }
 
 TEST_CASE("captures are written with any sender and size, and never over another file") {

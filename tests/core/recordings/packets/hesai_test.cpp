@@ -140,15 +140,15 @@ TEST_CASE("a capture and a bag of Hesai packets give the same scans, by the angl
             folder.file("b.db3"));
   write_file(folder.file("b.csv"), angle_file(16, 0.25, 0.5));
 
-  const auto source = open_recording(folder.file("a.pcap"));
-  CHECK(source->sensor().name == "xt16");
-  CHECK(source->sensor().columns == 2000);
-  CHECK(source->sensor().beam_elevation_rad[0] == doctest::Approx(15.25 * kDegree_rad));
-  CHECK(source->sensor().beam_azimuth_offset_rad[0] == doctest::Approx(-0.5 * kDegree_rad));
-  const auto scans = all_scans(*source);
+  auto source = Recording::open(folder.file("a.pcap"));
+  CHECK(source.sensor().name == "xt16");
+  CHECK(source.sensor().columns == 2000);
+  CHECK(source.sensor().beam_elevation_rad[0] == doctest::Approx(15.25 * kDegree_rad));
+  CHECK(source.sensor().beam_azimuth_offset_rad[0] == doctest::Approx(-0.5 * kDegree_rad));
+  const auto scans = all_scans(source);
   REQUIRE(scans.size() == 3);
-  CHECK(source->warnings().empty());
-  CHECK(same_scans(all_scans(*open_recording(folder.file("b.db3"))), scans));
+  CHECK(source.warnings().empty());
+  CHECK(same_scans(all_scans(Recording::open(folder.file("b.db3"))), scans));
   CHECK(inspect(folder.file("a.pcap")).format == "Hesai XT16 packets, dual return");
 }
 
@@ -159,16 +159,16 @@ TEST_CASE(
   const TemporaryDirectory folder;
   const std::string capture = folder.file("a.pcap");
   write_file(capture, pcap_bytes(hesai_capture(32, 0.15)));
-  const auto source = open_recording(capture);
-  CHECK(source->sensor() == nominal_hesai(32));
-  REQUIRE(source->warnings().size() == 1);
-  CHECK(source->warnings().front().find(".csv") != std::string::npos);
+  auto source = Recording::open(capture);
+  CHECK(source.sensor() == nominal_hesai(32));
+  REQUIRE(source.warnings().size() == 1);
+  CHECK(source.warnings().front().find(".csv") != std::string::npos);
 
   const std::string angles = folder.file("angles.csv");
   write_file(angles, angle_file(32));
-  CHECK(open_recording(capture, {.sensor = angles})->warnings().empty());
-  CHECK(refused_with([&] { open_recording(capture, {.sensor = "vlp-16"}); }, "32 rows", "vlp-16"));
-  const auto other = open_recording(capture, {.sensor = "hdl-32e"})->warnings();
+  CHECK(Recording::open(capture, {.sensor = angles}).warnings().empty());
+  CHECK(refused_with([&] { Recording::open(capture, {.sensor = "vlp-16"}); }, "32 rows", "vlp-16"));
+  const auto other = Recording::open(capture, {.sensor = "hdl-32e"}).warnings();
   REQUIRE(other.size() == 1);
   CHECK(other.front().find("'hdl-32e', as asked for, up to 14.7 degrees beside xt32's") !=
         std::string::npos);
@@ -178,6 +178,6 @@ TEST_CASE(
         good + "33,-17,0\n", std::string("1,nan,0\n"), std::string("1,15,0\n1,14,0\n"),
         std::string("1,15,0\n2,16,0\n"), std::string("1,1e99,0\n")}) {
     write_file(angles, wrong);
-    CHECK(refused_with([&] { open_recording(capture, {.sensor = angles}); }, "angle"));
+    CHECK(refused_with([&] { Recording::open(capture, {.sensor = angles}); }, "angle"));
   }
 }

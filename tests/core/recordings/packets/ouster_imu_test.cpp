@@ -93,8 +93,8 @@ TEST_CASE("inertial data are turned into the frame of the scans by the metadata'
 
 TEST_CASE("a scan of an Ouster's capture carries the inertial data up to its end, by its clock") {
   const TemporaryDirectory folder;
-  const auto source = open_recording(ouster_capture(folder, turns_with_imu()));
-  const auto scans = all_scans(*source);
+  auto source = Recording::open(ouster_capture(folder, turns_with_imu()));
+  const auto scans = all_scans(source);
   REQUIRE(scans.size() == 4);
   std::vector<ImuSample> samples;
   for (const RecordedScan& scan : scans) {
@@ -120,10 +120,10 @@ TEST_CASE("scans are the same with inertial data beside them, on the lidar's por
   const TemporaryDirectory folder;
   auto lidar_only = turns_with_imu();
   std::erase_if(lidar_only, [](const Captured& packet) { return packet.port == 7503; });
-  const auto expected = all_scans(*open_recording(ouster_capture(folder, lidar_only)));
+  const auto expected = all_scans(Recording::open(ouster_capture(folder, lidar_only)));
   CHECK(inspect(folder.file("a.pcap")).imu_stream.empty());
   for (const std::uint16_t port : {std::uint16_t{7503}, std::uint16_t{7502}}) {
-    const auto scans = all_scans(*open_recording(ouster_capture(folder, turns_with_imu(port))));
+    const auto scans = all_scans(Recording::open(ouster_capture(folder, turns_with_imu(port))));
     REQUIRE(same_scans(scans, expected));
     for (std::size_t i = 0; i < scans.size(); ++i) {
       CHECK(expected[i].imu.empty());
@@ -157,8 +157,8 @@ TEST_CASE("inertial data that are not finite, not in order or of another time ar
   put(imu[12]->payload, 16, std::uint64_t{7});        // the clock was set back,
   put(imu[13]->payload, 16, ~std::uint64_t{0} - 40);  // and forward
   imu[16]->payload.pop_back();
-  const auto source = open_stream(ouster_capture(folder, packets));
-  const auto scans = all_scans(*source);
+  auto source = Recording::open(ouster_capture(folder, packets));
+  const auto scans = all_scans(source);
   REQUIRE(scans.size() == 4);
   std::size_t samples = 0;
   for (const RecordedScan& scan : scans) {
@@ -169,10 +169,10 @@ TEST_CASE("inertial data that are not finite, not in order or of another time ar
     }
   }
   CHECK(samples == 15);
-  CHECK(source->info().imu.used == 15);
-  CHECK(source->info().imu.left_out == 4);
-  REQUIRE(source->warnings().size() == 1);
-  CHECK(source->warnings()[0].find("4 inertial samples were left out") != std::string::npos);
+  CHECK(source.info().imu.used == 15);
+  CHECK(source.info().imu.left_out == 4);
+  REQUIRE(source.warnings().size() == 1);
+  CHECK(source.warnings()[0].find("4 inertial samples were left out") != std::string::npos);
 }
 
 TEST_CASE("inertial samples that wait for a scan which never comes take no more memory") {
@@ -191,7 +191,7 @@ TEST_CASE("an inertial profile of new firmware is named as not read") {
   write_file(folder.file("a.json"),
              replaced_in(ouster_metadata_text(kProfile), "\"udp_profile_lidar\"",
                          R"("udp_profile_imu": "ACCEL32_GYRO32_NMEA", "udp_profile_lidar")"));
-  const auto warnings = open_recording(folder.file("a.pcap"))->warnings();
+  const auto warnings = Recording::open(folder.file("a.pcap")).warnings();
   REQUIRE(warnings.size() == 1);
   CHECK(warnings[0].find("ACCEL32_GYRO32_NMEA are not read") != std::string::npos);
 }
@@ -210,7 +210,7 @@ TEST_CASE("an Ouster's inertial packets are found in a bag beside its lidar pack
     write_file(path, ros1 ? ros1_bytes(messages, "lz4") : mcap_bytes(messages, "zstd"));
     if (!ros1) write_db3(messages, folder.file("a.db3"));
     for (const std::string& name : {path, folder.file("a.db3")}) {
-      const auto scans = all_scans(*open_recording(name));
+      const auto scans = all_scans(Recording::open(name));
       REQUIRE(scans.size() == 4);
       for (const RecordedScan& scan : scans) CHECK(scan.imu.size() == 5);
       CHECK(inspect(name).imu_stream == "/ouster/imu_packets");
@@ -222,8 +222,9 @@ TEST_CASE("inertial data that are given win over the recording's own") {
   const TemporaryDirectory folder;
   const std::string path = ouster_capture(folder, turns_with_imu());
   ImuSample given;
-  given.stamp_s = all_scans(*open_recording(path))[2].stamp_s;
-  const auto scans = all_scans(*with_imu(open_recording(path), {given}));
+  given.stamp_s = all_scans(Recording::open(path))[2].stamp_s;
+  const auto scans =
+      all_scans(*with_imu(std::make_unique<Recording>(Recording::open(path)), {given}));
   for (std::size_t i = 0; i < scans.size(); ++i) CHECK(scans[i].imu.size() == (i == 2 ? 1 : 0));
 }
 
@@ -234,7 +235,7 @@ TEST_CASE("gravity of real Ousters points up in the frame of their scans") {
     const auto path = real_data(name);
     if (!path) return;
     CAPTURE(name);
-    const auto scan = open_recording(*path)->next();
+    const auto scan = Recording::open(*path).next();
     REQUIRE(scan);
     REQUIRE(scan->imu.size() >= 8);  // packets of the lidar come 17 ms later than these
     Eigen::Vector3d force_mps2 = Eigen::Vector3d::Zero();

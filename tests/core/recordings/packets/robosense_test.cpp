@@ -128,25 +128,25 @@ TEST_CASE("a capture of a RoboSense is read with the settings that it has, or re
   const Robosense helios = {true, 32, false};
   const std::vector<Captured> packets = robosense_capture(helios, 0.35);
   write_file(capture, pcap_bytes(packets));
-  const auto source = open_recording(capture);
-  CHECK(source->sensor().name == "helios");
-  CHECK(source->sensor().rows() == 32);
-  CHECK(source->sensor().columns == 1800);
-  CHECK(source->sensor().beam_elevation_rad[31] == doctest::Approx(-16.0 * kDegree_rad));
-  CHECK(source->sensor().beam_azimuth_offset_rad[31] == doctest::Approx(-1.0 * kDegree_rad));
-  CHECK(all_scans(*source).size() == 3);
+  auto source = Recording::open(capture);
+  CHECK(source.sensor().name == "helios");
+  CHECK(source.sensor().rows() == 32);
+  CHECK(source.sensor().columns == 1800);
+  CHECK(source.sensor().beam_elevation_rad[31] == doctest::Approx(-16.0 * kDegree_rad));
+  CHECK(source.sensor().beam_azimuth_offset_rad[31] == doctest::Approx(-1.0 * kDegree_rad));
+  CHECK(all_scans(source).size() == 3);
   CHECK(inspect(capture).format == "RoboSense Helios packets, 32 beams, single return");
-  CHECK(refused_with([&] { open_recording(capture, {.sensor = "vlp-16"}); }, "16 rows", "32"));
-  CHECK(open_recording(capture, {.sensor = "hdl-32e"})->warnings().size() == 1);
+  CHECK(refused_with([&] { Recording::open(capture, {.sensor = "vlp-16"}); }, "16 rows", "32"));
+  CHECK(Recording::open(capture, {.sensor = "hdl-32e"}).warnings().size() == 1);
 
   write_file(capture, pcap_bytes({packets.begin() + 1, packets.end()}));
-  CHECK(refused_with([&] { open_recording(capture); }, "DIFOP", "7788"));
+  CHECK(refused_with([&] { Recording::open(capture); }, "DIFOP", "7788"));
   std::vector<Captured> of_ten = packets;
   of_ten[0].payload[468 + 30] = 0xFF;  // the eleventh beam
   write_file(capture, pcap_bytes(of_ten));
-  CHECK(refused_with([&] { open_recording(capture); }, "10 beams", "16 or 32"));
+  CHECK(refused_with([&] { Recording::open(capture); }, "10 beams", "16 or 32"));
   std::vector<Captured> rs16 = robosense_capture({}, 0.15);
   std::fill(rs16[0].payload.begin() + 1165, rs16[0].payload.begin() + 1213, std::uint8_t{0});
   write_file(capture, pcap_bytes(rs16));
-  CHECK(refused_with([&] { open_recording(capture); }, "16 or 32", "angles"));
+  CHECK(refused_with([&] { Recording::open(capture); }, "16 or 32", "angles"));
 }

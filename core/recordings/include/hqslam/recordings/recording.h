@@ -122,6 +122,10 @@ class Recording final : public ScanSource {
   /// Throws Error also at the end, where there was not one whole scan.
   std::optional<RecordedScan> next() override { return source_->next(); }
 
+  /// What is known so far: of a capture or a bag the number of scans, their duration and what was
+  /// lost only once all were read.
+  RecordingInfo info() const;
+
   /// Puts points into images of this many columns, before the first scan is read; image stacks and
   /// an Ouster's packets keep theirs. Throws Error.
   void use_columns(int columns);
@@ -146,12 +150,5 @@ bool is_capture_or_bag(const std::string& path);
 /// files of scans the first hundred; scans that cannot be read are counted in a warning with the
 /// reason of the first of them. Throws Error as Recording::open does.
 RecordingInfo inspect(const std::string& path, const OpenOptions& options = {});
-
-// Used by callers that do not open a Recording yet.
-std::unique_ptr<StreamSource> open_stream(const std::string& path, const OpenOptions& options = {});
-std::unique_ptr<ScanSource> open_recording(const std::string& path,
-                                           const OpenOptions& options = {});
-std::unique_ptr<ScanSource> with_imu_of_drive(std::unique_ptr<ScanSource> source,
-                                              const std::string& path);
 
 }  // namespace hqslam::recordings
