@@ -19,8 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::unique_ptr<StreamSource> open_stream(const std::string& path, const OpenOptions& options,
-                                          bool with_points) {
+std::unique_ptr<StreamScans> open_stream(const std::string& path, const OpenOptions& options,
+                                         bool with_points) {
   StreamReader reader(path, options.stream);
   if (with_points) reader.skip_others();
   switch (reader.stream().kind) {

@@ -218,8 +218,8 @@ bool has_point_times(StreamReader& reader, std::vector<std::string>& warnings) {
 
 }  // namespace
 
-std::unique_ptr<StreamSource> open_clouds(StreamReader reader, const OpenOptions& options,
-                                          bool with_points) {
+std::unique_ptr<StreamScans> open_clouds(StreamReader reader, const OpenOptions& options,
+                                         bool with_points) {
   RecordingInfo info;
   const auto period = period_s(reader);
   if (options.sensor.empty()) {

@@ -35,8 +35,8 @@ RecordingInfo info_of(const BlockUnit& unit, const char* name, const OpenOptions
 
 }  // namespace
 
-std::unique_ptr<StreamSource> open_robosense(StreamReader reader, const OpenOptions& options,
-                                             bool with_points) {
+std::unique_ptr<StreamScans> open_robosense(StreamReader reader, const OpenOptions& options,
+                                            bool with_points) {
   const std::string path = reader.path();
   const RobosensePacket said = first_packet(reader, "a RoboSense", robosense_packet);
   const RobosenseUnit unit = robosense_unit(

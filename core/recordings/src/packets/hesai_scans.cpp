@@ -114,8 +114,8 @@ SensorModel read_hesai_angles(const std::string& path) {
   return sensor;
 }
 
-std::unique_ptr<StreamSource> open_hesai(StreamReader reader, const OpenOptions& options,
-                                         bool with_points) {
+std::unique_ptr<StreamScans> open_hesai(StreamReader reader, const OpenOptions& options,
+                                        bool with_points) {
   const std::string path = reader.path();
   const HesaiPacket said = first_packet(reader, "a Hesai XT16 or XT32", hesai_packet);
   RecordingInfo info;

@@ -169,8 +169,8 @@ void require_packets_of(const Candidate& of, const Stream& stream, const std::st
 
 }  // namespace
 
-std::unique_ptr<StreamSource> open_ouster(StreamReader reader, const OpenOptions& options,
-                                          bool with_points) {
+std::unique_ptr<StreamScans> open_ouster(StreamReader reader, const OpenOptions& options,
+                                         bool with_points) {
   const std::string path = reader.path();
   if (!options.sensor.empty() && !options.sensor.ends_with(".json")) {
     throw Error(

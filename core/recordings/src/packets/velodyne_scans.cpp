@@ -83,8 +83,8 @@ void check_factory_byte(const VelodyneStream& stream, const std::string& path,
 
 }  // namespace
 
-std::unique_ptr<StreamSource> open_velodyne(StreamReader reader, const OpenOptions& options,
-                                            bool with_points) {
+std::unique_ptr<StreamScans> open_velodyne(StreamReader reader, const OpenOptions& options,
+                                           bool with_points) {
   const std::string path = reader.path();
   VelodyneStream velodyne = probe(reader, named_model(options.sensor));
   RecordingInfo info;

@@ -85,16 +85,7 @@ struct RecordingInfo {
   std::vector<std::string> warnings;
 };
 
-/// The scans of one stream of a capture or a bag.
-class StreamSource : public ScanSource {
- public:
-  /// Puts points into images of this many columns (OpenOptions::columns), before the first scan is
-  /// read. Throws Error.
-  virtual void use_columns(int columns) = 0;
-  /// What is known of it so far: the number of scans, their duration and what was lost only once
-  /// all were read.
-  virtual RecordingInfo info() const = 0;
-};
+class StreamScans;  // of a capture or a bag; not installed
 
 /// A recording of any kind, opened once and read once, scan by scan:
 /// - a .pcap or .pcapng capture of Velodyne, Hesai, RoboSense and Ouster packets, or a bag of
@@ -136,7 +127,7 @@ class Recording final : public ScanSource {
   std::string path_;
   OpenOptions options_;
   std::unique_ptr<ScanSource> source_;
-  StreamSource* stream_ = nullptr;  ///< source_, or what it reads, of a capture or a bag
+  StreamScans* stream_ = nullptr;  ///< source_, or what it reads, of a capture or a bag
 };
 
 /// Throws Error for an option that does not apply to this kind of recording, as Recording::open
