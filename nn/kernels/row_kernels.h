@@ -159,8 +159,8 @@ struct WinogradInputRow {
   float* transformed = nullptr;
   std::int64_t place_stride = 0;
 };
-/// Transforms products back to one channel of the two rows of a row of tiles, ended as AccumulateRow
-/// ends.
+/// Transforms products back to one channel of the two rows of a row of tiles, ended as
+/// AccumulateRow ends.
 struct WinogradOutputRow {
   const float* products = nullptr;  ///< as `transformed`
   std::int64_t place_stride = 0;
@@ -201,8 +201,8 @@ struct MergeRow {
 /// Points of the world in the frame of a sensor that moves while its head turns:
 ///   p(h) = R(h) (p_world - t(h)),  h the head's place in its turn, -1 its begin, 1 its end
 /// R and t are cubics in h: term k of element e, of R row by row and then of t, is motion[e][k].
-/// The head measures a point at column head_offset - turn, and begins at first_column; iterated from
-/// the middle of the turn twice, which converges.
+/// The head measures a point at column head_offset - turn, and begins at first_column; iterated
+/// from the middle of the turn twice, which converges.
 struct SeePoints {
   const float* x_m = nullptr;  ///< world
   const float* y_m = nullptr;

@@ -2,8 +2,8 @@
 
 namespace hqslam::nn {
 
-/// The result of the two-mode network for each computed pixel. With y the natural logarithm of a range
-/// in metres, s(v) = 1 / (1 + e^-v), and seven outputs o of the convolutions:
+/// The result of the two-mode network for each computed pixel. With y the natural logarithm of a
+/// range in metres, s(v) = 1 / (1 + e^-v), and seven outputs o of the convolutions:
 ///   y1 = s(4 o0) y_above + (1 - s(4 o0)) y_middle + o1     the mode on the side of the row above
 ///   y2 = s(4 o2) y_below + (1 - s(4 o2)) y_middle + o3     the mode on the side of the row below
 ///   w  = s(4 o4)                                           probability of the first

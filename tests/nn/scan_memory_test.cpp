@@ -44,8 +44,8 @@ float range_to_hall_m(const Eigen::Vector3d& from_m, const Eigen::Vector3d& alon
   return static_cast<float>(nearest_m);
 }
 
-/// The sensor's pose at each column of a scan, which begins at a column: it moves by a metre and turns
-/// by a tenth of a radian a scan.
+/// The sensor's pose at each column of a scan, which begins at a column: it moves by a metre and
+/// turns by a tenth of a radian a scan.
 ColumnPoses poses_at(double scan, const SensorModel& sensor, const Eigen::Vector3d& offset_m,
                      int first_column = 0) {
   ColumnPoses poses;

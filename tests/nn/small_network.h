@@ -150,8 +150,8 @@ inline HqsRun run_of(const NetworkDescription& description, const std::vector<fl
   return run;
 }
 
-/// Backward with the given d loss / d Z of the last d_z.size() layers; the loss does not depend on the
-/// others.
+/// Backward with the given d loss / d Z of the last d_z.size() layers; the loss does not depend on
+/// the others.
 inline void add_gradient(HqsRun& run, std::span<const Tensor> d_z, std::span<float> d_parameters) {
   HqsGradient gradient(run.hqs);
   gradient.take_parameters(run.parameters);

@@ -144,7 +144,8 @@ std::optional<SensorModel> sensor_of_points(const std::string& path,
 }
 
 /// Files of scans.
-std::unique_ptr<ScanSource> open_files(const std::string& path, const OpenOptions& options) {
+std::unique_ptr<ScanSource> open_files(const std::string& path, const OpenOptions& options,
+                                       std::optional<SensorModel>& of_points) {
   const std::optional<SensorModel> stated = stated_sensor(path, options);
   const std::optional<int> rows = image_rows(path);
   std::optional<SensorModel> sensor =
@@ -153,6 +154,7 @@ std::unique_ptr<ScanSource> open_files(const std::string& path, const OpenOption
     if (!sensor) sensor = hqslam::open_scan_files(path, std::nullopt, options.files)->sensor();
     sensor->columns = options.columns;
   }
+  if (!rows) of_points = sensor;
   return hqslam::open_scan_files(path, sensor, options.files);
 }
 
@@ -223,7 +225,8 @@ RecordingInfo info_of_files(const std::string& path, const OpenOptions& options,
 }
 
 RecordingInfo inspect_files(const std::string& path, const OpenOptions& options) {
-  const auto source = open_files(path, options);
+  std::optional<SensorModel> of_points;  // the file's own beams are shown instead
+  const auto source = open_files(path, options, of_points);
   RecordingInfo info = info_of_files(path, options, *source);
   look_at_scans(*source, info);
   return info;
@@ -268,7 +271,7 @@ Recording::Recording(std::string path, OpenOptions options)
     stream_ = stream.get();
     source_ = std::move(stream);
   } else {
-    source_ = open_files(path_, options_);
+    source_ = open_files(path_, options_, stated_);
   }
   if (options_.imu == kNoInertialData) {
     source_ = with_imu(std::move(source_), {});
@@ -299,7 +302,7 @@ void Recording::use_columns(int columns) {
 }
 
 RecordingInfo Recording::info() const {
-  return stream_ != nullptr ? stream_->info() : info_of_files(path_, options_, *source_);
+  return stream_ != nullptr ? stream_->info() : info_of_files(path_, options_, *this);
 }
 
 RecordingInfo inspect(const std::string& path, const OpenOptions& options) {

@@ -185,10 +185,9 @@ void declare(CLI::App& app, EvaluateOptions& options) {
   const OptionRules read = {.required = true, .given = Given::kFile};
   add_command(app, "evaluate", "Errors of a trajectory, a point cloud or a stack of range images",
               kDefinitions)
-      .option(
-          "ESTIMATE", &options.estimate,
-          "Trajectory (TUM or KITTI), cloud (.pcd, .ply, .bin) or .npy stack of range images",
-          read)
+      .option("ESTIMATE", &options.estimate,
+              "Trajectory (TUM or KITTI), cloud (.pcd, .ply, .bin) or .npy stack of range images",
+              read)
       .option("REFERENCE", &options.reference, "What it should be, in the same kind of file", read)
       .option("--align", &options.alignment, "Alignment of a trajectory before its APE is taken",
               {.shows_default = true, .one_of = {"se3", "first", "none"}})

@@ -202,8 +202,8 @@ void add_tensor(const nn::TracedTensor& tensor, Images& images) {
     const std::span<const float> values =
         tensor.all().subspan(static_cast<std::size_t>(channel) * pixels, pixels);
     const auto [low, high] = std::ranges::minmax(values);
-    Json& image =
-        images.add("tensor", "value", tensor.rows(), tensor.columns(), u16_block(values, low, high));
+    Json& image = images.add("tensor", "value", tensor.rows(), tensor.columns(),
+                             u16_block(values, low, high));
     image["channel"] = channel;
     image["unit"] = tensor.unit;
     image["low"] = low + 0.0F;  // no zero has a sign

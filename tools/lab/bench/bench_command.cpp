@@ -117,7 +117,7 @@ std::vector<pipeline::UpsamplingOptions> slam_inputs(const SensorModel& sensor,
     }
   }
   for (const std::string& path : paths) {
-    const nn::SuperResolver network = 
+    const nn::SuperResolver network =
         nn::SuperResolver::load(path, {.architectures = nn::all_architectures()});
     if (network.multiply_adds() < kMostMultiplyAdds && network.sensor().rows() == sensor.rows() &&
         network.sensor().columns == sensor.columns) {

@@ -96,8 +96,8 @@ void add_pipeline(nb::module_& module) {
                        "Recorded scans in, poses and a map out: upsampling with its memory, and "
                        "SLAM. The map's frame is that of the first scan, turned level.")
       .def(
-          "__init__", &make_pipeline, "sensor"_a, "upsample"_a = "",
-          nb::kw_only(), "slam"_a = "hqslam", "options"_a = Options(), "map"_a = nb::none(),
+          "__init__", &make_pipeline, "sensor"_a, "upsample"_a = "", nb::kw_only(),
+          "slam"_a = "hqslam", "options"_a = Options(), "map"_a = nb::none(),
           "T_map_level_start"_a = nb::none(), "rows"_a = 0, "least_confidence"_a = nb::none(),
           "threads"_a = 0, "loop_closing"_a = true,
           "sensor: of the scans. upsample: a weights file, the name of weights that come with "

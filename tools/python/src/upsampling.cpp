@@ -28,10 +28,10 @@ nn::SuperResolver loaded(const std::filesystem::path& weights, int threads,
 void show_tensors(nn::Trace trace, nb::dict arrays) {
   TraceArrays<nn::Trace> shown(std::move(trace), std::move(arrays));
   for (const nn::TracedTensor& tensor : shown.trace().tensors()) {
-    shown.show(tensor.name, tensor.values.data(),
-               {static_cast<std::size_t>(tensor.channels()),
-                static_cast<std::size_t>(tensor.rows()),
-                static_cast<std::size_t>(tensor.columns())});
+    shown.show(
+        tensor.name, tensor.values.data(),
+        {static_cast<std::size_t>(tensor.channels()), static_cast<std::size_t>(tensor.rows()),
+         static_cast<std::size_t>(tensor.columns())});
   }
 }
 

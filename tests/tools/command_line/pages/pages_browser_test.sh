@@ -52,12 +52,12 @@ done
 "$program" calibrate drive --path 20 --out calibration.json >/dev/null 2>&1
 "$laboratory" table --drives drive --methods rows-16,linear,rows-64 --scans 20 --out table >/dev/null 2>&1
 # A template of tools/web opens as it is, beside its styles and scripts: here with a demo's data.
-cp "$source_folder"/tools/web/*.{html,css,js} .
+cp "$source_folder"/tools/web/*.{css,js} .
 data='{"title": "t", "version": "1", "view": {"centre": [0, 0, 0], "radius": 5, "heights": [0, 1],
   "clouds": [], "path": [], "loops": [], "scans": []}, "table": {"columns": ["", "a"], "rows": [["b", "1"]],
   "links": ["c.html"]}, "notes": ["d"], "max_range_m": 100,
   "images": [{"caption": "e", "rows": 1, "columns": 4, "ranges": [0, 1, 20, 3]}]}'
-sed "s|id=\"data\">|&${data//$'\n'/ }|" demo.html >demo_page.html
+sed "s|id=\"data\">|&${data//$'\n'/ }|" "$source_folder"/tools/web/demo.html >demo_page.html
 
 for page in results/report.html du-or.html du-mix.html simple-du.html slam_scan.html \
   calibration.html table/table.html demo_page.html; do

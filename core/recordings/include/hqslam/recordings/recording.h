@@ -105,7 +105,9 @@ class Recording final : public ScanSource {
   Recording(Recording&&) noexcept;  ///< moved from: only assign or destroy
   Recording& operator=(Recording&&) noexcept;
 
-  const SensorModel& sensor() const override { return source_->sensor(); }
+  /// Of points the sensor that was stated, though their rows are found by the beams of the very
+  /// unit, which may be off the stated ones by up to 1.5 degrees.
+  const SensorModel& sensor() const override { return stated_ ? *stated_ : source_->sensor(); }
   std::optional<std::int64_t> size() const override { return source_->size(); }
   double read_share() const override { return source_->read_share(); }
   bool has_stamps() const override { return source_->has_stamps(); }
@@ -126,6 +128,7 @@ class Recording final : public ScanSource {
 
   std::string path_;
   OpenOptions options_;
+  std::optional<SensorModel> stated_;  ///< of points
   std::unique_ptr<ScanSource> source_;
   StreamScans* stream_ = nullptr;  ///< source_, or what it reads, of a capture or a bag
 };
