@@ -23,8 +23,8 @@ only() {
 for folder in core/include core/internal core/src; do only $folder hqslam/ core; done
 only core/evaluation hqslam/ core evaluation
 only tools/lab/simulator hqslam/ core sim
-only core/recordings hqslam/ core recordings
-only core/live hqslam/ core recordings live
+for folder in core/recordings/include core/recordings/src; do only $folder hqslam/ core recordings; done
+only core/recordings/live hqslam/ core recordings live
 only nn hqslam/ core nn
 only slam/src hqslam/ core slam
 only slam/include hqslam/ core slam

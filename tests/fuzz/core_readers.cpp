@@ -1,3 +1,5 @@
+#include "files/point_files.h"
+#include "files/scan_sources.h"
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/npz.h"
@@ -6,9 +8,7 @@
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
 #include "input_file.h"
-#include "point_files.h"
 #include "readers.h"
-#include "scan_sources.h"
 
 namespace hqslam::fuzz {
 

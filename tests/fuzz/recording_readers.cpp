@@ -2,16 +2,16 @@
 #include <vector>
 
 #include "captures.h"
-#include "hesai_decoder.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/recordings/recording.h"
 #include "input_file.h"
-#include "ouster_decoder.h"
+#include "packets/hesai_decoder.h"
+#include "packets/ouster_decoder.h"
+#include "packets/robosense_decoder.h"
+#include "packets/velodyne_decoder.h"
+#include "packets/velodyne_tables.h"
 #include "readers.h"
-#include "robosense_decoder.h"
-#include "velodyne_decoder.h"
-#include "velodyne_tables.h"
 
 namespace hqslam::fuzz {
 
@@ -25,10 +25,10 @@ constexpr int kColumns = 16;
 /// As hqslam info and hqslam run read a capture or a bag, if it begins as one.
 void read_recording(const std::string& path) {
   if (!is_capture_or_bag(path)) return;
-  const auto source = recordings::open_recording(path, {.sensor = "vlp-16", .columns = kColumns});
+  auto source = Recording::open(path, {.sensor = "vlp-16", .columns = kColumns});
   while (true) {
     try {
-      if (!source->next()) break;
+      if (!source.next()) break;
     } catch (const ScanError&) {
       continue;  // left out
     }

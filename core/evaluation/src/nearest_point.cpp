@@ -8,7 +8,7 @@ namespace hqslam {
 
 namespace {
 
-/// Ranges of so few points are searched one by one.
+/// Ranges of at most this many points are searched one by one.
 constexpr std::size_t kLeafPoints = 12;
 
 }  // namespace

@@ -21,8 +21,8 @@ class NearestPoint {
   void search(std::size_t begin, std::size_t end, const Eigen::Vector3f& query_m,
               float& nearest_m2) const;
 
-  /// Of each range of points, the middle one splits the rest along axis_[middle]: what is before
-  /// it is not beyond it, what is behind it is not before it. The halves are split likewise.
+  /// A tree in place: the middle point of each range splits it along axis_[middle]. No point before
+  /// the middle has a larger coordinate on that axis, no point behind it a smaller one.
   std::vector<Eigen::Vector3f> points_m_;
   std::vector<std::uint8_t> axis_;
 };

@@ -13,10 +13,10 @@ class ImuQueue {
  public:
   /// A sample, its stamp by the sensor's clock.
   void add(const ImuSample& sample);
-  /// Those up to the end of a scan by that clock, offset_s added to their stamps. What is ten
-  /// seconds away is of a clock that was set, or of an outage, and is left out.
+  /// The samples up to the end of a scan by that clock, offset_s added to their stamps. Samples ten
+  /// seconds away are left out: the clock was set, or the sensor was silent.
   std::vector<ImuSample> take(double end_s, double offset_s);
-  /// Something that was no sample.
+  /// Counts a message that holds no sample.
   void add_damaged() { ++counts_.left_out; }
   const ImuCounts& counts() const { return counts_; }
 

@@ -19,8 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::unique_ptr<StreamSource> open_stream(const std::string& path, const OpenOptions& options,
-                                          bool with_points) {
+std::unique_ptr<StreamScans> open_stream(const std::string& path, const OpenOptions& options,
+                                         bool with_points) {
   StreamReader reader(path, options.stream);
   if (with_points) reader.skip_others();
   switch (reader.stream().kind) {
@@ -206,21 +206,28 @@ void describe_imu(const std::vector<ImuSample>& samples, RecordingInfo& info) {
   }
 }
 
-RecordingInfo inspect_files(const std::string& path, const OpenOptions& options) {
+RecordingInfo info_of_files(const std::string& path, const OpenOptions& options,
+                            const ScanSource& source) {
   RecordingInfo info;
-  std::optional<SensorModel> of_points;  // the file's own beams are shown instead
-  const auto source = open_files(path, options, of_points);
   info.sensor_known = options.sensor.empty();
-  info.sensor = source->sensor();
-  info.scans = source->size().value_or(0);
+  info.sensor = source.sensor();
+  info.scans = source.size().value_or(0);
   info.duration_s = static_cast<double>(info.scans) * info.sensor.scan_period_s;
-  info.has_stamps = source->has_stamps();
+  info.has_stamps = source.has_stamps();
   const fs::path extension = fs::path(path).extension();
   std::error_code error;
   info.kind = fs::is_directory(path, error) ? "folder of scans"
               : extension == ".npy"         ? "stack of range images"
                                             : "file of one scan";
   describe_imu(imu_of_drive(path), info);
+  info.warnings = source.warnings();
+  return info;
+}
+
+RecordingInfo inspect_files(const std::string& path, const OpenOptions& options) {
+  std::optional<SensorModel> of_points;  // the file's own beams are shown instead
+  const auto source = open_files(path, options, of_points);
+  RecordingInfo info = info_of_files(path, options, *source);
   look_at_scans(*source, info);
   return info;
 }
@@ -294,19 +301,8 @@ void Recording::use_columns(int columns) {
   }
 }
 
-std::unique_ptr<StreamSource> open_stream(const std::string& path, const OpenOptions& options) {
-  return open_stream(path, options, true);
-}
-
-std::unique_ptr<ScanSource> open_recording(const std::string& path, const OpenOptions& options) {
-  return std::make_unique<Recording>(Recording::open(path, options));
-}
-
-std::unique_ptr<ScanSource> with_imu_of_drive(std::unique_ptr<ScanSource> source,
-                                              const std::string& path) {
-  std::vector<ImuSample> samples = imu_of_drive(path);
-  if (samples.empty()) return source;
-  return with_imu(std::move(source), std::move(samples), (fs::path(path) / "imu.csv").string());
+RecordingInfo Recording::info() const {
+  return stream_ != nullptr ? stream_->info() : info_of_files(path_, options_, *this);
 }
 
 RecordingInfo inspect(const std::string& path, const OpenOptions& options) {

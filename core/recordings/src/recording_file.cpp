@@ -1,5 +1,7 @@
 #include "recording_file.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -8,15 +10,15 @@
 #include <string_view>
 #include <utility>
 
-#include "bag.h"
-#include "hesai_decoder.h"
+#include "bags/bag.h"
+#include "bags/message_packets.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
-#include "message_packets.h"
-#include "ouster_decoder.h"
-#include "ouster_metadata.h"
-#include "robosense_decoder.h"
-#include "velodyne_tables.h"
+#include "packets/hesai_decoder.h"
+#include "packets/ouster_decoder.h"
+#include "packets/ouster_metadata.h"
+#include "packets/robosense_decoder.h"
+#include "packets/velodyne_tables.h"
 
 namespace hqslam::recordings {
 
@@ -68,6 +70,7 @@ class BagRecording : public RecordingFile {
         file_(open(paths_.front())) {}
 
   std::string kind() const override { return kind_; }
+  std::string complaint() const override { return complaint_; }
 
   std::optional<Message> next() override {
     while (true) {
@@ -78,6 +81,7 @@ class BagRecording : public RecordingFile {
         recognise(stream, *message);
         return message;
       }
+      take_complaint();
       if (part_ + 1 == paths_.size()) return std::nullopt;
       file_ = open_(paths_[++part_]);
       stream_of_topic_.clear();
@@ -95,6 +99,13 @@ class BagRecording : public RecordingFile {
   }
 
  private:
+  /// Takes the complaint about the file that was read to its end.
+  void take_complaint() {
+    if (const std::string text = file_->complaint(); !text.empty()) {
+      complaint_ = paths_.size() > 1 ? fmt::format("{}: {}", paths_[part_], text) : text;
+    }
+  }
+
   /// Topics of one name are one stream, whichever file they are in.
   std::size_t stream_of(std::uint32_t topic) {
     const auto [found, is_new] = stream_of_topic_.try_emplace(topic, streams_.size());
@@ -117,6 +128,7 @@ class BagRecording : public RecordingFile {
   std::map<std::uint32_t, std::size_t> stream_of_topic_;  ///< of the file that is open
   std::vector<std::string> topics_;                       ///< their names as the bag has them
   std::vector<std::string> kept_;
+  std::string complaint_;
 };
 
 constexpr std::size_t kVelodynePositionBytes = 512;

@@ -25,7 +25,7 @@ class RecordingFile {
   virtual ~RecordingFile() = default;
   /// "pcap capture", "ROS 2 bag (sqlite)", ...
   virtual std::string kind() const = 0;
-  /// The streams that were met, and what their messages up to now say of them.
+  /// The streams of the messages read so far.
   const std::vector<Stream>& streams() const { return streams_; }
   /// The next message of any stream, or nothing at the end. Throws Error for a file that cannot be
   /// read on.
@@ -44,7 +44,7 @@ class RecordingFile {
 /// Opens a capture or a bag by its first bytes. Throws Error, also for other files and folders.
 std::unique_ptr<RecordingFile> open_recording_file(const std::string& path);
 
-/// Of the name of a topic, a type or a field in a message.
+/// Longest excerpt of the name of a topic, a type or a field in a message.
 inline constexpr std::size_t kNameCharacters = 200;
 
 }  // namespace hqslam::recordings

@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "block_decoder.h"
+#include "bags/message_packets.h"
 #include "hqslam/core/error.h"
-#include "message_packets.h"
-#include "ouster_metadata.h"
+#include "packets/block_decoder.h"
+#include "packets/ouster_metadata.h"
 
 namespace hqslam::recordings {
 

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "imu_stream.h"
+#include "bags/imu_stream.h"
 #include "recording_file.h"
 
 namespace hqslam::recordings {

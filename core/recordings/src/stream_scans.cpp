@@ -7,10 +7,10 @@
 #include <tuple>
 #include <utility>
 
+#include "bags/message_packets.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
-#include "message_packets.h"
-#include "ouster_decoder.h"
+#include "packets/ouster_decoder.h"
 
 namespace hqslam::recordings {
 
@@ -212,8 +212,8 @@ void warn_of_other_beams(const SensorModel& named, const SensorModel& told, cons
       path, named.name, off_deg, told.name));
 }
 
-std::unique_ptr<StreamSource> packet_scans(StreamReader reader, RecordingInfo info,
-                                           MakeAssembler make) {
+std::unique_ptr<StreamScans> packet_scans(StreamReader reader, RecordingInfo info,
+                                          MakeAssembler make) {
   return std::make_unique<PacketScans>(std::move(reader), std::move(info), std::move(make));
 }
 

@@ -6,17 +6,17 @@
 #include <string>
 #include <vector>
 
+#include "bags/message_packets.h"
 #include "hqslam/core/error.h"
 #include "hqslam/recordings/recording.h"
 #include "hqslam/recordings/scan_assembler.h"
 #include "imu_queue.h"
-#include "message_packets.h"
 #include "stream_reader.h"
 
 namespace hqslam::recordings {
 
-/// The scans of a stream, whatever it holds: counted, and at the end judged.
-class StreamScans : public StreamSource {
+/// The scans of one stream of a capture or a bag, counted and, at the end, checked.
+class StreamScans : public ScanSource {
  public:
   const SensorModel& sensor() const override { return info_.sensor; }
   std::optional<std::int64_t> size() const override { return std::nullopt; }
@@ -24,22 +24,24 @@ class StreamScans : public StreamSource {
   bool has_stamps() const override { return true; }
   std::vector<std::string> warnings() const override { return info_.warnings; }
   std::optional<RecordedScan> next() override;
-  void use_columns(int columns) override;
-  RecordingInfo info() const override;
+  /// As Recording::use_columns.
+  void use_columns(int columns);
+  /// As Recording::info.
+  RecordingInfo info() const;
 
  protected:
-  /// info: what is known of it before the first scan.
+  /// info: as it is known before the first scan.
   StreamScans(StreamReader reader, RecordingInfo info);
   /// The next scan; as next().
   virtual std::optional<RecordedScan> read() = 0;
   /// The sensor has other columns now.
   virtual void sensor_changed() = 0;
-  /// All was read: to say what was lost.
+  /// Adds to the information, once all was read, what was lost.
   virtual void complete(RecordingInfo& info) = 0;
-  /// Takes in a message of the stream of inertial data; those of sensor_msgs/Imu come with the
+  /// Takes a message of the stream of inertial data; samples of sensor_msgs/Imu come with the
   /// scans.
   virtual void add_imu(const Message& message);
-  /// Whatever they came by.
+  /// The number of samples, from packets and messages.
   virtual ImuCounts imu_counts() const { return imu_.counts(); }
 
   StreamReader reader_;
@@ -51,7 +53,7 @@ class StreamScans : public StreamSource {
 
   ImuQueue imu_;
   std::int64_t imu_samples_ = 0;
-  double force_sum_mps2_ = 0.0;  ///< of their lengths
+  double force_sum_mps2_ = 0.0;  ///< sum of the samples' lengths
   double first_imu_s_ = 0.0;
   double last_imu_s_ = 0.0;
   double last_stamp_s_ = 0.0;
@@ -87,20 +89,20 @@ void warn_of_other_beams(const SensorModel& named, const SensorModel& told, cons
 
 /// Scans of packets. make(sensor): what makes scans of them.
 using MakeAssembler = std::function<std::unique_ptr<ScanAssembler>(const SensorModel& sensor)>;
-std::unique_ptr<StreamSource> packet_scans(StreamReader reader, RecordingInfo info,
-                                           MakeAssembler make);
+std::unique_ptr<StreamScans> packet_scans(StreamReader reader, RecordingInfo info,
+                                          MakeAssembler make);
 
 /// Scans of a stream of packets of a Velodyne, of a Hesai, of a RoboSense, of an Ouster, or of
 /// sensor_msgs/PointCloud2. Not with_points: they are empty, just counted and timed. Throw Error.
-std::unique_ptr<StreamSource> open_velodyne(StreamReader reader, const OpenOptions& options,
+std::unique_ptr<StreamScans> open_velodyne(StreamReader reader, const OpenOptions& options,
+                                           bool with_points);
+std::unique_ptr<StreamScans> open_hesai(StreamReader reader, const OpenOptions& options,
+                                        bool with_points);
+std::unique_ptr<StreamScans> open_robosense(StreamReader reader, const OpenOptions& options,
                                             bool with_points);
-std::unique_ptr<StreamSource> open_hesai(StreamReader reader, const OpenOptions& options,
+std::unique_ptr<StreamScans> open_ouster(StreamReader reader, const OpenOptions& options,
                                          bool with_points);
-std::unique_ptr<StreamSource> open_robosense(StreamReader reader, const OpenOptions& options,
-                                             bool with_points);
-std::unique_ptr<StreamSource> open_ouster(StreamReader reader, const OpenOptions& options,
-                                          bool with_points);
-std::unique_ptr<StreamSource> open_clouds(StreamReader reader, const OpenOptions& options,
-                                          bool with_points);
+std::unique_ptr<StreamScans> open_clouds(StreamReader reader, const OpenOptions& options,
+                                         bool with_points);
 
 }  // namespace hqslam::recordings

@@ -146,5 +146,6 @@ bool same_scans(const std::vector<RecordedScan>& a, const std::vector<RecordedSc
 
 /// All scans of a recording from where it stands.
 std::vector<RecordedScan> all_scans(ScanSource& source);
+inline std::vector<RecordedScan> all_scans(ScanSource&& source) { return all_scans(source); }
 
 }  // namespace hqslam::test

@@ -39,15 +39,15 @@ TEST_CASE("the beams that packets tell are found within 0.1 degrees in their poi
     const auto path = real_data(name);
     if (!path) return;
     for (const bool by_columns : {false, true}) {
-      const auto source = open_recording(*path);
+      auto source = Recording::open(*path);
       std::vector<RawPoints> scans;
       while (scans.size() < 5) {
-        const auto scan = source->next();
+        const auto scan = source.next();
         if (!scan) break;
         scans.push_back(points_alone(scan->cloud, by_columns));
       }
       const FoundSensor found = find_sensor(scans, std::nullopt, name);
-      const std::vector<double>& table_rad = source->sensor().beam_elevation_rad;
+      const std::vector<double>& table_rad = source.sensor().beam_elevation_rad;
       double most_deg = 0.0;
       for (const double beam_rad : found.beam_elevation_rad) {
         double off_rad = std::numbers::pi;

@@ -24,12 +24,12 @@ TEST_CASE("a capture of a VLP-16 opens without being told anything") {
   const TemporaryDirectory directory;
   const std::string path = directory.file("a.pcap");
   write_file(path, pcap_bytes(velodyne_capture({.rate_hz = 20.0, .duration_s = 0.26})));
-  const auto source = open_recording(path);
-  CHECK(source->sensor().name == "vlp-16");
-  CHECK(source->sensor().columns == 900);  // half of those at ten turns a second
-  CHECK(source->sensor().scan_period_s == doctest::Approx(0.05).scale(0).epsilon(0.002));
-  CHECK(source->warnings().empty());
-  const auto scans = all_scans(*source);
+  auto source = Recording::open(path);
+  CHECK(source.sensor().name == "vlp-16");
+  CHECK(source.sensor().columns == 900);  // half of those at ten turns a second
+  CHECK(source.sensor().scan_period_s == doctest::Approx(0.05).scale(0).epsilon(0.002));
+  CHECK(source.warnings().empty());
+  const auto scans = all_scans(source);
   REQUIRE(scans.size() == 5);
   CHECK(scans[2].stamp_s - scans[1].stamp_s == doctest::Approx(0.05).scale(0).epsilon(0.02));
   CHECK(scans[1].counts.kept > 14000);
@@ -48,12 +48,12 @@ TEST_CASE("a file that is named as a capture or a bag and is none is refused for
     for (const auto& [contents, found] :
          {std::pair("", "found an empty file"), std::pair("junk", "found a file that begins")}) {
       write_file(path, contents);
-      CHECK(refused_with([&] { open_recording(path); }, path, found));
+      CHECK(refused_with([&] { Recording::open(path); }, path, found));
       CHECK(refused_with([&] { inspect(path); }, path, found));
     }
   }
   write_file(directory.file("a.xyz"), "junk");
-  CHECK(refused_with([&] { open_recording(directory.file("a.xyz")); }, "'.xyz'", ".pcap", ".bag"));
+  CHECK(refused_with([&] { Recording::open(directory.file("a.xyz")); }, "'.xyz'", ".pcap", ".bag"));
 }
 
 namespace {
@@ -83,22 +83,22 @@ TEST_CASE("a recording is read once, from opening it to its last scan, and so it
     const auto most = static_cast<std::int64_t>(
         1.1 * static_cast<double>(std::filesystem::file_size(directory.file(name))));
     std::int64_t before = bytes_read();
-    const auto source = open_stream(directory.file(name));
-    CHECK_FALSE(source->size());
-    source->use_columns(900);
+    auto source = Recording::open(directory.file(name));
+    CHECK_FALSE(source.size());
+    source.use_columns(900);
     double share = 0.0;
     std::int64_t scans = 0;
-    while (const auto scan = source->next()) {
+    while (const auto scan = source.next()) {
       CHECK(scan->cloud.columns == 900);
-      CHECK(source->read_share() >= share);
-      share = source->read_share();
+      CHECK(source.read_share() >= share);
+      share = source.read_share();
       ++scans;
     }
-    CHECK(source->read_share() == 1.0);
+    CHECK(source.read_share() == 1.0);
     CHECK(bytes_read() - before < most);
     CHECK(scans > 295);
-    CHECK(source->info().scans == scans);
-    CHECK(refused_with([&] { source->use_columns(1800); }, "900", "again"));
+    CHECK(source.info().scans == scans);
+    CHECK(refused_with([&] { source.use_columns(1800); }, "900", "again"));
     before = bytes_read();
     CHECK(inspect(directory.file(name)).scans == scans);
     CHECK(bytes_read() - before < most);
@@ -116,24 +116,24 @@ TEST_CASE("a sensor that begins later than the one that is read is named at the 
   }
   std::ranges::stable_sort(packets, {}, &Captured::time_ns);
   write_file(path, pcap_bytes(packets));
-  const auto source = open_recording(path);
-  CHECK(source->warnings().empty());
-  CHECK(all_scans(*source).size() >= 58);
-  REQUIRE(source->warnings().size() == 1);
-  CHECK(one_line_with(source->warnings()[0], "192.168.1.201:2369", "--stream"));
-  CHECK(all_scans(*open_recording(path, {.stream = "2369"})).size() >= 8);
+  auto source = Recording::open(path);
+  CHECK(source.warnings().empty());
+  CHECK(all_scans(source).size() >= 58);
+  REQUIRE(source.warnings().size() == 1);
+  CHECK(one_line_with(source.warnings()[0], "192.168.1.201:2369", "--stream"));
+  CHECK(all_scans(Recording::open(path, {.stream = "2369"})).size() >= 8);
 }
 
 TEST_CASE("a capture of less than a turn is refused at its end, stamps of one's own at once") {
   const TemporaryDirectory directory;
   const std::string path = directory.file("a.pcap");
   write_file(path, pcap_bytes(velodyne_capture({.duration_s = 0.03})));
-  const auto source = open_recording(path);
-  CHECK(refused_with([&] { source->next(); }, "at least one turn"));
-  CHECK_FALSE(source->next());
+  auto source = Recording::open(path);
+  CHECK(refused_with([&] { source.next(); }, "at least one turn"));
+  CHECK_FALSE(source.next());
   OpenOptions stamped;
   stamped.files.stamps = "stamps.txt";
-  CHECK(refused_with([&] { open_recording(path, stamped); }, "--stamps does not apply",
+  CHECK(refused_with([&] { Recording::open(path, stamped); }, "--stamps does not apply",
                      "a capture or a bag"));
 }
 
@@ -143,16 +143,16 @@ TEST_CASE("the user's sensor wins over the packets, with a warning") {
   RoundRoom room;
   room.product = 0x21;  // says HDL-32E
   write_file(path, pcap_bytes(velodyne_capture(room)));
-  const auto found = open_recording(path);
-  CHECK(found->sensor().name == "vlp-16");
-  REQUIRE(found->warnings().size() == 1);
-  CHECK(one_line_with(found->warnings()[0], "hdl-32e", "1327 us", "vlp-16"));
-  const auto wanted = open_recording(path, {.sensor = "hdl-32e"});
-  CHECK(wanted->sensor().name == "hdl-32e");
-  REQUIRE(wanted->warnings().size() >= 1);
-  CHECK(one_line_with(wanted->warnings()[0], "vlp-16", "hdl-32e", "asked"));
-  CHECK(open_recording(path, {.sensor = "vlp-16"})->warnings().empty());
-  CHECK(refused_with([&] { open_recording(path, {.sensor = "hdl-64e"}); }, "16, 32 or 128",
+  auto found = Recording::open(path);
+  CHECK(found.sensor().name == "vlp-16");
+  REQUIRE(found.warnings().size() == 1);
+  CHECK(one_line_with(found.warnings()[0], "hdl-32e", "1327 us", "vlp-16"));
+  auto wanted = Recording::open(path, {.sensor = "hdl-32e"});
+  CHECK(wanted.sensor().name == "hdl-32e");
+  REQUIRE(wanted.warnings().size() >= 1);
+  CHECK(one_line_with(wanted.warnings()[0], "vlp-16", "hdl-32e", "asked"));
+  CHECK(Recording::open(path, {.sensor = "vlp-16"}).warnings().empty());
+  CHECK(refused_with([&] { Recording::open(path, {.sensor = "hdl-64e"}); }, "16, 32 or 128",
                      "hdl-64e"));
 }
 
@@ -168,13 +168,13 @@ TEST_CASE("several sensors in a capture are listed and chosen by port or sender"
   packets.insert(packets.end(), others.begin(), others.end());
   std::ranges::stable_sort(packets, {}, &Captured::time_ns);
   write_file(path, pcap_bytes(packets));
-  CHECK(refused_with([&] { open_recording(path); }, "192.168.1.201:2368", "192.168.1.202:2369",
+  CHECK(refused_with([&] { Recording::open(path); }, "192.168.1.201:2368", "192.168.1.202:2369",
                      "--stream"));
-  CHECK(open_recording(path, {.stream = "2369"})->sensor().scan_period_s ==
+  CHECK(Recording::open(path, {.stream = "2369"}).sensor().scan_period_s ==
         doctest::Approx(0.2).scale(0).epsilon(0.01));
-  CHECK(open_recording(path, {.stream = "192.168.1.201:2368"})->sensor().scan_period_s ==
+  CHECK(Recording::open(path, {.stream = "192.168.1.201:2368"}).sensor().scan_period_s ==
         doctest::Approx(0.1).scale(0).epsilon(0.01));
-  CHECK(refused_with([&] { open_recording(path, {.stream = "7502"}); }, "7502",
+  CHECK(refused_with([&] { Recording::open(path, {.stream = "7502"}); }, "7502",
                      "192.168.1.201:2368"));
 }
 
@@ -182,24 +182,24 @@ TEST_CASE("an Ouster's metadata are found beside the capture") {
   const TemporaryDirectory directory;
   const std::string path = directory.file("a.pcap");
   write_file(path, pcap_bytes(ouster_turns(OusterProfile::kRng15, {7, 8, 9}), 1480));
-  CHECK(refused_with([&] { open_recording(path); }, "metadata", ".json"));
+  CHECK(refused_with([&] { Recording::open(path); }, "metadata", ".json"));
   write_file(directory.file("unrelated.json"), "{\"a\": 1}");
   write_file(directory.file("other.json"), ouster_metadata_text(OusterProfile::kLegacy));
   write_file(directory.file("sensor_1.json"), ouster_metadata_text(OusterProfile::kRng15));
-  const auto source = open_recording(path);
-  CHECK(source->sensor().rows() == 8);
-  const auto scans = all_scans(*source);
+  auto source = Recording::open(path);
+  CHECK(source.sensor().rows() == 8);
+  const auto scans = all_scans(source);
   REQUIRE(scans.size() == 3);
   const RecordingInfo info = inspect(path);
   CHECK(info.first_stamp_s == doctest::Approx(scans[0].stamp_s).scale(0).epsilon(1e-15));
   CHECK(info.duration_s == doctest::Approx(0.15).scale(0).epsilon(1e-3));
   write_file(directory.file("sensor_2.json"), ouster_metadata_text(OusterProfile::kRng15));
-  CHECK(refused_with([&] { open_recording(path); }, "sensor_1.json", "sensor_2.json"));
+  CHECK(refused_with([&] { Recording::open(path); }, "sensor_1.json", "sensor_2.json"));
   // The file of the capture's own name comes first, and must fit.
   write_file(directory.file("a.json"), ouster_metadata_text(OusterProfile::kLegacy));
-  CHECK(refused_with([&] { open_recording(path); }, "LEGACY", "bytes"));
-  CHECK(all_scans(*open_recording(path, {.sensor = directory.file("sensor_2.json")})).size() == 3);
-  CHECK(refused_with([&] { open_recording(path, {.sensor = "os1-64"}); }, "metadata", "os1-64"));
+  CHECK(refused_with([&] { Recording::open(path); }, "LEGACY", "bytes"));
+  CHECK(all_scans(Recording::open(path, {.sensor = directory.file("sensor_2.json")})).size() == 3);
+  CHECK(refused_with([&] { Recording::open(path, {.sensor = "os1-64"}); }, "metadata", "os1-64"));
 }
 
 TEST_CASE("every real capture and bag opens from its path alone") {
@@ -223,11 +223,11 @@ TEST_CASE("every real capture and bag opens from its path alone") {
     const auto path = real_data(e.name);
     if (!path) return;
     CAPTURE(e.name);
-    const auto source = open_stream(*path);
-    CHECK(source->sensor().name == e.sensor);
-    CHECK(source->sensor().rows() == e.rows);
+    auto source = Recording::open(*path);
+    CHECK(source.sensor().name == e.sensor);
+    CHECK(source.sensor().rows() == e.rows);
     const auto begin = std::chrono::steady_clock::now();
-    const auto scans = all_scans(*source);
+    const auto scans = all_scans(source);
     const double ms =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
     MESSAGE(e.name, ": ", ms / static_cast<double>(scans.size()), " ms a scan");
@@ -237,9 +237,9 @@ TEST_CASE("every real capture and bag opens from its path alone") {
       CHECK(scan.stamp_s > 1.3e9);
     }
     if (e.period_s == 0.0) continue;
-    CHECK(source->sensor().scan_period_s == doctest::Approx(e.period_s).scale(0).epsilon(0.02));
-    CHECK(source->info().packets.lost == 0);
-    CHECK(source->info().packets.late == 0);
+    CHECK(source.sensor().scan_period_s == doctest::Approx(e.period_s).scale(0).epsilon(0.02));
+    CHECK(source.info().packets.lost == 0);
+    CHECK(source.info().packets.late == 0);
   }
 }
 
@@ -253,12 +253,12 @@ TEST_CASE("a simulated drive opens with the inertial data beside its scans, if t
   std::ranges::fill(image.range_m, 5.0F);
   writer.append(image);
   writer.append(image);
-  CHECK(open_recording(path)->next()->imu.empty());
+  CHECK(Recording::open(path).next()->imu.empty());
   write_file(drive.file("imu.csv"), "0.04,0,0,0,0,0,9.8\n0.06,0,0,0,0,0,9.8\n");
-  const auto scans = all_scans(*open_recording(path));
+  const auto scans = all_scans(Recording::open(path));
   REQUIRE(scans.size() == 2);
   REQUIRE(scans[1].imu.size() == 1);
   CHECK(scans[1].imu[0].stamp_s == 0.06);
   write_file(drive.file("imu.csv"), "1,2,3\n");
-  CHECK(refused_with([&] { open_recording(path); }, "imu.csv", "7 numbers"));
+  CHECK(refused_with([&] { Recording::open(path); }, "imu.csv", "7 numbers"));
 }

@@ -7,7 +7,7 @@
 #include <regex>
 #include <thread>
 
-#include "core/live/loopback.h"
+#include "core/recordings/live/loopback.h"
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"

@@ -6,7 +6,7 @@
 
 namespace hqslam {
 
-/// What an inertial sensor measures, in the frame of the LiDAR: the mean over the time from one
+/// A measurement of an inertial sensor in the frame of the LiDAR: the mean over the time from one
 /// sample to the next.
 struct ImuSample {
   double stamp_s = 0.0;  ///< the middle of that time, by the clock of the scans
@@ -18,8 +18,8 @@ struct ImuSample {
 constexpr double kGravity_mps2 = 9.80665;
 
 /// Reads lines of seven numbers, separated by commas: stamp, angular rate x, y, z, specific force
-/// x, y, z, in the units of ImuSample. A first line of names is skipped. Throws Error: which line,
-/// what was expected, what was found; also where stamps do not rise, or forces are no gravity.
+/// x, y, z, in the units of ImuSample. A first line of names is skipped. Throws Error with the
+/// line, also where stamps do not rise or the forces cannot be gravity's.
 std::vector<ImuSample> read_imu_csv(const std::string& path);
 
 }  // namespace hqslam

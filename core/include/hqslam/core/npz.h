@@ -32,8 +32,8 @@ std::string text_value(const NpzArray& array, const std::string& name);
 using NpzArrays = std::map<std::string, NpzArray>;
 
 /// Reads an .npz file as numpy.savez and savez_compressed write it: stored and deflated members,
-/// zip64, C order. No allocation before its size has been checked against `largest_bytes`, which
-/// bounds all arrays of the file together. Throws Error: which file and member, what was expected,
+/// zip64, C order. Sizes are checked against `largest_bytes`, the bound on all arrays of the file
+/// together, before memory is allocated. Throws Error: which file and member, what was expected,
 /// what was found.
 NpzArrays read_npz(const std::string& path, std::int64_t largest_bytes = 256LL << 20);
 

@@ -9,8 +9,8 @@
 
 namespace hqslam {
 
-/// One point per pixel of a range image: row and column are never recomputed from coordinates.
-/// This is what SLAM takes in.
+/// One point per pixel of a range image, the input of SLAM. Row and column are never recomputed
+/// from coordinates.
 struct OrganizedCloud {
   int rows = 0;
   int columns = 0;
@@ -18,13 +18,13 @@ struct OrganizedCloud {
   std::vector<float> range_m;             ///< rows x columns; 0 where no return
   /// Capture time of each pixel minus the scan's stamp; empty: the scan is motion-corrected.
   std::vector<float> time_offset_s;
-  /// Probability that the pixel's point lies near a true surface, 0 to 1: 1 where it was measured,
-  /// what a network says of it where it was computed. Empty: no point was computed, or nothing is
-  /// known of those that were.
+  /// Probability that the pixel's point is near a true surface, 0 to 1: 1 where it was measured, a
+  /// network's estimate where it was computed. Empty: no point was computed, or its method gives no
+  /// probability.
   std::vector<float> confidence;
-  /// How bright each return was, in the unit of the recording (Scan::intensity); of a computed
-  /// point, what follows from the measured ones around it. Not a number where that is not known.
-  /// Empty: the recording does not say.
+  /// Brightness of each return in the unit of the recording (Scan::intensity); for a computed
+  /// point, interpolated between the measured ones around it. Not a number where unknown. Empty:
+  /// the recording has none.
   std::vector<float> intensity;
 
   OrganizedCloud() = default;
@@ -37,12 +37,12 @@ struct OrganizedCloud {
 
 OrganizedCloud select_rows(const OrganizedCloud& cloud, RowSelection rows);
 
-/// Points and ranges where the sensor's calibration says that its beams look and what they measure
-/// (SensorModel::elevation_correction_rad, range_correction_m); the cloud as it is where it says
-/// nothing. Throws Error if the cloud has other rows.
+/// The cloud with elevations and ranges corrected by the sensor's calibration
+/// (SensorModel::elevation_correction_rad, range_correction_m), unchanged without one. Throws Error
+/// if the cloud has other rows.
 OrganizedCloud calibrated(OrganizedCloud cloud, const SensorModel& sensor);
 
-/// The ranges alone.
+/// The ranges of a cloud.
 RangeImage range_image(const OrganizedCloud& cloud);
 
 /// The points of the pixels that have a return.

@@ -18,8 +18,8 @@ Eigen::Vector3d roll_pitch_yaw_rad(const Pose& pose);
 /// The angle of the pose's rotation, 0..pi.
 double rotation_angle_rad(const Pose& pose);
 
-/// A motion as a screw: translation and rotation vector, or their rates. In the frame that moves:
-/// a car that drives along a curve has a constant twist forward and about its vertical.
+/// A motion as a screw, in the frame that moves: translation and rotation vector, or their rates. A
+/// car that drives along a curve has a constant twist forward and about its vertical.
 struct Twist {
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();   ///< metres, or metres a second
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< radians, or radians a second
@@ -35,11 +35,11 @@ Pose exponential(const Twist& twist);
 /// The twist that moves by `pose` in one unit of time, rotation at most pi: `exponential` undone.
 Twist logarithm(const Pose& pose);
 
-/// On the screw motion from `a` (fraction 0) to `b` (fraction 1): the twist is constant, as that of
-/// a body that moves steadily. Fractions outside 0..1 extrapolate.
+/// The pose on the screw motion, one of constant twist, from `a` (fraction 0) to `b` (fraction 1).
+/// Fractions outside 0..1 extrapolate.
 Pose interpolate(const Pose& a, const Pose& b, double fraction);
 
-/// The same pose with its rotation matrix made orthonormal again; for long products of poses.
+/// The pose with its rotation matrix made orthonormal again; for long products of poses.
 Pose orthonormalized(const Pose& pose);
 
 }  // namespace hqslam

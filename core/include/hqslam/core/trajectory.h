@@ -20,20 +20,20 @@ double path_length_m(const Trajectory& trajectory);
 
 /// TUM: "stamp x y z qx qy qz qw" per line, '#' comments, stamps rise. KITTI: 12 numbers per line,
 /// the upper three rows of T_map_sensor; KITTI has no stamps, so stamps are index * period_s.
-/// Rotations are made orthonormal. All throw Error with file and line; a file without a pose is
-/// one.
+/// Rotations are made orthonormal. All throw Error with file and line, also for a file without a
+/// pose.
 Trajectory read_tum(const std::string& path);
 Trajectory read_kitti_poses(const std::string& path, double period_s = 0.1);
 void write_tum(const Trajectory& trajectory, const std::string& path);
 void write_kitti_poses(const Trajectory& trajectory, const std::string& path);
-/// A pose as these files have it, a line of its own.
+/// A pose as one line of such a file.
 std::string tum_line(const StampedPose& pose);
 std::string kitti_line(const StampedPose& pose);
-/// A trajectory with what its file was found to be by the number of columns, 8 or 12.
+/// A trajectory from a TUM or KITTI file, which differ in the number of columns, 8 or 12.
 struct TrajectoryFile {
   std::string path;
   Trajectory poses;
-  bool has_stamps = false;  ///< TUM's; KITTI's are counted
+  bool has_stamps = false;  ///< true for TUM; KITTI's stamps are counted
 };
 TrajectoryFile read_trajectory_file(const std::string& path, double period_s = 0.1);
 

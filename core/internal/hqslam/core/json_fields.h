@@ -9,16 +9,16 @@
 
 namespace hqslam {
 
-/// Any JSON value. Throws Error for a text that is none, has numbers that no double holds or goes
-/// beyond check_json_limits; `source` stands for the file in messages.
+/// Any JSON value. Throws Error for other text, for numbers that no double holds and for what
+/// exceeds check_json_limits; `source` stands for the file in messages.
 nlohmann::ordered_json parsed_json(const std::string& text, const std::string& source);
 
 /// A JSON object read field by field. Every complaint is one Error naming source, field, expected
-/// and found; fields that nobody asked for are complained about by `finish`.
+/// and found; `finish` refuses fields that were not read.
 class JsonFields {
  public:
-  /// Parses text that must be an object. `source` stands for the file in messages; `mend`, how to
-  /// mend it, ends those about fields.
+  /// Parses text that must be an object. `source` stands for the file in messages; `mend` ends
+  /// messages about fields with how to mend them.
   JsonFields(const std::string& text, std::string source, const std::string& mend = "");
 
   bool has(const std::string& field) const { return object_.contains(field); }
@@ -42,7 +42,7 @@ class JsonFields {
   /// The field as JSON text.
   std::string dumped(const std::string& field);
 
-  /// The same, keeping `value` where the field is missing.
+  /// Reads the field into `value`, which is kept where the field is missing.
   template <typename Value>
   void optional(const std::string& field, Value& value) {
     if (!has(field)) return;
@@ -70,7 +70,7 @@ class JsonFields {
   JsonFields(nlohmann::ordered_json object, std::string source, std::string mend)
       : object_(std::move(object)), source_(std::move(source)), mend_(std::move(mend)) {}
   using IsType = bool (nlohmann::ordered_json::*)() const noexcept;
-  /// The field's value, which is_type, if that is given, holds for; complains otherwise.
+  /// The field's value. Throws Error if it is missing or is_type, where given, is false for it.
   const nlohmann::ordered_json& get(const std::string& field, const std::string& expected,
                                     IsType is_type = nullptr);
   double number(const nlohmann::ordered_json& value, const std::string& field) const;

@@ -8,7 +8,7 @@
 
 namespace hqslam {
 
-/// A number that every point has, where it lies in memory.
+/// A number that every point has, and its place in memory.
 struct PointColumn {
   const char* name;
   StoredNumber stored;
@@ -16,8 +16,8 @@ struct PointColumn {
   std::size_t step_bytes;  ///< to the next one
 };
 
-/// Writes points as write_cloud says; columns: x y z (float32) first, then any. note: stands in the
-/// header of a .pcd and a .ply file if it is not empty. Throws Error.
+/// Writes points as write_cloud does; columns: x y z (float32) first, then any others. note: a
+/// comment in the header of a .pcd or .ply file; "": none. Throws Error.
 void write_points(const std::vector<PointColumn>& columns, std::size_t points,
                   const std::string& path, const std::string& note = "");
 

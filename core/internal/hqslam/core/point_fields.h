@@ -64,9 +64,9 @@ struct PointFields {
   const PointField* confidence = nullptr;
 };
 /// ring: also channel, line, laser_id and the like; time: t, time, timestamp, offset_time and the
-/// like; intensity: reflectivity where there is one, else intensity; whether letters are large and
-/// what stands between words does not matter. Throws Error unless there are x, y and z. `source`
-/// stands for the file in messages, `kind` for what it calls its fields.
+/// like; intensity: reflectivity where there is one, else intensity. Capital letters and characters
+/// between words do not matter. Throws Error unless there are x, y and z. `source` stands for the
+/// file in messages, `kind` for its word for fields.
 PointFields point_fields(const std::vector<PointField>& fields, const std::string& source,
                          const char* kind = "fields");
 
@@ -75,13 +75,20 @@ struct PointTimeField {
   std::string name;
   bool whole_numbers = false;
   std::vector<double> values;
+  bool is_of_clock = false;  ///< by times_rise
 };
 
-/// The same in seconds.
+/// Whether the times of a recording's scans rise by a turn or so from scan to scan, so that they
+/// are those of a clock, whatever its zero; times that begin again with each scan do not. `fields`:
+/// of scans in the order of recording. False for fewer than two scans with times.
+bool times_rise(const std::vector<PointTimeField>& fields, double scan_period_s);
+
+/// The times of a scan's points in seconds.
 struct PointTimes {
   std::vector<float> offset_s;  ///< from the middle of the times
   double middle_s = 0.0;        ///< by the field's own zero
-  /// Whether that zero is that of a clock rather than the scan's own.
+  /// Whether that zero is a clock's rather than the scan's own: PointTimeField::is_of_clock, or
+  /// times too large for one scan.
   bool absolute = false;
 };
 
@@ -93,9 +100,9 @@ std::optional<PointTimes> point_times(const PointTimeField& field, double scan_p
                                       const std::string& source);
 
 /// Rows from the numbers of rings, one per point. Some drivers number them from the highest beam
-/// (Ouster), some from the lowest (Velodyne): the correlation of ring and elevation tells, and rows
-/// count from the highest either way. Rings that follow the elevation in neither way give no rows,
-/// so that the elevation decides. Throws Error for a ring that the sensor does not have, and for at
+/// (Ouster), some from the lowest (Velodyne), which the correlation of ring and elevation decides;
+/// rows count from the highest. Rings without such a correlation give no rows, and projection takes
+/// the elevation. Throws Error for a ring that the sensor does not have, and for at
 /// most half of its rings whose points are not where its beams look; `source` and `field` stand for
 /// it in messages.
 std::vector<std::uint16_t> rows_from_rings(const std::vector<double>& ring, const Scan& scan,
@@ -142,8 +149,8 @@ RawPoints read_point_file(const std::string& path);
 /// Rings to rows, times to offsets from their middle. The scan's stamp is that middle: by the
 /// clock of the times; where they count from the message, whose stamp_s was given, from there;
 /// where they are of another clock than the message's, the message is taken as the scan's
-/// beginning. 0 where neither clock nor message tells. `sensor` may be nullptr: then rows are left
-/// empty. Throws Error.
+/// beginning. 0 without clock and message. `sensor` may be nullptr: then rows are left empty.
+/// Throws Error.
 Scan scan_of(RawPoints points, const SensorModel* sensor, const std::string& source,
              std::optional<double> stamp_s = std::nullopt);
 

@@ -7,14 +7,14 @@
 
 namespace hqslam {
 
-/// More points or rows than this that fit no pixel are from another sensor.
+/// Where a larger share of points or rows fits no pixel, the scan is from another sensor.
 inline constexpr double kMaxForeignShare = 0.5;
 
 // Points become a scan here, whichever file or message they come from:
 //   RawPoints -> scan_of: times -> with_rows: rows -> recorded_scan: pixels
 
-/// Gives the scan's points rows where their order tells them: where they are stored ring after
-/// ring. Rows that are known stay; where nothing tells them, projection goes by the elevation.
+/// Determines the rows of points that are stored ring after ring from that order. Known rows stay;
+/// where rows remain unknown, projection takes the beam nearest in elevation.
 /// `must_fit`: whether the rings must be those of the sensor. Throws Error; `source` stands for the
 /// scan in messages.
 void set_rows_by_order(Scan& scan, const SensorModel& sensor, const std::string& source,
@@ -22,5 +22,9 @@ void set_rows_by_order(Scan& scan, const SensorModel& sensor, const std::string&
 
 /// Points -> pixels of the sensor's image. Throws Error for points that cannot be the sensor's.
 RecordedScan recorded_scan(const Scan& scan, const SensorModel& sensor, std::string name);
+
+/// A warning where the sensor's image has too few columns: "" unless more than a quarter of the
+/// points share a pixel with a nearer one.
+std::string crowding_warning(const RecordedScan& scan);
 
 }  // namespace hqslam

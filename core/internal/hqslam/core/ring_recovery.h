@@ -18,8 +18,8 @@ struct RingRecovery {
   double off_table_share = 0.0;
 };
 
-/// Whether neighbouring points of the scan lie on one ring (KITTI) rather than in one column, as
-/// drivers store them that write each firing of all beams as it comes.
+/// Whether the points are stored ring after ring (KITTI) rather than column after column, as by
+/// drivers that write the beams of each firing together.
 bool stored_ring_after_ring(const Scan& scan, const SensorModel& sensor);
 
 /// Rows of a scan whose points are stored ring after ring, highest first, each ring once around in

@@ -11,12 +11,12 @@ namespace hqslam {
 
 struct FoundSensor {
   SensorModel sensor;  ///< a preset where all beams are one's, else without azimuth offsets
-  std::vector<double> beam_elevation_rad;  ///< as the points say, highest first
+  std::vector<double> beam_elevation_rad;  ///< measured in the points, highest first
   std::string note;                        ///< how it was found and how well it fits, for one line
 };
 
-/// The sensor that scans of one recording are of, from their points (sensor_finder.cpp says how).
-/// scan_period_s: where the recording tells it; 0.1 s otherwise. Throws Error where beams are not
+/// Determines the sensor of a recording from the points of its scans; sensor_finder.cpp has the
+/// method. scan_period_s: the recording's, 0.1 s where unknown. Throws Error where beams are not
 /// clearly apart or scans contradict each other; `source` stands for the recording in messages.
 FoundSensor find_sensor(const std::vector<RawPoints>& scans, std::optional<double> scan_period_s,
                         const std::string& source);

@@ -1,13 +1,19 @@
 #pragma once
 
 #include <cstddef>
+#include <fstream>
 #include <functional>
 #include <string>
 
 namespace hqslam {
 
-/// The bytes of a regular file. `kind` ("a .pcd file") goes into the message of the Error that is
-/// thrown when there is none, it cannot be read or is larger than max_bytes.
+/// A regular file, opened for reading. `kind` ("a .npy file") goes into the message of the Error
+/// that is thrown if there is none or it cannot be read; pipes and devices, which could block for
+/// ever, are refused before they are opened.
+std::ifstream open_file(const std::string& path, const std::string& kind);
+
+/// The bytes of a regular file. Throws Error as open_file does, and for a file larger than
+/// max_bytes.
 std::string whole_file(const std::string& path, const std::string& kind, std::size_t max_bytes);
 
 /// Writes a file, replacing any of that name. Throws Error.

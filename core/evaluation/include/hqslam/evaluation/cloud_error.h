@@ -5,8 +5,8 @@
 
 namespace hqslam {
 
-/// Occupied voxels of kCloudErrorVoxel_m of two clouds. Definitions, here and below: TULIP (CVPR
-/// 2024), evaluation code.
+/// Overlap of the voxels, kCloudErrorVoxel_m wide, that two clouds occupy. Source of all
+/// definitions in this header: evaluation code of TULIP (CVPR 2024).
 struct VoxelOverlap {
   double iou = 0.0;        ///< occupied in both / in either
   double precision = 0.0;  ///< occupied in both / occupied in cloud
@@ -28,7 +28,7 @@ inline constexpr double kOutlierDistance_m = 0.5;
 /// Throws Error as voxel_overlap does.
 CloudError cloud_error(const std::vector<Eigen::Vector3f>& cloud_m,
                        const std::vector<Eigen::Vector3f>& true_cloud_m);
-/// For means over clouds, figure by figure.
+/// Sum and quotient, figure by figure, for means over clouds.
 CloudError& operator+=(CloudError& sum, const CloudError& error);
 CloudError& operator/=(CloudError& sum, double clouds);
 

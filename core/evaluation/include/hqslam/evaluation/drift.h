@@ -8,13 +8,13 @@
 
 namespace hqslam {
 
-/// A stretch of a drive over which the estimate lost its way: scans that windows of
-/// SlipOptions::scans cover whose motion is wrong by more than SlipOptions allows.
+/// A stretch of a drive over which tracking was lost: the scans of consecutive windows of
+/// SlipOptions::scans whose motion is wrong by more than SlipOptions allows.
 struct Slip {
   std::size_t first = 0;       ///< index into the reference
-  std::size_t last = 0;        ///< the same, included
+  std::size_t last = 0;        ///< index of the last pose, included
   double translation_m = 0.0;  ///< largest error of a window
-  double rotation_rad = 0.0;   ///< the same of its rotation
+  double rotation_rad = 0.0;   ///< largest error of a window
 };
 
 /// What counts as a slip.
@@ -24,7 +24,7 @@ struct SlipOptions {
   double rotation_rad = 0.005235987755982988;  ///< 0.3 degrees
 };
 
-/// Where an odometry loses its way, as opposed to drifting by a little everywhere.
+/// Finds where an odometry loses track, as opposed to drifting by a little everywhere.
 ///
 /// In: an estimate with one pose per scan, and the true trajectory, paired by their stamps; frames
 /// and rates need not agree. Out: the slips, in the order of time. For each scan i with i + n, n =
@@ -32,8 +32,8 @@ struct SlipOptions {
 ///   E = (T_ref_i^-1 T_ref_i+n)^-1 (T_est_i^-1 T_est_i+n)
 /// It counts if |t(E)| > translation_m or angle(E) > rotation_rad. Windows that share a scan, or
 /// whose scans follow one another, make one slip: a jump within one scan spoils n windows and is
-/// one slip, and so is a kilometre on which the way is lost. A scan without a true pose spoils
-/// no window. Throws Error if fewer than 2 poses can be paired or an option is not positive.
+/// one slip, and so is a kilometre of lost tracking. A scan without a true pose spoils no
+/// window. Throws Error if fewer than 2 poses can be paired or an option is not positive.
 std::vector<Slip> slips(const Trajectory& estimate, const Trajectory& reference,
                         const SlipOptions& options = {}, double max_difference_s = 0.02);
 

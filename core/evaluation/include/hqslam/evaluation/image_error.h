@@ -10,10 +10,10 @@ namespace hqslam {
 /// in metres here.
 struct ImageError {
   double mae_all_m = 0.0;       ///< mean |range - true| over all pixels, no return counting as 0 m
-  double mae_valid_m = 0.0;     ///< the same over pixels where both have a return
-  double missing_share = 0.0;   ///< of the true returns: pixels that the image leaves empty
-  double invented_share = 0.0;  ///< of the image's returns: pixels where the truth has none
-  double right_share = 0.0;     ///< of the true returns: pixels within kRightRange_m of them
+  double mae_valid_m = 0.0;     ///< mean |range - true| over pixels where both have a return
+  double missing_share = 0.0;   ///< share of the true returns whose pixel is empty in the image
+  double invented_share = 0.0;  ///< share of the image's returns where the true image has none
+  double right_share = 0.0;     ///< share of the true returns met within kRightRange_m
   std::int64_t valid_pixels = 0;
   std::int64_t pixels = 0;
 };

@@ -12,7 +12,7 @@ namespace hqslam {
 
 using Rgb = std::array<std::uint8_t, 3>;
 
-/// The colour at `share` of the way through these, 0 the first and 1 the last.
+/// The colour between the stops: share 0 is the first, 1 the last.
 Rgb color_between(std::span<const Rgb> stops, double share);
 
 struct RgbImage {
@@ -26,8 +26,8 @@ void write_png(const RgbImage& image, const std::string& path);
 /// The file's bytes, for embedding in a page.
 std::vector<std::uint8_t> encode_png(const RgbImage& image);
 
-/// Near (1 m and less) is bright, far (max_range_m and more) is dark blue, no return is black;
-/// logarithmic in range. Throws Error unless max_range_m is more than 1 m.
+/// Colours are logarithmic in range, from bright (1 m and less) to dark blue (max_range_m and
+/// more); no return is black. Throws Error unless max_range_m is more than 1 m.
 RgbImage color_by_range(const RangeImage& image, double max_range_m);
 
 }  // namespace hqslam

@@ -25,7 +25,7 @@ struct ErrorStatistics {
 };
 ErrorStatistics statistics_of(std::vector<double> values);
 
-/// Pairs of poses of one time, indices into the two trajectories.
+/// Pairs of poses with equal stamps, as indices into the two trajectories.
 struct PosePairs {
   std::vector<std::size_t> estimate;
   std::vector<std::size_t> reference;
@@ -52,7 +52,7 @@ AbsolutePoseError absolute_pose_error(const Trajectory& estimate, const Trajecto
 struct RelativePoseError {
   double stretch_m = 0.0;
   std::vector<std::size_t> first;     ///< per stretch, where it begins: index into the reference
-  std::vector<std::size_t> last;      ///< and where it ends
+  std::vector<std::size_t> last;      ///< per stretch, where it ends: index into the reference
   std::vector<double> translation_m;  ///< per stretch, not divided by its length
   std::vector<double> rotation_rad;
   ErrorStatistics translation_statistics;

@@ -17,7 +17,7 @@ enum class OusterProfile { kLegacy, kRng19, kRng19Dual, kRng15, kFusaDual };
 /// "FUSA_RNG15_RFL8_NIR8_DUAL"
 std::string_view name(OusterProfile profile);
 
-/// What a sensor's metadata say of its packets.
+/// A sensor's metadata: its beams and the form of its packets.
 struct OusterMetadata {
   /// Beams as project() has them: a column of the sensor looks along the left edge of a pixel, so
   /// half a column is added to the azimuth offsets of the file.
@@ -29,13 +29,13 @@ struct OusterMetadata {
   int last_column = 0;
   /// Distance of the place where beams begin from the axis of rotation.
   double beam_origin_m = 0.0;
-  std::string product;              ///< "OS-1-32-G", "" if the file does not say
-  std::uint64_t serial_number = 0;  ///< 0 if the file does not say
-  std::uint16_t lidar_port = 0;     ///< 0 if the file does not say
-  std::uint16_t imu_port = 0;       ///< the same
-  /// How it lays out its packets of inertial data, of which LEGACY is read.
+  std::string product;              ///< "OS-1-32-G"; "" if unknown
+  std::uint64_t serial_number = 0;  ///< 0 if unknown
+  std::uint16_t lidar_port = 0;     ///< 0 if unknown
+  std::uint16_t imu_port = 0;       ///< 0 if unknown
+  /// The layout of its packets of inertial data; LEGACY is read.
   std::string imu_profile = "LEGACY";
-  /// Turns what its inertial sensor measures into the frame of the scans.
+  /// Rotation of its inertial data into the frame of the scans.
   Eigen::Matrix3d R_sensor_imu = Eigen::Matrix3d::Identity();
 
   bool in_window(int column) const {
@@ -48,12 +48,12 @@ struct OusterMetadata {
 
 /// Reads the metadata that Ouster's sensors and recorders write beside a capture. Throws Error.
 OusterMetadata read_ouster_metadata(const std::string& path);
-/// The same for text; `source` stands for the file in messages.
+/// Reads metadata from text; `source` stands for the file in messages.
 OusterMetadata ouster_metadata_from_json(const std::string& text, const std::string& source);
 
 struct OusterOptions {
   KeptReturn kept_return = KeptReturn::kStrongest;  ///< kLast: the farther one
-  /// Packets of any other sensor are foreign, where the profile says whose they are; 0: of none.
+  /// Packets with another serial number are foreign, where the profile has one; 0: none are.
   std::uint64_t serial_number = 0;
   /// Whether ranges are read; without them frames are only counted and timed.
   bool with_ranges = true;

@@ -9,7 +9,7 @@
 
 namespace hqslam::recordings {
 
-/// Who sent a packet and to which port.
+/// The sender of a packet and the port to which it was sent.
 struct Endpoint {
   std::array<std::uint8_t, 16> address{};  ///< IPv6, or IPv4 in the last four bytes
   std::uint16_t port = 0;                  ///< the receiver's
@@ -23,9 +23,9 @@ bool is_ipv4(const std::array<std::uint8_t, 16>& address);
 /// "192.168.1.201:2368"; IPv6 in brackets.
 std::string text(const Endpoint& endpoint);
 
-/// What one UDP datagram carried. The payload lives until the next packet is asked for.
+/// The payload of one UDP datagram, which lives until the next packet is read.
 struct Packet {
-  std::int64_t capture_time_ns = 0;  ///< since 1970, by the clock of whoever recorded it
+  std::int64_t capture_time_ns = 0;  ///< since 1970, by the recorder's clock
   Endpoint endpoint;
   std::span<const std::uint8_t> payload;
 };
@@ -43,9 +43,9 @@ class PacketSource {
 };
 
 /// The UDP datagrams of a .pcap or .pcapng file (Ethernet with or without VLAN tags, Linux cooked,
-/// loopback or raw IP; fragments of IPv4 are put together). Frames that are no UDP are passed over.
-/// A file that ends in the middle of a frame ends before it; one that cannot be read on for another
-/// reason ends there and says so in complaint(). Throws Error, also if none of its packets can be
+/// loopback or raw IP; fragments of IPv4 are put together). Frames other than UDP are skipped. A
+/// file that ends within a frame ends before it; where it cannot be read on for another reason it
+/// ends there, and complaint() names the reason. Throws Error, also if none of its packets can be
 /// read.
 std::unique_ptr<PacketSource> open_pcap(const std::string& path);
 

@@ -85,16 +85,7 @@ struct RecordingInfo {
   std::vector<std::string> warnings;
 };
 
-/// The scans of one stream of a capture or a bag.
-class StreamSource : public ScanSource {
- public:
-  /// Puts points into images of this many columns (OpenOptions::columns), before the first scan is
-  /// read. Throws Error.
-  virtual void use_columns(int columns) = 0;
-  /// What is known of it so far: the number of scans, their duration and what was lost only once
-  /// all were read.
-  virtual RecordingInfo info() const = 0;
-};
+class StreamScans;  // of a capture or a bag; not installed
 
 /// A recording of any kind, opened once and read once, scan by scan:
 /// - a .pcap or .pcapng capture of Velodyne, Hesai, RoboSense and Ouster packets, or a bag of
@@ -124,6 +115,10 @@ class Recording final : public ScanSource {
   /// Throws Error also at the end, where there was not one whole scan.
   std::optional<RecordedScan> next() override { return source_->next(); }
 
+  /// What is known so far: of a capture or a bag the number of scans, their duration and what was
+  /// lost only once all were read.
+  RecordingInfo info() const;
+
   /// Puts points into images of this many columns, before the first scan is read; image stacks and
   /// an Ouster's packets keep theirs. Throws Error.
   void use_columns(int columns);
@@ -135,7 +130,7 @@ class Recording final : public ScanSource {
   OpenOptions options_;
   std::optional<SensorModel> stated_;  ///< of points
   std::unique_ptr<ScanSource> source_;
-  StreamSource* stream_ = nullptr;  ///< source_, or what it reads, of a capture or a bag
+  StreamScans* stream_ = nullptr;  ///< source_, or what it reads, of a capture or a bag
 };
 
 /// Throws Error for an option that does not apply to this kind of recording, as Recording::open
@@ -149,12 +144,5 @@ bool is_capture_or_bag(const std::string& path);
 /// files of scans the first hundred; scans that cannot be read are counted in a warning with the
 /// reason of the first of them. Throws Error as Recording::open does.
 RecordingInfo inspect(const std::string& path, const OpenOptions& options = {});
-
-// Used by callers that do not open a Recording yet.
-std::unique_ptr<StreamSource> open_stream(const std::string& path, const OpenOptions& options = {});
-std::unique_ptr<ScanSource> open_recording(const std::string& path,
-                                           const OpenOptions& options = {});
-std::unique_ptr<ScanSource> with_imu_of_drive(std::unique_ptr<ScanSource> source,
-                                              const std::string& path);
 
 }  // namespace hqslam::recordings

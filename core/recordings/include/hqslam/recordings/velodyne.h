@@ -36,14 +36,14 @@ struct VelodyneStream {
   /// middle of what the sensor does not look at.
   double cut_azimuth_deg = 0.0;
   double field_of_view_deg = 360.0;
-  /// What the factory byte of the packets names; nothing if that is none of the models.
-  std::optional<VelodyneModel> factory_model;
-  double packet_spacing_us = 0.0;  ///< median; 0 with fewer than two packets
+  std::uint8_t factory_byte = 0;               ///< of most packets
+  std::optional<VelodyneModel> factory_model;  ///< which factory_byte names; nothing: none of these
+  double packet_spacing_us = 0.0;              ///< median; 0 with fewer than two packets
 };
 
-/// Looks at packets from the beginning of a stream, all of kVelodynePacketBytes. The time between
-/// packets tells the model: some firmware lies in the factory byte, which decides only where the
-/// spacing is that of no model.
+/// Determines the sensor from packets at the beginning of a stream, all of kVelodynePacketBytes.
+/// The model is that of the time between packets: some firmware writes a wrong factory byte, which
+/// decides only where the spacing is that of no model.
 class VelodyneProbe {
  public:
   void add(const Packet& packet);
@@ -52,7 +52,7 @@ class VelodyneProbe {
   std::optional<VelodyneStream> result(std::optional<VelodyneModel> otherwise = std::nullopt) const;
 
  private:
-  std::optional<VelodyneModel> factory_model() const;
+  std::uint8_t factory_byte() const;
   std::optional<VelodyneModel> model_by_spacing(double spacing_us, bool dual) const;
   void set_period(VelodyneStream& stream) const;
   void set_field_of_view(VelodyneStream& stream) const;

@@ -1,0 +1,124 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "hqslam/core/imu_sample.h"
+#include "hqslam/core/organized_cloud.h"
+#include "hqslam/recordings/packet.h"
+#include "packets/ouster_metadata.h"
+#include "packets/sensor_clock.h"
+
+namespace hqslam::recordings {
+
+/// Size of a packet of inertial data in the profile LEGACY. Every lidar packet is larger.
+inline constexpr std::size_t kOusterImuBytes = 48;
+
+/// The sample of such a packet in the frame of the scans; its stamp is by the clock of the columns.
+/// The lever arm of three centimetres to the origin of the beams is neglected.
+/// Source: Ouster sensor documentation, "IMU data format": times of the system, of reading the
+/// accelerometer and of reading the gyroscope, ns; acceleration x y z, g; angular velocity x y z,
+/// degrees a second.
+ImuSample ouster_imu_sample(Bytes packet, const OusterMetadata& metadata);
+
+/// One turn as the sensor sent it: rows x columns, not de-staggered.
+struct OusterFrame {
+  std::uint32_t frame_id = 0;
+  std::vector<std::uint32_t> range_mm;             ///< the first (strongest) return; 0: none
+  std::vector<std::uint32_t> second_range_mm;      ///< empty with a single return
+  std::vector<std::uint16_t> reflectivity;         ///< of the first return
+  std::vector<std::uint16_t> second_reflectivity;  ///< empty with a single return
+  std::vector<std::uint64_t> timestamp_ns;  ///< per column, by the sensor's clock; 0: no column
+  std::vector<std::uint32_t> status;        ///< per column; bit 0: it is valid
+  std::int64_t first_capture_ns = 0;        ///< of the packet that came first
+  std::uint64_t first_timestamp_ns = 0;     ///< of that packet's first valid column
+};
+
+/// Ouster lidar packets -> frames. Columns of lost packets stay empty. A packet of an earlier frame
+/// that was overtaken is left out and counted; one that came twice counts as late.
+/// Source: Ouster sensor documentation, "Lidar data packet format".
+class OusterDecoder {
+ public:
+  OusterDecoder(const OusterMetadata& metadata, const OusterOptions& options = {});
+
+  /// Takes the next packet in and appends the frame that it completes.
+  void add(const Packet& packet, std::vector<OusterFrame>& completed);
+  /// At the end of the recording: appends the last frame.
+  void finish(std::vector<OusterFrame>& completed) { complete(completed, true); }
+
+  const PacketCounts& counts() const { return counts_; }
+  /// Number of turns without any packet.
+  std::int64_t lost_scans() const { return lost_scans_; }
+  /// Turns that were cut short by the beginning or the end of the recording.
+  std::int64_t partial_scans() const { return partial_scans_; }
+
+ private:
+  void complete(std::vector<OusterFrame>& completed, bool at_end);
+  void begin(const Packet& packet, std::uint32_t id);
+  void read_columns(Bytes packet);
+  void read_pixels(const std::uint8_t* pixels, int column);
+  /// A column of a packet: where it begins, which one it is of the turn, its status.
+  struct Column {
+    const std::uint8_t* bytes = nullptr;
+    std::size_t id = 0;
+    std::uint32_t status = 0;
+  };
+  /// Nothing if the sensor marked the column as not valid.
+  std::optional<Column> column(Bytes packet, int place) const;
+  std::optional<Column> first_column(Bytes packet) const;
+  /// Whether the first valid column of the packet has come already.
+  bool seen(Bytes packet) const {
+    const auto first = first_column(packet);
+    return first && frame_->status[first->id] != 0;
+  }
+  std::size_t column_bytes() const {
+    return layout_.column_header + layout_.column_footer +
+           layout_.pixel * static_cast<std::size_t>(metadata_.sensor.rows());
+  }
+
+  OusterMetadata metadata_;
+  OusterOptions options_;
+  OusterLayout layout_;
+  std::optional<OusterFrame> frame_;
+  std::optional<std::uint32_t> last_id_;  ///< of the frame that is read or was read last
+  bool first_frame_ = true;
+  std::int64_t packets_in_frame_ = 0;
+  /// The columns and packets of a turn that the sensor sends.
+  int first_sent_ = 0;
+  int last_sent_ = 0;
+  std::int64_t packets_sent_ = 0;
+
+  PacketCounts counts_;
+  std::int64_t lost_scans_ = 0;
+  std::int64_t partial_scans_ = 0;
+};
+
+/// A frame with the time of its points.
+struct OusterScan {
+  double stamp_s = 0.0;         ///< the middle between its first and its last column
+  double sensor_stamp_s = 0.0;  ///< that middle by the sensor's clock
+  OrganizedCloud cloud;
+};
+
+/// Frames -> points in the sensor's frame: x forward, y left, z up, origin on the axis of rotation
+/// at the height of the beams' origin (Ouster's own sensor frame is 36 or 38 mm below it).
+class OusterGeometry {
+ public:
+  OusterGeometry(const OusterMetadata& metadata, const OusterOptions& options = {});
+
+  /// Nothing if no column of the frame is valid. Ranges beyond the sensor's are no return.
+  std::optional<OusterScan> scan(const OusterFrame& frame);
+
+ private:
+  bool keeps_second(const OusterFrame& frame, std::size_t at) const;
+  void set_points(const OusterFrame& frame, OrganizedCloud& cloud) const;
+
+  OusterMetadata metadata_;
+  OusterOptions options_;
+  SensorClock clock_;
+  std::vector<Eigen::Vector3f> beam_;    ///< d of each pixel
+  std::vector<Eigen::Vector3f> origin_;  ///< n (h - d) of each pixel
+};
+
+}  // namespace hqslam::recordings

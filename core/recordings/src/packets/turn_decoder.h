@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "byte_reader.h"
+#include "hqslam/core/scan.h"
+#include "hqslam/recordings/velodyne.h"
+#include "packets/sensor_clock.h"
+
+namespace hqslam::recordings {
+
+/// After so much of a turn without packets the azimuth may be about where it was.
+inline constexpr double kWholeTurn = 0.99;
+
+inline constexpr int kTurn = 36000;  ///< of a head, hundredths of a degree
+/// It may tremble by some of these; more is a new turn.
+inline constexpr int kSmallestFall = 200;
+
+inline int modulo_turn(int azimuth) { return (azimuth % kTurn + kTurn) % kTurn; }
+
+struct PulseReturn {
+  std::uint16_t distance = 0;  ///< in the sensor's unit; 0: none
+  std::uint8_t reflectivity = 0;
+};
+/// Of two returns of a pulse, in whichever order the sensor was told to send them.
+PulseReturn kept_of(PulseReturn a, PulseReturn b, KeptReturn which);
+
+/// Nanoseconds since 1970 of a year and month, day, hour, minute, second, a byte each; nothing for
+/// what is no date.
+std::optional<std::int64_t> date_ns(int year, Bytes month_to_second);
+
+/// Seconds a turn; 0.1 for what no head turns at.
+double period_at(int turns_per_minute);
+
+/// What the decoders of a head that turns clockwise share: its firings -> scans, one a turn, cut at
+/// an azimuth.
+///
+/// What began in the middle of a turn is a scan only if it has three quarters of the field of view.
+/// A scan's stamp is the middle between its first and its last firing.
+class TurnDecoder {
+ public:
+  /// Nothing follows, or much later: appends what is left, if it is nearly a scan.
+  void finish(std::vector<Scan>& completed);
+  /// Takes a scan back that is not needed any more: its memory serves the next one.
+  void reuse(Scan scan);
+  const PacketCounts& counts() const { return counts_; }
+  /// Whole turns of which no packet came.
+  std::int64_t lost_scans() const { return lost_scans_; }
+  /// Turns that were cut short by the beginning or the end of the recording, or by a long gap.
+  std::int64_t partial_scans() const { return partial_scans_; }
+
+ protected:
+  TurnDecoder(int cut, double field_of_view_deg, const TurnDecoderOptions& options)
+      : options_(options), cut_(cut), field_of_view_deg_(field_of_view_deg) {}
+
+  /// A packet has this time by the sensor's clock: false if it is left out, as late. Where nothing
+  /// came for a turn, or that clock was set back, the scan ends.
+  bool take_time(std::int64_t sensor_ns, std::int64_t capture_ns, double scan_period_s,
+                 std::vector<Scan>& completed);
+  /// The time of a packet by the clock of stamps. Where the recorder's clock was set, the scan
+  /// ends.
+  std::int64_t recorded_ns(std::int64_t sensor_ns, std::int64_t capture_ns,
+                           std::vector<Scan>& completed);
+  /// The head fires here, at this time by the clock of stamps: what is before the cut goes to
+  /// `completed`. The time since the first firing of the turn, which this one may be, seconds.
+  double fire(int azimuth, std::int64_t time_ns, std::vector<Scan>& completed);
+
+  TurnDecoderOptions options_;
+  int cut_;
+  double field_of_view_deg_;
+  Scan scan_;                         ///< the turn that was begun; times since its first firing
+  std::int64_t last_capture_ns_ = 0;  ///< of the packet before
+  /// Between the last packet and the one before; 0 for the first one and where a clock was set.
+  double passed_s_ = 0.0;
+  PacketCounts counts_;
+  std::int64_t lost_scans_ = 0;
+
+ private:
+  void complete(std::vector<Scan>& completed);
+
+  Scan spare_;  ///< empty, with memory
+  SensorClock clock_;
+  std::optional<std::int64_t> last_sensor_ns_;
+  bool began_with_cut_ = false;
+  bool empty_ = true;
+  int first_turned_ = 0;
+  int last_turned_ = 0;
+  std::int64_t first_ns_ = 0;
+  std::int64_t last_ns_ = 0;
+  std::int64_t partial_scans_ = 0;
+};
+
+}  // namespace hqslam::recordings

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "packets/turn_decoder.h"
+#include "packets/velodyne_tables.h"
+
+namespace hqslam::recordings {
+
+/// Velodyne packets -> scans.
+///
+/// A scan is one turn of the head, cut at stream.cut_azimuth_deg, and where nothing came for a
+/// turn; what is before the first cut, behind the last one or beside such a gap is a scan only if
+/// it has three quarters of the field of view. A point's row is that of its laser, its time the
+/// time of its firing by the sensor's clock, set by the time of recording; a scan's stamp is the
+/// middle between its first and its last firing. Azimuths are interpolated between the blocks of a
+/// packet. All beams start at the centre of the sensor (the lasers' heights above one another, up
+/// to 11 mm, are left out). Pulses without return are no points; points of a range that the sensor
+/// cannot measure are the projection's to drop. Sources: the models' user manuals (VLP-16 63-9243,
+/// HDL-32E 63-9113, VLP-32C 63-9325, VLS-128 63-9483), "Data packet format" and "Firing sequence
+/// timing".
+class VelodyneDecoder : public TurnDecoder {
+ public:
+  /// `sensor` gives elevation and azimuth offset of each row; as many rows as the model has lasers.
+  /// Throws Error if it has not.
+  VelodyneDecoder(const VelodyneStream& stream, const SensorModel& sensor,
+                  const TurnDecoderOptions& options = {});
+
+  /// Takes the next packet in and appends the scans that it completes.
+  void add(const Packet& packet, std::vector<Scan>& completed);
+
+ private:
+  /// One firing of 32 channels (or the 16 of a VLP-16, twice).
+  struct Firing {
+    int block = 0;  ///< of the packet; with two returns the first of the pair
+    int bank = 0;
+    int azimuth = 0;
+    double time_us = 0.0;  ///< after the time of the packet
+    double rate = 0.0;     ///< hundredths of a degree in a microsecond
+  };
+  bool take_time(const Packet& packet, std::vector<Scan>& completed);
+  std::int64_t passed_us(std::int64_t now_us, std::int64_t capture_ns, bool& clock_was_set) const;
+  void count_lost(std::int64_t passed_us, int azimuth);
+  void read_firings(Bytes payload);
+  void set_rates();
+  void add_points(const Firing& firing, Bytes payload, double start_s);
+  double expected_rate() const { return kTurn / (1e6 * stream_.scan_period_s); }
+
+  VelodyneStream stream_;
+  VelodyneTiming timing_;
+  VelodyneChannels channels_;
+  std::optional<std::int64_t> last_us_;  ///< of the packet before, within the hour
+  std::int64_t sensor_us_ = 0;           ///< the same, counted on over the hours
+  int last_packet_azimuth_ = 0;
+  double rate_ = 0.0;
+  std::vector<Firing> firings_;
+};
+
+}  // namespace hqslam::recordings

@@ -1,0 +1,325 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "files/point_files.h"
+#include "files/scan_sources.h"
+#include "hqslam/core/angles.h"
+#include "hqslam/core/error.h"
+#include "hqslam/core/median.h"
+#include "hqslam/core/point_fields.h"
+#include "hqslam/core/recorded_scan.h"
+
+namespace hqslam {
+
+namespace {
+
+/// A scan in the order of firing turns about once; one stored ring after ring once per ring.
+constexpr double kMostTurns = 1.5;
+
+/// Within half a turn of 0.
+double wrapped(double angle_rad) { return angle_rad - kTwoPi * std::round(angle_rad / kTwoPi); }
+
+/// Where the head stood, clockwise from the front.
+double head_rad(const Scan& scan, std::size_t i, const SensorModel& sensor) {
+  const double offset_rad = scan.row.empty() ? 0.0 : sensor.beam_azimuth_offset_rad[scan.row[i]];
+  return offset_rad - std::atan2(scan.points_m[i].y(), scan.points_m[i].x());
+}
+
+/// Times of points that were recorded without any, from the azimuth at which they were measured.
+///
+/// In:  scans as captured while the head turned, points in the order of their firing; a turn takes
+///      scan_period_s. `index`, of the scan in its recording, rises; scans may be missing.
+/// Out: time offset = (turns of the head up to the point) x scan_period_s, from the middle of the
+///      scan's times. The turns are counted on from scan to scan, so a scan of 364 degrees takes
+///      that much longer than one of 360, and stamp_s is the middle of its times since the first
+///      point of the first scan. Points that are stored ring after ring turn many times within a
+///      scan: such a scan begins at the back, as an image does, and lasts one turn.
+class AzimuthTimes {
+ public:
+  explicit AzimuthTimes(double scan_period_s) : scan_period_s_(scan_period_s) {}
+
+  void set(Scan& scan, const SensorModel& sensor, std::size_t index) {
+    if (!first_index_) first_index_ = index;
+    const auto scans_before = static_cast<double>(index - *first_index_);
+    scan.time_offset_s.clear();
+    if (scan.points_m.empty()) {
+      scan.stamp_s = (scans_before + 0.5) * scan_period_s_;
+      return;
+    }
+    std::vector<double> turned_rad;
+    turned_rad.reserve(scan.points_m.size());
+    // The head turned on while scans were missing.
+    double turned = last_index_
+                        ? turned_rad_ + kTwoPi * static_cast<double>(index - *last_index_ - 1)
+                        : head_rad(scan, 0, sensor) + kTwoPi * scans_before;
+    for (std::size_t i = 0; i < scan.points_m.size(); ++i) {
+      turned += wrapped(head_rad(scan, i, sensor) - turned);
+      turned_rad.push_back(turned);
+    }
+    const auto [least, most] = std::ranges::minmax_element(turned_rad);
+    if (*most - *least > kMostTurns * kTwoPi) {
+      for (std::size_t i = 0; i < turned_rad.size(); ++i) {
+        const double from_back = wrapped(head_rad(scan, i, sensor)) / kTwoPi;  // -1/2 .. 1/2
+        scan.time_offset_s.push_back(static_cast<float>(from_back * scan_period_s_));
+      }
+      scan.stamp_s = (scans_before + 0.5) * scan_period_s_;
+      return;
+    }
+    if (!last_index_) first_turned_rad_ = head_rad(scan, 0, sensor);
+    last_index_ = index;
+    turned_rad_ = turned;
+    const double middle_rad = (*least + *most) / 2.0;
+    const double s_per_rad = scan_period_s_ / kTwoPi;
+    for (const double t : turned_rad) {
+      scan.time_offset_s.push_back(static_cast<float>((t - middle_rad) * s_per_rad));
+    }
+    scan.stamp_s = (middle_rad - first_turned_rad_) * s_per_rad;
+  }
+
+ private:
+  double scan_period_s_;
+  std::optional<std::size_t> first_index_;
+  std::optional<std::size_t> last_index_;  ///< up to which turns were counted
+  double turned_rad_ = 0.0;                ///< clockwise, since azimuth 0
+  double first_turned_rad_ = 0.0;
+};
+
+constexpr double kFits_rad = 0.1 * kDegree_rad;
+constexpr double kFarthest_rad = 1.5 * kDegree_rad;
+constexpr std::size_t kFewestPoints = 100;
+
+/// How far each row is from the table, where it has points enough.
+std::vector<std::optional<double>> deviations_rad(const SensorModel& sensor,
+                                                  const std::vector<Scan>& scans) {
+  std::vector<std::vector<double>> elevations(static_cast<std::size_t>(sensor.rows()));
+  for (const Scan& scan : scans) {
+    for (std::size_t i = 0; i < scan.row.size(); ++i) {
+      const Eigen::Vector3f& point_m = scan.points_m[i];
+      const float range_m = point_m.norm();
+      if (!(range_m >= sensor.min_range_m && range_m <= sensor.max_range_m)) continue;
+      elevations[scan.row[i]].push_back(
+          std::atan2(double{point_m.z()}, double{point_m.head<2>().norm()}));
+    }
+  }
+  std::vector<std::optional<double>> result(elevations.size());
+  for (std::size_t row = 0; row < elevations.size(); ++row) {
+    if (elevations[row].size() < kFewestPoints) continue;
+    result[row] = median(elevations[row]) - sensor.beam_elevation_rad[row];
+  }
+  return result;
+}
+
+/// The deviation of the nearest row that has one.
+double nearest(const std::vector<std::optional<double>>& deviations, std::size_t row) {
+  for (std::size_t away = 0; away < deviations.size(); ++away) {
+    if (row >= away && deviations[row - away]) return *deviations[row - away];
+    if (row + away < deviations.size() && deviations[row + away]) return *deviations[row + away];
+  }
+  return 0.0;
+}
+
+/// The sensor with the beams of this very unit.
+///
+/// In:  its first scans with rows; the beam table of its kind.
+/// Out: per row the median elevation of its points; rows with few points are as far from the table
+///      as their neighbours. Nothing if the table fits (half of the rows within a tenth of a degree
+///      of it), if any row is farther than 1.5 degrees from it, so that it is another sensor, or if
+///      the elevations do not fall from row to row.
+std::optional<SensorModel> with_own_elevations(const SensorModel& sensor,
+                                               const std::vector<Scan>& scans) {
+  const auto deviations = deviations_rad(sensor, scans);
+  std::vector<double> known;
+  for (const auto& deviation : deviations) {
+    if (deviation) known.push_back(std::abs(*deviation));
+  }
+  if (known.size() < 2 || *std::ranges::max_element(known) > kFarthest_rad ||
+      median(known) < kFits_rad) {
+    return std::nullopt;
+  }
+  SensorModel own = sensor;
+  for (std::size_t row = 0; row < deviations.size(); ++row) {
+    own.beam_elevation_rad[row] += nearest(deviations, row);
+    if (row > 0 && own.beam_elevation_rad[row] >= own.beam_elevation_rad[row - 1]) {
+      return std::nullopt;
+    }
+  }
+  return own;
+}
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kScansToTry = 10;
+constexpr std::size_t kScansToLearnFrom = 5;
+
+class FileScanSource : public ScanSource {
+ public:
+  FileScanSource(std::vector<std::string> paths, const std::optional<SensorModel>& sensor,
+                 const RecordingOptions& options)
+      : paths_(std::move(paths)), without_times_(options.without_times) {
+    read_stamps(options.stamps);
+    sensor_ = sensor ? *sensor : found_sensor();
+    azimuth_times_ = AzimuthTimes(sensor_.scan_period_s);
+    look_at_first_scans(sensor.has_value());
+  }
+
+  const SensorModel& sensor() const override { return sensor_; }
+  std::optional<std::int64_t> size() const override { return std::ssize(paths_); }
+  double read_share() const override {
+    return static_cast<double>(next_) / static_cast<double>(paths_.size());
+  }
+  bool has_stamps() const override { return has_stamps_; }
+  std::vector<std::string> warnings() const override { return warnings_; }
+
+  std::optional<RecordedScan> next() override {
+    if (next_ == paths_.size()) return std::nullopt;
+    const std::size_t index = next_++;
+    try {
+      RecordedScan result = recorded(index);
+      if (!std::exchange(any_used_, true)) {
+        if (std::string text = crowding_warning(result); !text.empty()) {
+          warnings_.push_back(std::move(text));
+        }
+      }
+      return result;
+    } catch (const Error& error) {
+      // One scan may be damaged; if the first ones all are, the recording is not what it should be.
+      if (!any_used_ && index + 1 >= std::min(kScansToTry, paths_.size())) throw;
+      throw ScanError(error.what());
+    }
+  }
+
+ private:
+  /// The stamps that are asked for, or those of KITTI's timestamps.txt.
+  void read_stamps(const std::string& wanted) {
+    std::string path = wanted;
+    if (wanted == kStampsFromNames) {
+      stamps_s_ = stamps_from_names_s(paths_);
+      return;
+    }
+    const fs::path folder = fs::path(paths_.front()).parent_path();
+    for (const fs::path& above : {folder, folder.parent_path()}) {
+      std::error_code error;
+      const fs::path usual = above / "timestamps.txt";
+      if (path.empty() && paths_.size() > 1 && fs::is_regular_file(usual, error)) {
+        path = usual.string();
+      }
+    }
+    if (path.empty()) return;
+    stamps_s_ = read_stamps_s(path);
+    if (stamps_s_.size() != paths_.size()) {
+      throw Error(
+          "{}: expected a stamp for each of {} scans, found {}; give a file with as many lines",
+          path, paths_.size(), stamps_s_.size());
+    }
+  }
+
+  SensorModel found_sensor() {
+    FoundSensor found = find_sensor_of_files(paths_, stamps_s_);
+    warnings_.push_back(fmt::format("{}: {}", paths_.front(), found.note));
+    return std::move(found.sensor);
+  }
+
+  /// Reads the first scans, whose points are kept until their turn. may_be_off: whether the beams
+  /// may be others than the sensor's.
+  void look_at_first_scans(bool may_be_off) {
+    has_stamps_ = !stamps_s_.empty();
+    std::vector<PointTimeField> times;
+    for (std::size_t i = 0; i < std::min(kScansToLearnFrom, paths_.size()); ++i) {
+      try {
+        first_points_[i] = read_point_file(paths_[i]);
+        times.push_back(first_points_[i]->time);
+      } catch (const Error&) {
+        continue;  // reported when its turn comes
+      }
+    }
+    has_clock_ = times_rise(times, sensor_.scan_period_s);
+    std::vector<Scan> scans;
+    for (std::size_t i = 0; i < first_points_.size(); ++i) {
+      if (!first_points_[i]) continue;
+      try {
+        first_points_[i]->time.is_of_clock = has_clock_;
+        scans.push_back(scan_of(*first_points_[i], &sensor_, paths_[i]));
+        has_stamps_ = has_stamps_ || scans.back().stamp_s != 0.0;
+        set_rows(scans.back(), paths_[i], false);
+      } catch (const Error&) {
+        continue;
+      }
+    }
+    if (!may_be_off) return;
+    if (auto own = with_own_elevations(sensor_, scans)) {
+      warnings_.push_back(fmt::format(
+          "{}: the beams are off the table of sensor '{}'; read with those of this unit, from its "
+          "first scans",
+          paths_.front(), sensor_.name));
+      sensor_ = std::move(*own);
+    }
+  }
+
+  /// A .pcd file is a driver's, with rings where they are known; else elevations determine rows.
+  void set_rows(Scan& scan, const std::string& path, bool must_fit) const {
+    if (!path.ends_with(".pcd")) set_rows_by_order(scan, sensor_, path, must_fit);
+  }
+
+  RawPoints points_of(std::size_t index) {
+    const bool is_kept = index < first_points_.size() && first_points_[index].has_value();
+    RawPoints points = is_kept ? std::move(*first_points_[index]) : read_point_file(paths_[index]);
+    if (is_kept) first_points_[index].reset();
+    points.time.is_of_clock = has_clock_;
+    return points;
+  }
+
+  RecordedScan recorded(std::size_t index) {
+    const std::string& path = paths_[index];
+    Scan scan = scan_of(points_of(index), &sensor_, path);
+    set_rows(scan, path, true);
+    if (scan.time_offset_s.empty()) {
+      if (!without_times_) warn_of_missing_times();
+      if (without_times_ == CaptureTime::kRolling) azimuth_times_.set(scan, sensor_, index);
+    }
+    if (!stamps_s_.empty()) {
+      scan.stamp_s = stamps_s_[index];
+    } else if (scan.stamp_s == 0.0) {
+      scan.stamp_s = static_cast<double>(index) * sensor_.scan_period_s;
+    }
+    return recorded_scan(scan, sensor_, path);
+  }
+
+  /// Once, and not of a single scan, which fits nothing else.
+  void warn_of_missing_times() {
+    if (std::exchange(is_warned_, true) || paths_.size() == 1) return;
+    warnings_.push_back(fmt::format(
+        "{}: points without times are taken as corrected for motion; 'hqslam info' tells whether "
+        "they are, and --capture says it",
+        paths_.front()));
+  }
+
+  std::vector<std::string> paths_;
+  SensorModel sensor_;
+  std::vector<double> stamps_s_;
+  std::vector<std::string> warnings_;
+  std::optional<CaptureTime> without_times_;
+  AzimuthTimes azimuth_times_{0.0};
+  std::array<std::optional<RawPoints>, kScansToLearnFrom> first_points_;
+  bool has_stamps_ = false;
+  bool has_clock_ = false;  ///< times of points are those of a clock
+  std::size_t next_ = 0;
+  bool any_used_ = false;
+  bool is_warned_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<ScanSource> make_file_scan_source(std::vector<std::string> paths,
+                                                  const std::optional<SensorModel>& sensor,
+                                                  const RecordingOptions& options) {
+  return std::make_unique<FileScanSource>(std::move(paths), sensor, options);
+}
+
+}  // namespace hqslam

@@ -1,0 +1,190 @@
+#include "hqslam/core/sensor_finder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "hqslam/core/angles.h"
+#include "hqslam/core/error.h"
+#include "hqslam/core/median.h"
+#include "sensor/beams_in_points.h"
+
+// The beams of a sensor, found in the points of some of its scans.
+//
+// In:  points in the sensor frame, metres, with the numbers of their rings where the file has them.
+// Out: the elevation of each beam (beams_in_points.cpp), highest first; columns.
+//
+// A sensor is accepted if hardly any point is nearer to another beam than to its own, and if each
+// scan alone gives the same beams.
+
+namespace hqslam {
+
+namespace {
+
+constexpr int kFewestBeams = 4;
+constexpr double kMostBetweenBeams = 0.03;
+constexpr double kMostContradicting = 0.1;
+/// Share of the beams that single scans must have, in the mean.
+constexpr double kLeastSeen = 0.7;
+/// A beam is a preset's, or that of another scan, within this.
+constexpr double kSameBeam_rad = 0.15 * kDegree_rad;
+
+constexpr double kDefaultPeriod_s = 0.1;
+constexpr int kDefaultColumns = 1024;
+
+/// Distance to the nearer neighbour.
+double spacing_rad(const std::vector<Beam>& beams, std::size_t i) {
+  double nearest_rad = 2.0 * std::numbers::pi;
+  for (const std::size_t j : {i - 1, i + 1}) {  // before the first: beyond the last
+    if (j >= beams.size()) continue;
+    nearest_rad = std::min(nearest_rad, std::abs(beams[i].elevation_rad - beams[j].elevation_rad));
+  }
+  return nearest_rad;
+}
+
+/// Why these beams cannot be a sensor's; "" if they can.
+std::string complaint(const Beams& found, std::size_t scans) {
+  const std::vector<Beam>& beams = found.beams;
+  if (beams.size() < kFewestBeams || beams.size() > kMostBeams) {
+    return fmt::format("found {} beams that are clearly apart", beams.size());
+  }
+  double points = found.strays, between = found.strays, seen = 0.0, contradicting = 0.0;
+  for (std::size_t i = 0; i < beams.size(); ++i) {
+    const double apart_rad = spacing_rad(beams, i);
+    std::vector<std::vector<double>> off_rad(scans);
+    for (const Sight& sight : beams[i].sights) {
+      off_rad[sight.scan].push_back(beams[i].off_rad(sight));
+      points += 1.0;
+      between += std::abs(off_rad[sight.scan].back()) > found.nearest * apart_rad ? 1.0 : 0.0;
+    }
+    for (std::vector<double>& off : off_rad) {
+      if (off.size() < kFewestPoints) continue;
+      seen += 1.0;
+      contradicting += std::abs(median(off)) > std::min(apart_rad / 4.0, kSameBeam_rad) ? 1.0 : 0.0;
+    }
+  }
+  if (between > kMostBetweenBeams * points) {
+    return fmt::format("found {} beams, but {:.0f} % of the points between them", beams.size(),
+                       100.0 * between / points);
+  }
+  if (seen < kLeastSeen * static_cast<double>(beams.size() * scans)) {
+    return fmt::format("found {} beams, of which single scans have {:.0f} %", beams.size(),
+                       100.0 * seen / static_cast<double>(beams.size() * scans));
+  }
+  if (contradicting <= kMostContradicting * seen) return "";
+  return fmt::format("found {} beams, {:.0f} % of which look elsewhere in single scans",
+                     beams.size(), 100.0 * contradicting / seen);
+}
+
+/// From the step of the azimuth from point to point of a beam.
+int columns_of(const std::vector<Beam>& beams) {
+  std::vector<double> steps_rad;
+  for (const Beam& beam : beams) {
+    std::vector<std::pair<std::size_t, double>> ways;
+    for (const Sight& sight : beam.sights) ways.emplace_back(sight.scan, sight.azimuth_rad);
+    std::ranges::sort(ways);
+    for (std::size_t i = 1; i < ways.size(); ++i) {
+      const double step_rad = ways[i].second - ways[i - 1].second;
+      if (ways[i].first == ways[i - 1].first && step_rad > 1e-5) steps_rad.push_back(step_rad);
+    }
+  }
+  if (steps_rad.empty()) return kDefaultColumns;
+  // Where nothing came back, steps are longer.
+  const double short_rad = quantile(steps_rad, 0.3);
+  std::erase_if(steps_rad, [&](double step) { return std::abs(step / short_rad - 1.0) > 0.5; });
+  const double columns = 2.0 * std::numbers::pi / median(steps_rad);
+  for (const int usual : {512, 1024, 2048, 4096}) {
+    if (std::abs(columns / usual - 1.0) < 0.015) return usual;
+  }
+  if (!(columns > 200.0 && columns < 4500.0)) return kDefaultColumns;
+  const int step = columns < 1000.0 ? 10 : 100;
+  return static_cast<int>(std::lround(columns / step)) * step;
+}
+
+/// How far the beams are from the nearest ones of a sensor, at most. Nothing if those are too few
+/// for them, or two are the same one.
+std::optional<double> farthest_off_rad(const SensorModel& sensor, const std::vector<Beam>& beams) {
+  const auto& rows_rad = sensor.beam_elevation_rad;
+  if (beams.size() > rows_rad.size()) return std::nullopt;
+  double most_rad = 0.0;
+  std::size_t row = 0;
+  for (const Beam& beam : beams) {
+    const auto off_rad = [&](std::size_t r) { return std::abs(beam.elevation_rad - rows_rad[r]); };
+    while (row + 1 < rows_rad.size() && off_rad(row + 1) < off_rad(row)) ++row;
+    if (row == rows_rad.size()) return std::nullopt;
+    most_rad = std::max(most_rad, off_rad(row++));
+  }
+  return most_rad;
+}
+
+/// The preset that has these beams, and a few more at most of which nothing came back; else one
+/// with these beams alone.
+FoundSensor sensor_with(const std::vector<Beam>& beams) {
+  const int columns = columns_of(beams);
+  for (const std::string& name : sensor_preset_names()) {
+    SensorModel preset = sensor_preset(name);
+    const auto off_rad = farthest_off_rad(preset, beams);
+    if (!off_rad || *off_rad > kSameBeam_rad || 4 * std::ssize(beams) < 3 * preset.rows()) continue;
+    // A sensor that turns faster than usual; finer images than a preset's are none that it lacks.
+    if (columns < preset.columns * 3 / 4) preset.columns = columns;
+    return {
+        preset, {}, fmt::format("those of {} within {:.3f} degrees", name, *off_rad / kDegree_rad)};
+  }
+  SensorModel sensor;
+  sensor.name = fmt::format("found-{}", beams.size());
+  sensor.columns = columns;
+  sensor.min_range_m = 0.5;
+  sensor.max_range_m = 200.0;
+  for (const Beam& beam : beams) sensor.beam_elevation_rad.push_back(beam.elevation_rad);
+  sensor.beam_azimuth_offset_rad.assign(beams.size(), 0.0);
+  return {sensor, {}, "those of no preset"};
+}
+
+struct Way {
+  const char* name;
+  Beams (*find)(const std::vector<RawPoints>& scans);
+};
+constexpr std::array<Way, 3> kWays = {{{"rings", beams_by_rings},
+                                       {"the order of points", beams_by_order},
+                                       {"elevations", beams_by_elevation}}};
+
+}  // namespace
+
+FoundSensor find_sensor(const std::vector<RawPoints>& scans, std::optional<double> scan_period_s,
+                        const std::string& source) {
+  std::string wrong = "found no points";
+  for (const Way& way : kWays) {
+    if (scans.empty()) break;
+    const Beams told = way.find(scans);
+    wrong = complaint(told, scans.size());
+    const bool has_rings = told.rings >= kFewestBeams;
+    if (!wrong.empty() && has_rings) break;
+    if (!wrong.empty()) continue;
+    const std::vector<Beam>& beams = told.beams;
+    FoundSensor found = sensor_with(beams);
+    if (found.sensor.rows() < told.rings) {
+      wrong = fmt::format("found points of {} of {} rings", beams.size(), told.rings);
+      break;
+    }
+    for (const Beam& beam : beams) found.beam_elevation_rad.push_back(beam.elevation_rad);
+    found.sensor.scan_period_s = scan_period_s.value_or(kDefaultPeriod_s);
+    validate(found.sensor);
+    found.note = fmt::format(
+        "sensor found in the points: {} beams from {:.2f} to {:.2f} degrees, by {} of {} scan{}, "
+        "{}; name the sensor if it is another one",
+        beams.size(), beams.front().elevation_rad / kDegree_rad,
+        beams.back().elevation_rad / kDegree_rad, way.name, scans.size(),
+        scans.size() == 1 ? "" : "s", found.note);
+    return found;
+  }
+  throw Error(
+      "{}: cannot determine the sensor from the recording or its points: {}; give --sensor NAME or "
+      "--sensor FILE.json",
+      source, wrong);
+}
+
+}  // namespace hqslam

@@ -1,0 +1,350 @@
+#include "hqslam/core/scan_source.h"
+
+#include <doctest/doctest.h>
+#include <sys/stat.h>
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+#include "core/real_data.h"
+#include "error_message.h"
+#include "file_contents.h"
+#include "hqslam/core/kitti_bin.h"
+#include "hqslam/core/npy.h"
+#include "hqslam/core/trajectory.h"
+#include "points_file.h"
+#include "recording_complaint.h"
+#include "temporary_directory.h"
+
+using namespace hqslam;
+using namespace hqslam::test;
+
+namespace {
+
+/// Walls at different distances and the ground; some pixels without a return.
+RangeImage an_image(const SensorModel& sensor, double shift_m = 0.0) {
+  RangeImage image(sensor.rows(), sensor.columns);
+  for (int row = 0; row < image.rows; ++row) {
+    const double tangent = std::tan(sensor.beam_elevation_rad[row]);
+    for (int column = 0; column < image.columns; ++column) {
+      const double wall_m = 12.0 + shift_m + 4.0 * std::cos(6.28 * column / image.columns);
+      const double distance_m = std::min(wall_m, tangent < 0.0 ? 1.7 / -tangent : 1e3);
+      if ((column / 100) % 5 == 4) continue;
+      image.at(row, column) = static_cast<float>(distance_m * std::hypot(1.0, tangent));
+    }
+  }
+  return image;
+}
+
+Scan as_scan(const RangeImage& image, const SensorModel& sensor) {
+  Scan scan;
+  scan.points_m = points_of(unproject(image, sensor, CaptureTime::kMotionCorrected));
+  return scan;
+}
+
+double largest_difference_m(const OrganizedCloud& cloud, const RangeImage& image) {
+  REQUIRE(cloud.range_m.size() == image.range_m.size());
+  double difference_m = 0.0;
+  for (std::size_t i = 0; i < image.range_m.size(); ++i) {
+    difference_m = std::max<double>(difference_m, std::abs(cloud.range_m[i] - image.range_m[i]));
+  }
+  return difference_m;
+}
+
+}  // namespace
+
+TEST_CASE("a folder of KITTI files gives the images that they were made from, in natural order") {
+  for (const std::string name : {"os1-16", "os1-64", "vlp-16"}) {
+    CAPTURE(name);
+    const TemporaryDirectory directory;
+    const SensorModel sensor = sensor_preset(name);
+    for (const int number : {10, 9, 8}) {
+      write_kitti_bin(as_scan(an_image(sensor, number), sensor),
+                      directory.file(std::to_string(number) + ".bin"));
+    }
+    const auto source = open_scan_files(directory.path().string(), sensor);
+    CHECK(source->size() == 3);
+    CHECK(source->sensor() == sensor);
+    for (int i = 0; i < 3; ++i) {
+      const auto scan = source->next();
+      REQUIRE(scan);
+      CHECK(scan->name == directory.file(std::to_string(8 + i) + ".bin"));
+      CHECK(scan->stamp_s == doctest::Approx(0.1 * i));
+      CHECK(largest_difference_m(scan->cloud, an_image(sensor, 8 + i)) < 1e-3);
+      CHECK(scan->cloud.time_offset_s.empty());
+    }
+    CHECK_FALSE(source->next());
+  }
+}
+
+TEST_CASE("a folder of .pcd files and a single file are recordings too") {
+  const TemporaryDirectory directory;
+  const SensorModel sensor = sensor_preset("os1-16");
+  const RangeImage image = an_image(sensor);
+  write_points(as_scan(image, sensor).points_m, directory.file("0.pcd"));
+  for (const std::string& path : {directory.path().string(), directory.file("0.pcd")}) {
+    const auto source = open_scan_files(path, sensor);
+    CHECK(source->size() == 1);
+    CHECK(largest_difference_m(source->next()->cloud, image) < 1e-3);
+    CHECK_FALSE(source->next());
+  }
+}
+
+TEST_CASE("points stored column after column take their rows from the elevation") {
+  const TemporaryDirectory directory;
+  const SensorModel sensor = sensor_preset("os1-16");
+  const RangeImage image = an_image(sensor);
+  const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kMotionCorrected);
+  Scan scan;
+  for (int column = 0; column < image.columns; ++column) {
+    for (int row = 0; row < image.rows; ++row) {
+      scan.points_m.push_back(cloud.points_m[image.index(row, column)]);  // zeros: no return
+    }
+  }
+  write_kitti_bin(scan, directory.file("0.bin"));
+  const auto recorded = open_scan_files(directory.file("0.bin"), sensor)->next();
+  REQUIRE(recorded);
+  CHECK(largest_difference_m(recorded->cloud, image) < 1e-3);
+  CHECK(recorded->invalid_points == 16 * 200);
+}
+
+TEST_CASE("rings whose points are in no order of azimuth are refused with the file's name") {
+  const TemporaryDirectory directory;
+  const SensorModel sensor = sensor_preset("os1-16");
+  const RangeImage image = an_image(sensor);
+  const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kMotionCorrected);
+  Scan scan;
+  for (int row = 0; row < image.rows; ++row) {
+    for (int i = 0; i < image.columns; ++i) {
+      scan.points_m.push_back(cloud.points_m[image.index(row, i * 333 % image.columns)]);
+    }
+  }
+  write_kitti_bin(scan, directory.file("0.bin"));
+  CHECK(one_line_with(recording_complaint(directory.file("0.bin"), sensor), "0.bin",
+                      "ring after ring", "jumps"));
+}
+
+TEST_CASE("an .npy stack gives its images, in either order of rows, rolling or corrected") {
+  const TemporaryDirectory directory;
+  const SensorModel sensor = sensor_preset("os1-16");
+  const std::string path = directory.file("scans.npy");
+  const RangeImage image = an_image(sensor);
+  RangeImage flipped(image.rows, image.columns);
+  for (int row = 0; row < image.rows; ++row) {
+    for (int column = 0; column < image.columns; ++column) {
+      flipped.at(row, column) = image.at(image.rows - 1 - row, column);
+    }
+  }
+  NpyStackWriter writer(path, image.rows, image.columns);
+  writer.append(image);
+  writer.append(flipped);
+  const auto source = open_scan_files(path, sensor);
+  CHECK(source->size() == 2);
+  const auto first = source->next();
+  CHECK(first->cloud.range_m == image.range_m);
+  CHECK(first->cloud.time_offset_s.size() == image.range_m.size());
+  CHECK(first->name == path + "[0]");
+  CHECK(source->next()->cloud.range_m == flipped.range_m);
+  const auto upside_down =
+      open_scan_files(path, sensor, {RowOrder::kLowestFirst, CaptureTime::kMotionCorrected});
+  CHECK(upside_down->next()->cloud.range_m == flipped.range_m);
+  const auto second = upside_down->next();
+  CHECK(second->cloud.range_m == image.range_m);
+  CHECK(second->cloud.time_offset_s.empty());
+  CHECK(second->stamp_s == doctest::Approx(0.1));
+}
+
+TEST_CASE("bad pixels and pixels out of range are counted and left out") {
+  const TemporaryDirectory directory;
+  const SensorModel sensor = sensor_preset("os1-16");
+  RangeImage image = an_image(sensor);
+  const std::int64_t pixels =
+      std::ranges::count_if(image.range_m, [](float range_m) { return range_m > 0.0F; });
+  image.at(0, 0) = std::numeric_limits<float>::quiet_NaN();
+  image.at(0, 1) = std::numeric_limits<float>::infinity();
+  image.at(0, 2) = -3.0F;
+  image.at(0, 3) = 1e6F;
+  image.at(0, 4) = 0.01F;
+  NpyStackWriter(directory.file("scans.npy"), image.rows, image.columns).append(image);
+  const auto source = open_scan_files(directory.file("scans.npy"), sensor);
+  CHECK(source->warnings().empty());
+  const auto scan = source->next();
+  REQUIRE(scan);
+  REQUIRE(source->warnings().size() == 1);
+  CHECK(one_line_with(source->warnings()[0], "1 pixels", "120 m", "os1-16"));
+  CHECK(scan->invalid_points == 3);
+  CHECK(scan->counts.out_of_range == 2);
+  CHECK(scan->counts.kept == pixels - 5);
+  for (int column = 0; column < 5; ++column) CHECK(scan->cloud.range_m[column] == 0.0F);
+}
+
+TEST_CASE("a simulated drive is opened with the sensor it was made with and no other") {
+  const TemporaryDirectory directory;
+  const SensorModel sensor = sensor_preset("hdl-32e");
+  const RangeImage image = an_image(sensor);
+  write_sensor_json(sensor, directory.file("sensor.json"));
+  NpyStackWriter(directory.file("scans.npy"), image.rows, image.columns).append(image);
+  const std::string path = directory.path().string();
+  const auto source = open_scan_files(path, sensor);
+  const auto scan = source->next();
+  CHECK(scan->cloud.range_m == image.range_m);
+  CHECK_FALSE(scan->cloud.time_offset_s.empty());
+  SensorModel tilted = sensor;
+  tilted.beam_elevation_rad[3] += 1e-3;
+  CHECK(one_line_with(recording_complaint(path, tilted), path, "expected", "hdl-32e", "found",
+                      "sensor.json"));
+  CHECK(one_line_with(recording_complaint(path, sensor_preset("os1-64")), "'os1-64' (64 rows",
+                      "'hdl-32e' (32 rows"));
+  SensorModel slow = sensor;
+  slow.scan_period_s = 0.2;
+  CHECK(one_line_with(recording_complaint(path, slow), "0.2 s a scan", "found", "0.1 s a scan"));
+}
+
+TEST_CASE("what a folder's sensor file says of its images holds whatever the sensor is called") {
+  const TemporaryDirectory directory;
+  const SensorModel preset = sensor_preset("hdl-32e");
+  SensorModel upsampled = preset;
+  upsampled.measured_rows = RowSelection{3, 4};
+  upsampled.motion_corrected = true;
+  write_sensor_json(upsampled, directory.file("sensor.json"));
+  NpyStackWriter(directory.file("scans.npy"), 32, preset.columns).append(an_image(preset));
+  const std::string path = directory.path().string();
+  const auto source = open_scan_files(path, preset);
+  CHECK(source->sensor() == upsampled);
+  CHECK(source->next()->cloud.time_offset_s.empty());
+
+  // The same stack alone is taken as the caller says.
+  CHECK_FALSE(open_scan_files(path + "/scans.npy", preset)->next()->cloud.time_offset_s.empty());
+  CHECK(open_scan_files(path + "/scans.npy", upsampled)->next()->cloud.time_offset_s.empty());
+  write_sensor_json(preset, directory.file("sensor.json"));
+  const RecordingOptions corrected{RowOrder::kHighestFirst, CaptureTime::kMotionCorrected};
+  CHECK(open_scan_files(path, preset, corrected)->next()->cloud.time_offset_s.empty());
+}
+
+TEST_CASE("an order of rows is refused where points say how high they are") {
+  const TemporaryDirectory directory;
+  const SensorModel sensor = sensor_preset("os1-16");
+  write_kitti_bin(as_scan(an_image(sensor), sensor), directory.file("0.bin"));
+  for (const std::string& path : {directory.path().string(), directory.file("0.bin")}) {
+    CHECK(refused_with(
+        [&] {
+          open_scan_files(path, sensor, {RowOrder::kLowestFirst, {}});
+        },
+        path, ".npy", "leave"));
+  }
+}
+
+TEST_CASE("a KITTI drive is opened by the folder above its scans") {
+  const TemporaryDirectory directory;
+  const SensorModel sensor = sensor_preset("os1-16");
+  std::filesystem::create_directory(directory.path() / "velodyne");
+  write_kitti_bin(as_scan(an_image(sensor), sensor), directory.file("velodyne/0.bin"));
+  write_file(directory.file("timestamps.txt"), "2011-09-26\n");
+  CHECK(open_scan_files(directory.path().string(), sensor)->size() == 1);
+}
+
+TEST_CASE("a path that is no recording is refused in one line") {
+  const TemporaryDirectory directory;
+  const SensorModel sensor = sensor_preset("os1-16");
+  const std::string path = directory.path().string();
+  CHECK(one_line_with(recording_complaint("/nowhere", sensor), "/nowhere", "no such",
+                      "give a capture"));
+  CHECK(one_line_with(recording_complaint(path, sensor), path, "empty folder", ".bin or .pcd"));
+  write_file(directory.file("readme.md"), "hello");
+  CHECK(one_line_with(recording_complaint(path, sensor), path, "found none"));
+  CHECK(one_line_with(recording_complaint(directory.file("readme.md"), sensor), "'.md'"));
+  write_file(directory.file("readme.txt"), "hello");  // a kind of recording, but no points in it
+  CHECK(one_line_with(recording_complaint(directory.file("readme.txt"), sensor), "columns x y z"));
+  write_file(directory.file("a.npy"), "not numpy");
+  CHECK(one_line_with(recording_complaint(path, sensor), "a.npy", "give the path"));
+  CHECK(one_line_with(recording_complaint(directory.file("a.npy"), sensor), "a.npy", "NUMPY"));
+  write_file(directory.file("0.bin"), "text, not a scan");
+  CHECK(one_line_with(recording_complaint(path, sensor), "0.bin", "text"));
+  write_file(directory.file("0.pcd"), "");
+  CHECK(one_line_with(recording_complaint(path, sensor), path, "one kind", "1 .bin and 1 .pcd"));
+}
+
+TEST_CASE(
+    "links that lead nowhere and files that are none are named, and later stamps stay theirs") {
+  const TemporaryDirectory directory;
+  const SensorModel sensor = sensor_preset("os1-16");
+  for (const char* name : {"0.bin", "4.bin"}) {
+    write_kitti_bin(as_scan(an_image(sensor), sensor), directory.file(name));
+  }
+  std::filesystem::create_symlink(directory.file("nowhere"), directory.file("1.bin"));
+  std::filesystem::create_symlink(directory.file("2.bin"), directory.file("2.bin"));
+  REQUIRE(mkfifo(directory.file("3.bin").c_str(), 0600) == 0);
+  std::filesystem::create_directory(directory.file("5.bin"));  // a folder is no scan
+  const auto source = open_scan_files(directory.path().string(), sensor);
+  CHECK(source->size() == 5);
+  CHECK(source->next()->stamp_s == 0.0);
+  for (const char* name : {"1.bin", "2.bin"}) {
+    CHECK(refused_with([&] { source->next(); }, name, "found no file"));
+  }
+  CHECK(refused_with([&] { source->next(); }, "3.bin", "found a pipe or a device"));
+  CHECK(source->read_share() == doctest::Approx(0.8));
+  CHECK(source->next()->stamp_s == doctest::Approx(0.4));
+  CHECK_FALSE(source->next());
+}
+
+TEST_CASE("scans of another sensor or in other units are refused") {
+  const TemporaryDirectory directory;
+  const SensorModel os1_64 = sensor_preset("os1-64");
+  const Scan scan = as_scan(an_image(os1_64), os1_64);
+  write_kitti_bin(scan, directory.file("0.bin"));
+  write_points(scan.points_m, directory.file("0.pcd"));
+  for (const std::string name : {"os1-16", "vlp-16", "hdl-64e", "vls-128"}) {
+    CAPTURE(name);
+    CHECK(one_line_with(recording_complaint(directory.file("0.bin"), sensor_preset(name)), "0.bin",
+                        name, "name the sensor"));
+  }
+  std::vector<Eigen::Vector3f> in_mm = scan.points_m;
+  for (Eigen::Vector3f& point : in_mm) point *= 1000.0F;
+  write_points(in_mm, directory.file("mm.pcd"));
+  CHECK(one_line_with(recording_complaint(directory.file("mm.pcd"), os1_64), "mm.pcd", "metres"));
+  std::vector<Eigen::Vector3f> above = scan.points_m;
+  for (Eigen::Vector3f& point : above) point.z() = point.norm();
+  write_points(above, directory.file("above.pcd"));
+  CHECK(one_line_with(recording_complaint(directory.file("above.pcd"), os1_64), "above.pcd",
+                      "outside", "name the sensor"));
+
+  RangeImage image = an_image(os1_64);
+  for (float& range : image.range_m) range *= 1000.0F;
+  NpyStackWriter(directory.file("mm.npy"), image.rows, image.columns).append(image);
+  CHECK(
+      one_line_with(recording_complaint(directory.file("mm.npy"), os1_64), "mm.npy[0]", "metres"));
+  CHECK(one_line_with(recording_complaint(directory.file("mm.npy"), sensor_preset("os1-16")),
+                      "mm.npy", "16 x 1024", "64 x 1024"));
+  const NpyStackWriter no_images(directory.file("none.npy"), 64, 1024);
+  CHECK(one_line_with(recording_complaint(directory.file("none.npy"), os1_64), "none.npy",
+                      "one image"));
+}
+
+TEST_CASE("real recordings are opened and keep nearly all of their points") {
+  const auto data = real_data("");
+  if (!data) return;
+  const std::string& folder = *data;
+  const auto drive = open_scan_files(folder + "kitti_drive_0005", sensor_preset("hdl-64e"));
+  CHECK(drive->size() == 80);
+  const auto scan = drive->next();
+  CHECK(scan->counts.outside_rows == 0);
+  CHECK(scan->counts.kept > 50'000);
+  CHECK(refused_with(
+      [&] { open_scan_files(folder + "kitti_drive_0005", sensor_preset("os1-64"))->next(); },
+      "000000.bin", "os1-64"));
+
+  SensorModel os1 = sensor_preset("os1-64");
+  os1.columns = 2048;
+  const auto rellis =
+      open_scan_files(folder + "ouster/rellis_os1-64_2048x64_000104.bin", os1)->next();
+  CHECK(rellis->invalid_points == 53364);
+  CHECK(rellis->counts.kept > 60'000);
+
+  const auto singles =
+      open_scan_files(folder + "hdl64e_singles/train_64x1024.npy", sensor_preset("hdl-64e"));
+  CHECK(singles->size() == 98);
+  int images = 0;
+  while (singles->next()) ++images;
+  CHECK(images == 98);
+}

@@ -1,0 +1,316 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "captures.h"
+#include "error_message.h"
+#include "file_contents.h"
+#include "hqslam/core/angles.h"
+#include "hqslam/recordings/recording.h"
+#include "packets/velodyne_decoder.h"
+#include "packets/velodyne_tables.h"
+#include "temporary_directory.h"
+
+using namespace hqslam;
+using namespace hqslam::recordings;
+using namespace hqslam::test;
+
+namespace {
+
+VelodyneStream probed(const std::vector<Captured>& packets) {
+  VelodyneProbe probe;
+  for (const Captured& captured : packets) probe.add(as_packet(captured));
+  const auto stream = probe.result();
+  REQUIRE(stream);
+  return *stream;
+}
+
+struct Decoded {
+  std::vector<Scan> scans;
+  PacketCounts counts;
+  std::int64_t partial = 0;
+  std::int64_t lost = 0;  ///< turns
+};
+
+Decoded decoded(const std::vector<Captured>& packets, const VelodyneStream& stream,
+                const TurnDecoderOptions& options = {}) {
+  VelodyneDecoder decoder(stream, sensor_preset(name(stream.model)), options);
+  std::vector<Scan> scans = test::decoded(decoder, packets);
+  return {std::move(scans), decoder.counts(), decoder.partial_scans(), decoder.lost_scans()};
+}
+
+/// From the first point to the last.
+double duration_s(const Scan& scan) {
+  const auto [first, last] = std::ranges::minmax_element(scan.time_offset_s);
+  return *last - *first;
+}
+
+/// Sets the sensor's clock on from the packet `begin` on, and maybe the capture's.
+void set_on(std::vector<Captured>& packets, std::size_t begin, std::int64_t later_us,
+            std::int64_t captured_later_us = 0) {
+  for (std::size_t i = begin; i < packets.size(); ++i) {
+    const auto time_us = little_endian<std::uint32_t>(packets[i].payload, kTimeAt);
+    put(packets[i].payload, kTimeAt,
+        static_cast<std::uint32_t>((time_us + later_us) % 3'600'000'000));
+    packets[i].time_ns += 1000 * captured_later_us;
+  }
+}
+
+/// Azimuths of twelve blocks, so many hundredths of a degree apart.
+std::vector<int> azimuths(int first, int step) {
+  std::vector<int> result;
+  for (int i = 0; i < 12; ++i) result.push_back((first + i * step) % 36000);
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("the lasers of every model are the beams of its preset") {
+  for (const VelodyneModel model : kVelodyneModels) {
+    CAPTURE(name(model));
+    const SensorModel sensor = sensor_preset(name(model));
+    const auto elevations_deg = laser_elevations_deg(model);
+    const auto rows = laser_rows(model);
+    REQUIRE(static_cast<int>(elevations_deg.size()) == sensor.rows());
+    std::vector<bool> used(rows.size(), false);
+    for (std::size_t laser = 0; laser < rows.size(); ++laser) {
+      used[static_cast<std::size_t>(rows[laser])] = true;
+      CHECK(std::abs(radians(elevations_deg[laser]) -
+                     sensor.beam_elevation_rad[static_cast<std::size_t>(rows[laser])]) <
+            radians(0.02));
+    }
+    CHECK(std::ranges::count(used, false) == 0);
+  }
+  // The eight columns of a VLS-128's lasers: -6.354 degrees for lasers 0, 8, 16, ...
+  const SensorModel vls = sensor_preset("vls-128");
+  const double column_deg[] = {-6.354, -4.548, -2.732, -0.911, 0.911, 2.732, 4.548, 6.354};
+  const auto rows = laser_rows(VelodyneModel::kVls128);
+  for (std::size_t laser = 0; laser < 128; ++laser) {
+    CHECK(vls.beam_azimuth_offset_rad[static_cast<std::size_t>(rows[laser])] ==
+          doctest::Approx(radians(column_deg[laser % 8])));
+  }
+}
+
+TEST_CASE("a point of a VLP-16 is where and when its laser fired") {
+  // Blocks 0.4 degrees apart; laser 3 of the second firing of block 5: -15 + 3 * ... = +3 degrees.
+  auto packet = velodyne_packet(1000, azimuths(9000, 40), 0);
+  set_measurement(packet, 5, 16 + 3, 5000);  // 10 m
+  VelodyneDecoder decoder(VelodyneStream{}, sensor_preset("vlp-16"));
+  std::vector<Scan> scans;
+  // A turn before and behind it, so that the scan is whole.
+  for (const Captured& captured :
+       {Captured{0, 2368, velodyne_packet(0, azimuths(35700, 40), 0)},
+        Captured{1'000'000, 2368, packet},
+        Captured{90'000'000, 2368, velodyne_packet(90000, azimuths(35900, 40), 0)}}) {
+    decoder.add(as_packet(captured), scans);
+  }
+  REQUIRE(scans.size() == 1);
+  const Scan& scan = scans[0];
+  REQUIRE(scan.points_m.size() == 1);
+  const double laser_us = 55.296 + 3 * 2.304;
+  const double azimuth_rad = radians(92.0 + 0.4 * laser_us / 110.592);
+  const double elevation_rad = radians(3.0);
+  const Eigen::Vector3d expected_m(10.0 * std::cos(elevation_rad) * std::cos(azimuth_rad),
+                                   -10.0 * std::cos(elevation_rad) * std::sin(azimuth_rad),
+                                   10.0 * std::sin(elevation_rad));
+  CHECK((scan.points_m[0].cast<double>() - expected_m).norm() < 1e-5);
+  CHECK(scan.row[0] == 6);  // 15, 13, 11, 9, 7, 5, 3
+  const double time_us = 1000.0 + 5 * 110.592 + laser_us;
+  CHECK(scan.stamp_s + scan.time_offset_s[0] ==
+        doctest::Approx(1e-6 * time_us).scale(0).epsilon(1e-5));
+}
+
+TEST_CASE("the spacing of the packets tells the model, whatever the factory byte says") {
+  struct Case {
+    VelodyneModel model;
+    double packet_us, firing_us;
+    bool dual;
+  };
+  for (const Case& c : {Case{VelodyneModel::kVlp16, 1327.104, 110.592, false},
+                        Case{VelodyneModel::kVlp16, 663.552, 110.592, true},
+                        Case{VelodyneModel::kHdl32e, 552.96, 46.08, false},
+                        Case{VelodyneModel::kHdl32e, 276.48, 46.08, true},
+                        Case{VelodyneModel::kVlp32c, 663.552, 55.296, false},
+                        Case{VelodyneModel::kVlp32c, 331.776, 55.296, true}}) {
+    RoundRoom room;
+    room.packet_us = c.packet_us;
+    room.firing_us = c.firing_us;
+    room.dual = c.dual;
+    room.product = 0x21;  // HDL-32E
+    const VelodyneStream stream = probed(velodyne_capture(room));
+    CHECK(stream.model == c.model);
+    CHECK(stream.dual_return == c.dual);
+    CHECK(stream.factory_model == VelodyneModel::kHdl32e);
+    CHECK(stream.scan_period_s == doctest::Approx(0.1).scale(0).epsilon(0.001));
+    CHECK(stream.field_of_view_deg == 360.0);
+  }
+}
+
+TEST_CASE("packets of an HDL-64E and of an LSLiDAR, which look alike, are refused") {
+  const TemporaryDirectory folder;
+  std::vector<Captured> packets = velodyne_capture();
+  for (Captured& packet : packets) {
+    for (std::size_t block = 1; block < 12; block += 2) {
+      put(packet.payload, 100 * block, std::uint16_t{0xDDFF});
+    }
+  }
+  write_file(folder.file("a.pcap"), pcap_bytes(packets));
+  CHECK(refused_with([&] { Recording::open(folder.file("a.pcap")); }, "HDL-64E", "point clouds"));
+  packets = velodyne_capture({.product = 0x10});
+  write_file(folder.file("b.pcap"), pcap_bytes(packets));
+  CHECK(refused_with([&] { Recording::open(folder.file("b.pcap")); }, "b.pcap"));
+}
+
+TEST_CASE("a Puck Hi-Res is refused without its beams, and an unknown factory byte is named") {
+  const TemporaryDirectory folder;
+  const std::string path = folder.file("a.pcap");
+  write_file(path, pcap_bytes(velodyne_capture({.product = 0x24})));
+  CHECK(refused_with([&] { Recording::open(path); }, path, "Puck Hi-Res", "sensor file"));
+  SensorModel own = sensor_preset("vlp-16");
+  for (double& elevation_rad : own.beam_elevation_rad) elevation_rad *= 2.0 / 3.0;
+  write_sensor_json(own, folder.file("own.json"));
+  CHECK(Recording::open(path, {.sensor = folder.file("own.json")}).warnings().empty());
+  for (const auto& [byte, warnings] : {std::pair(0x22, 0), std::pair(0x7F, 1)}) {
+    write_file(path, pcap_bytes(velodyne_capture({.product = static_cast<std::uint8_t>(byte)})));
+    const std::vector<std::string> found = Recording::open(path).warnings();
+    REQUIRE(std::ssize(found) == warnings);
+    if (warnings == 1) CHECK(found[0].find("0x7f") != std::string::npos);
+  }
+}
+
+TEST_CASE("turns of any rate and field of view become scans with the recording's stamps") {
+  for (const double rate_hz : {5.0, 10.0, 17.0, 20.0}) {
+    for (const bool blind : {false, true}) {
+      CAPTURE(rate_hz);
+      CAPTURE(blind);
+      RoundRoom room;
+      room.rate_hz = rate_hz;
+      room.duration_s = 4.5 / rate_hz;
+      room.first_azimuth_deg = 300.0;
+      if (blind) {  // looks to the front: 280 to 80 degrees
+        room.blind_from_deg = 80.0;
+        room.blind_to_deg = 280.0;
+      }
+      const auto packets = velodyne_capture(room);
+      const VelodyneStream stream = probed(packets);
+      CHECK(stream.scan_period_s == doctest::Approx(1.0 / rate_hz).scale(0).epsilon(0.002));
+      CHECK(stream.field_of_view_deg ==
+            doctest::Approx(blind ? 160.0 : 360.0).scale(0).epsilon(0.02));
+      const Decoded d = decoded(packets, stream);
+      CHECK(d.counts.lost == 0);
+      // The head looks away first where there is a blind angle: three quarters are soon together.
+      REQUIRE(d.scans.size() == (blind ? 5 : 4));
+      for (std::size_t i = 0; i < d.scans.size(); ++i) {
+        const Scan& scan = d.scans[i];
+        if (i > 0) {
+          CHECK(scan.stamp_s - d.scans[i - 1].stamp_s ==
+                doctest::Approx(1.0 / rate_hz)
+                    .scale(0)
+                    .epsilon(i == 1 || i + 1 == d.scans.size() ? 0.1 : 0.02));
+        }
+        const auto [first, last] = std::ranges::minmax_element(scan.time_offset_s);
+        const double expected_s = (blind ? 160.0 / 360.0 : 1.0) / rate_hz;
+        CHECK(*last - *first < 1.02 * expected_s);
+        CHECK(std::abs(*last + *first) < 0.002);
+      }
+    }
+  }
+}
+
+TEST_CASE("lost, doubled, overtaken and foreign packets are counted, and a lost turn is a gap") {
+  auto packets = velodyne_capture({.duration_s = 1.05});
+  packets.erase(packets.begin() + 200, packets.begin() + 290);  // more than a turn
+  packets.insert(packets.begin() + 100, packets[98]);           // doubled
+  std::swap(packets[50], packets[51]);                          // overtaken
+  packets.push_back({packets.back().time_ns, 8308, Payload(512)});
+  const Decoded d = decoded(packets, probed(packets));
+  CHECK(d.counts.lost == 90 + 1);
+  CHECK(d.counts.late == 2);
+  CHECK(d.counts.foreign == 1);
+  double longest_s = 0.0;
+  for (std::size_t i = 1; i < d.scans.size(); ++i) {
+    longest_s = std::max(longest_s, d.scans[i].stamp_s - d.scans[i - 1].stamp_s);
+  }
+  CHECK(longest_s > 0.14);
+}
+
+TEST_CASE("packets and turns of an outage are counted, however long it lasts") {
+  struct Case {
+    double outage_s;
+    std::int64_t turns;
+  };
+  for (const Case& c : {Case{0.25, 2}, Case{1.0, 10}, Case{2.55, 25}, Case{1900.0, 19000},
+                        Case{3600.0 * 3 + 5.0, 108050}}) {
+    CAPTURE(c.outage_s);
+    auto packets = velodyne_capture({.duration_s = 1.05, .first_azimuth_deg = 0.0});
+    const VelodyneStream stream = probed(packets);
+    const auto later_us = static_cast<std::int64_t>(1e6 * c.outage_s);
+    set_on(packets, 400, later_us, later_us);
+    const Decoded d = decoded(packets, stream);
+    const double expected = 1e6 * c.outage_s / 1327.104;
+    CHECK(std::abs(static_cast<double>(d.counts.lost) - expected) < 1.0 + 1e-3 * expected);
+    CHECK(std::abs(static_cast<double>(d.lost - c.turns)) <=
+          1.0 + 1e-3 * static_cast<double>(c.turns));
+    CHECK(d.scans.back().stamp_s - d.scans.front().stamp_s > c.outage_s);
+  }
+}
+
+TEST_CASE("no scan lasts longer than a turn, however many packets were lost") {
+  // 75.4 packets a turn: up to just less than a turn, to just more, 1.1 and 1.9 turns are missing.
+  for (const int lost : {74, 75, 82, 142}) {
+    CAPTURE(lost);
+    auto packets = velodyne_capture({.duration_s = 0.95});
+    const VelodyneStream stream = probed(packets);
+    packets.erase(packets.begin() + 184, packets.begin() + 184 + lost);  // from 100 degrees on
+    const Decoded d = decoded(packets, stream);
+    CHECK(d.counts.lost == lost);
+    REQUIRE(d.scans.size() >= 5);
+    for (const Scan& scan : d.scans) CHECK(duration_s(scan) < 1.01 * stream.scan_period_s);
+  }
+}
+
+TEST_CASE("a gap of nearly a turn, which leaves the azimuth as it was, ends a scan") {
+  std::vector<Captured> packets;
+  const auto add = [&](double time_ms) {
+    const int azimuth = static_cast<int>(std::lround(360.0 * time_ms)) % 36000;
+    packets.push_back({std::llround(1e6 * time_ms), 2368,
+                       velodyne_packet(static_cast<std::uint32_t>(std::lround(1e3 * time_ms)),
+                                       azimuths(azimuth, 0))});
+  };
+  for (int i = 0; i <= 13; ++i) add(10.0 * i);         // up to 108 degrees of the second turn
+  for (int i = 0; i < 20; ++i) add(229.5 + 10.0 * i);  // from 106.2 degrees of the third turn on
+  const Decoded d = decoded(packets, VelodyneStream{});
+  REQUIRE(d.scans.size() == 2);
+  CHECK(duration_s(d.scans[0]) == doctest::Approx(0.09).epsilon(0.02));
+  CHECK(duration_s(d.scans[1]) == doctest::Approx(0.09).epsilon(0.02));
+  CHECK(d.partial == 3);
+}
+
+TEST_CASE("time goes on over the hour, and a clock that is set ends a scan") {
+  auto packets = velodyne_capture({.duration_s = 0.5});
+  set_on(packets, 0, 3'599'800'000);
+  const Decoded over_hour = decoded(packets, probed(packets));
+  REQUIRE(over_hour.scans.size() == 5);
+  CHECK(over_hour.counts.lost == 0);
+  CHECK(over_hour.scans[3].stamp_s - over_hour.scans[0].stamp_s ==
+        doctest::Approx(0.3).scale(0).epsilon(0.01));
+  set_on(packets, 150, 400'000'000);
+  // Set in the third turn: what was before and behind it are two parts, the first one nearly whole.
+  const Decoded set = decoded(packets, probed(packets));
+  REQUIRE(set.scans.size() == 5);
+  CHECK(over_hour.partial == 1);
+  CHECK(set.partial == 2);
+  for (std::size_t i = 2; i < 5; ++i) {
+    CHECK(std::abs(set.scans[i].stamp_s - over_hour.scans[i].stamp_s) < 0.001);
+  }
+}
+
+TEST_CASE("a scan ends where both clocks are set back together") {
+  auto packets = velodyne_capture({.duration_s = 0.5});
+  set_on(packets, 150, 3'595'000'000, -5'000'000);
+  const Decoded set = decoded(packets, probed(packets));
+  CHECK(set.partial == 2);
+  for (const Scan& scan : set.scans) CHECK(duration_s(scan) < 0.11);
+}

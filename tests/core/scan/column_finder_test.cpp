@@ -1,0 +1,90 @@
+#include "scan/column_finder.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace hqslam {
+namespace {
+
+int by_definition(const SensorModel& sensor, int row, const Eigen::Vector3f& point_m) {
+  return sensor.column_of(row, std::atan2(point_m.y(), point_m.x()));
+}
+
+/// The row and the point of a column's left edge, or a few units of the last place beside it.
+Eigen::Vector3f at_edge(const SensorModel& sensor, int row, int column, int units, float range_m) {
+  const double azimuth_rad = sensor.azimuth_rad(row, column) + 0.5 * sensor.column_step_rad();
+  Eigen::Vector3f point_m(static_cast<float>(range_m * std::cos(azimuth_rad)),
+                          static_cast<float>(range_m * std::sin(azimuth_rad)), 0.0F);
+  const float towards = units < 0 ? -1e9F : 1e9F;
+  for (int i = 0; i < std::abs(units); ++i) {
+    point_m.y() = std::nextafter(point_m.y(), towards);
+  }
+  return point_m;
+}
+
+std::vector<SensorModel> sensors() {
+  std::vector<SensorModel> all;
+  for (const std::string& name : sensor_preset_names()) all.push_back(sensor_preset(name));
+  for (const int columns : {16, 1023, 16384}) {
+    all.push_back(sensor_preset("vls-128"));
+    all.back().columns = columns;
+  }
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("the column that is found quickly is the sensor's own, wherever the point is") {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> coordinate_m(-80.0F, 80.0F);
+  for (const SensorModel& sensor : sensors()) {
+    CAPTURE(sensor.name);
+    CAPTURE(sensor.columns);
+    const ColumnFinder finder(sensor);
+    int different = 0;
+    for (int i = 0; i < 100'000; ++i) {
+      const int row = static_cast<int>(random() % static_cast<unsigned>(sensor.rows()));
+      const Eigen::Vector3f point_m(coordinate_m(random), coordinate_m(random), 0.0F);
+      if (finder.column(row, point_m) != by_definition(sensor, row, point_m)) ++different;
+    }
+    CHECK(different == 0);
+  }
+}
+
+TEST_CASE("at the edges of all columns, too, and a unit of the last place beside them") {
+  for (const SensorModel& sensor : sensors()) {
+    CAPTURE(sensor.name);
+    CAPTURE(sensor.columns);
+    const ColumnFinder finder(sensor);
+    int different = 0;
+    for (int column = 0; column < sensor.columns; ++column) {
+      const int row = column % sensor.rows();
+      for (const int units : {-3, -1, 0, 1, 3}) {
+        const Eigen::Vector3f point_m = at_edge(sensor, row, column, units, 20.0F);
+        if (finder.column(row, point_m) != by_definition(sensor, row, point_m)) ++different;
+      }
+    }
+    CHECK(different == 0);
+  }
+}
+
+TEST_CASE("points on the axes, on diagonals, at the origin and beyond all bounds have a column") {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  constexpr float kLargest = std::numeric_limits<float>::max();
+  constexpr float kSmallest = std::numeric_limits<float>::denorm_min();
+  const SensorModel sensor = sensor_preset("os1-64");
+  const ColumnFinder finder(sensor);
+  for (const float x : {0.0F, -0.0F, 1.0F, -1.0F, kSmallest, kLargest, -kLargest, kInfinity}) {
+    for (const float y : {0.0F, -0.0F, 1.0F, -1.0F, -kSmallest, kLargest, -kLargest, -kInfinity}) {
+      for (int row = 0; row < sensor.rows(); ++row) {
+        const Eigen::Vector3f point_m(x, y, 1.0F);
+        CHECK(finder.column(row, point_m) == by_definition(sensor, row, point_m));
+      }
+    }
+  }
+}
+
+}  // namespace hqslam
