@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "golden.h"
+#include "graph/graph_backward.h"
 #include "graph/layer_graph.h"
 #include "hqslam/core/error.h"
 #include "random_values.h"
