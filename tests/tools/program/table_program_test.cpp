@@ -265,6 +265,15 @@ TEST_CASE("stamps that fall are named before the work of a table, which could no
                 {"000003.bin: expected a stamp after", "found 0.150000 s", "--stamps"}) == "");
 }
 
+TEST_CASE("networks that others published are rows of a table") {
+  const TemporaryDirectory folder;
+  const ProgramResult result =
+      succeeds("table --drives '{}' --methods rows-64 --weights '{}' --out '{}'",
+               simulated_drive("--sensor os1-64 --scans 4"),
+               golden_folder() + "/../../weights/srae_4_os1_16to64.npz", folder.file("out"));
+  CHECK(holds(result.out, "srae_4_os1_16to64"));
+}
+
 TEST_CASE("a wrong table is one line on stderr and status 2, and writes nothing") {
   const TemporaryDirectory folder;
   const std::string out = folder.file("out");

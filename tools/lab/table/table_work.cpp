@@ -10,6 +10,7 @@
 #include "files/content_hash.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
+#include "hqslam/nn/compare/compared_networks.h"
 #include "ranks/ranks.h"
 #include "recording/recording_choice.h"
 #include "table/result_sources_hash.h"
@@ -37,7 +38,9 @@ void require_weights(const SensorModel& sensor, const TableDrive& drive, const T
   for (const TableMethod& method : plan.methods) {
     const std::string weights = weights_of(method, sensor.name);
     if (weights.empty()) continue;
-    pipeline::Upsampler(sensor, {.method = weights, .rows = method.rows}, drive.name);
+    pipeline::UpsamplingOptions options{weights, method.rows};
+    options.network.architectures = nn::all_architectures();
+    pipeline::Upsampler(sensor, options, drive.name);
   }
 }
 
