@@ -8,6 +8,7 @@
 #include "inspect/inspect_command.h"
 #include "live/live_command.h"
 #include "program/program.h"
+#include "replay/replay_command.h"
 #include "run/map_command.h"
 #include "run/run_command.h"
 #include "run/slam_options_command.h"
@@ -19,7 +20,7 @@ namespace hqslam::tools {
 
 /// The subcommands of the program hqslam.
 using ProductCommands = std::tuple<RunOptions, LiveOptions, InfoOptions, MapOptions, ViewOptions,
-                                   EvaluateOptions, InspectOptions, CalibrateOptions,
+                                   EvaluateOptions, InspectOptions, CalibrateOptions, ReplayOptions,
                                    UpsampleOptions, WeightsOptions, SlamOptionsCommand>;
 
 inline ProgramText product_text() {

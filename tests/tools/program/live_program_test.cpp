@@ -118,6 +118,43 @@ TEST_CASE("a drive that is sent live gives the trajectory that its capture gives
   }
 }
 
+TEST_CASE("live makes the maps that run makes of its capture, and one to be located in again") {
+  const TemporaryDirectory folder;
+  const std::string kept = folder.file("kept.pcap");
+  LiveProgram live(fmt::format("--record '{}' --occupancy-grid --save-map", kept));
+  REQUIRE(live.says("no packet yet"));
+  live.send_drive();
+  CHECK(live.end(SIGINT) == 0);
+  CAPTURE(live.error());
+  succeeds("run '{}' --occupancy-grid --save-map --out '{}'", kept, folder.file("run"));
+  for (const char* map : {"map.pgm", "map.yaml", "saved_map.npz"}) {
+    CAPTURE(map);
+    CHECK(file_contents(live.path(fmt::format("out/{}", map))) ==
+          file_contents(folder.file(fmt::format("run/{}", map))));
+  }
+
+  live.start(fmt::format("--map '{}'", folder.file("run/saved_map.npz")));
+  REQUIRE(live.says("no packet yet"));
+  succeeds("replay '{}' --port {}", kept, live.port());
+  REQUIRE(live.says(fmt::format("{} scans  x", kDriveScans)));
+  CHECK(live.end(SIGINT) == 0);
+  const Trajectory again = read_tum(live.path("out/trajectory.tum"));
+  const Trajectory first = read_tum(folder.file("run/trajectory.tum"));
+  REQUIRE(again.size() == first.size());
+  const auto end_m = [](const Trajectory& path) -> Eigen::Vector3d {
+    return path.back().T_map_sensor.translation();
+  };
+  CHECK((end_m(again) - end_m(first)).norm() < 0.1);
+}
+
+TEST_CASE("replay refuses what is no capture and no address") {
+  const TemporaryDirectory folder;
+  write_file(folder.file("no.pcap"), "no capture");
+  CHECK(missing(refused("replay '{}'", folder.file("no.pcap")).error, {"no.pcap", "pcap"}) == "");
+  CHECK(missing(refused("replay '{}' --to nowhere", folder.file("no.pcap")).error,
+                {"--to nowhere", "expected an IPv4 or IPv6 address"}) == "");
+}
+
 TEST_CASE(
     "killed while it records, live leaves a capture to run on, which it does not write over") {
   const TemporaryDirectory folder;

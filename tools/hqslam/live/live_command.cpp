@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <filesystem>
 #include <vector>
 
 #include "hqslam/core/error.h"
@@ -83,15 +84,47 @@ void print_summary(const SlamRun& run, const live::LiveCounts& counts, const std
   to_stdout("{} packets, {} lost; {} of {} scans dropped; {} inertial samples\n",
             counts.packets.used, counts.packets.lost, counts.dropped_scans, counts.scans,
             counts.imu.used);
+  for (const std::string& summary : {run.dense_map_summary, run.occupancy_grid_summary}) {
+    if (!summary.empty()) to_stdout("{}\n", summary);
+  }
   if (!out.empty()) to_stdout("{}", results_line(run, out));
 }
 
+/// The capture that --record has written, as hqslam run would open it.
+InputChoice recording_of(const LiveOptions& options) {
+  InputChoice recording{options.record};
+  recording.kept_return = options.kept_return;
+  const auto metadata = std::filesystem::path(options.record).replace_extension(".json");
+  if (!std::filesystem::exists(metadata)) recording.sensor = options.sensor;
+  return recording;
+}
+
+/// Makes the maps that need all poses, from the capture. Ctrl-C, which ended the drive, ends this
+/// when it comes again.
+void add_maps_of_capture(const LiveOptions& options, RunOutput& output, SlamRun& run) {
+  const InterruptGuard interrupt;
+  add_maps(recording_of(options), options, options, interrupt, output, run);
+}
+
 /// What to tell the shell, with the line on stderr that explains it.
-int exit_status_of(const SlamRun& run, const live::LiveCounts& counts) {
-  const int status = exit_status_of(run, std::ssize(run.scans), counts.scans);
+int exit_status_of(const SlamRun& run, const live::LiveCounts& counts, const MapChoice& maps) {
+  int status = exit_status_of_maps(maps, run);
+  if (status == kOk) status = exit_status_of(run, std::ssize(run.scans), counts.scans);
   if (status != kOk || counts.recording_failure.empty()) return status;
   to_stderr("hqslam: {}; the recording ends there, the results are whole\n",
             counts.recording_failure);
+  return kWrongInput;
+}
+
+/// After the results, or what of them could be written: maps and the summary. Returns an ExitStatus.
+int finish(const LiveOptions& options, const live::LiveCounts& counts, const std::string& failure,
+           RunOutput& output, SlamRun& run) {
+  if (failure.empty()) add_maps_of_capture(options, output, run);
+  print_summary(run, counts, failure.empty() ? options.out : "");
+  const int status = exit_status_of(run, counts, options);
+  if (failure.empty()) return status;
+  to_stderr("hqslam: {}; not all results are written{}\n", failure,
+            options.record.empty() ? "" : ", hqslam run makes them of the recording");
   return kWrongInput;
 }
 
@@ -134,17 +167,17 @@ void declare(CLI::App& app, LiveOptions& options) {
   declare_threads(command, options.threads);
   declare_slam_kind(command, options.slam);
   declare_slam_settings(command, options.slam);
+  declare_maps(command, options, {"--record"});
 }
 
 int run(const LiveOptions& options) {
-  const InterruptGuard interrupt;
+  std::optional<InterruptGuard> interrupt(std::in_place);
   use_threads(options.threads);
-  pipeline::PipelineOptions pipeline;
-  pipeline.slam = slam_kind(options.slam);
-  pipeline.slam_options = slam_options(options.slam);
-  RunOutput output(options.out, {options.sensor, options.upsample, options.slam.file});
+  const pipeline::PipelineOptions pipeline = pipeline_options(options.slam, options);
+  RunOutput output(options.out,
+                   {options.sensor, options.upsample, options.map_file, options.slam.file});
   require_possible(options);
-  live::LiveSensor sensor(sensor_options(options));
+  std::optional<live::LiveSensor> sensor(std::in_place, sensor_options(options));
   output.prepare();  // a disk that takes nothing is better known before the drive
   LiveView view(fmt::format("hqslam live, {}", options.sensor));
   std::optional<ViewServer> server;
@@ -153,30 +186,29 @@ int run(const LiveOptions& options) {
                    [&view](const std::string& target) { return view.answer(target); });
     to_stdout("page: {}\n", server->url());
   }
-  if (!wait_for_sensor(sensor, interrupt)) return kOk;
-  const std::string port = fmt::format("UDP port {}", sensor.port());
-  pipeline::Upsampler upsampler = upsampler_of({sensor.sensor()}, options, port);
+  if (!wait_for_sensor(*sensor, *interrupt)) return kOk;
+  const std::string port = fmt::format("UDP port {}", sensor->port());
+  pipeline::Upsampler upsampler = upsampler_of({sensor->sensor()}, options, port);
   const int columns = upsampler.recorded().columns;
-  print_sensor(sensor, columns);
-  sensor.start(columns);
-  if (const std::string failure = sensor.counts().imu_failure; !failure.empty()) {
+  print_sensor(*sensor, columns);
+  sensor->start(columns);
+  if (const std::string failure = sensor->counts().imu_failure; !failure.empty()) {
     to_stderr("hqslam: {}; driving without inertial data\n", failure);
   }
-  const SlamRun run = run_live(sensor, SlamSession(std::move(upsampler), pipeline, port), output,
-                               interrupt, server ? &view : nullptr);
-  const live::LiveCounts counts = sensor.counts();
+  SlamSession session(std::move(upsampler), pipeline, port);
+  session.run().located_in = options.map_file;
+  SlamRun run = run_live(*sensor, std::move(session), output, *interrupt, server ? &view : nullptr,
+                         options.save_map);
+  const live::LiveCounts counts = sensor->counts();
   if (run.scans.empty()) {
     if (run.end == ReadingEnd::kUnreadableScan) throw Error(run.end_message);
     to_stderr("hqslam: interrupted before the first scan; nothing was written\n");
     return kOk;
   }
+  sensor.reset();  // which ends its capture
   const std::string failure = failure_of_writing([&] { output.write_results(run); });
-  print_summary(run, counts, failure.empty() ? options.out : "");
-  const int status = exit_status_of(run, counts);
-  if (failure.empty()) return status;
-  to_stderr("hqslam: {}; not all results are written{}\n", failure,
-            options.record.empty() ? "" : ", hqslam run makes them of the recording");
-  return kWrongInput;
+  interrupt.reset();
+  return finish(options, counts, failure, output, run);
 }
 
 }  // namespace hqslam::tools

@@ -5,11 +5,12 @@
 #include <string>
 
 #include "recording/recording_choice.h"
+#include "run/map_choice.h"
 #include "run/slam_settings.h"
 
 namespace hqslam::tools {
 
-struct LiveOptions : UpsamplingChoice {
+struct LiveOptions : UpsamplingChoice, MapChoice {
   std::string sensor;
   std::uint16_t port = 0;  ///< 0: the sensor's usual one
   std::string kept_return = "strongest";

@@ -158,7 +158,7 @@ bool wait_for_sensor(live::LiveSensor& sensor, const InterruptGuard& interrupt) 
 }
 
 SlamRun run_live(live::LiveSensor& sensor, SlamSession session, RunOutput& output,
-                 const InterruptGuard& interrupt, LiveView* view) {
+                 const InterruptGuard& interrupt, LiveView* view, bool save_map) {
   SlamRun& run = session.run();
   run.command = "live";
   LiveProgress progress(view);
@@ -177,7 +177,7 @@ SlamRun run_live(live::LiveSensor& sensor, SlamSession session, RunOutput& outpu
   run.scans_in_recording = counts.scans;
   run.left_out.scans += counts.left_out_scans;
   if (!counts.first_left_out.empty()) run.left_out.first = counts.first_left_out;
-  return session.finished();
+  return session.finished(save_map);
 }
 
 }  // namespace hqslam::tools

@@ -25,7 +25,8 @@ std::string failure_of_writing(const std::function<void()>& write);
 /// The scans of a sensor that was started through the pipeline, as they come, until it is
 /// interrupted or the port fails. Results that cannot be written now are written later; the status
 /// line shows it. Prints a status line a second. view: shows the run; nullptr: there is none.
+/// save_map: the run gets a map for later drives.
 SlamRun run_live(live::LiveSensor& sensor, SlamSession session, RunOutput& output,
-                 const InterruptGuard& interrupt, LiveView* view);
+                 const InterruptGuard& interrupt, LiveView* view, bool save_map);
 
 }  // namespace hqslam::tools

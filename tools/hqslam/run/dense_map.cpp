@@ -20,6 +20,8 @@ ScanPoses poses_of(const SlamRun& run) {
                                run.part_of_scan[i] == run.map_part);
     if (i + 1 < run.scans.size()) poses.is_next_known.push_back(is_way_known(run, i));
   }
+  // Scans that a live run dropped are in its capture but not in the run: stamps are matched.
+  if (!run.scans.empty() && run.scans.front().latency_s) poses.scan_of_pose.reset();
   return poses;
 }
 

@@ -13,17 +13,19 @@ namespace hqslam::tools {
 
 namespace fs = std::filesystem;
 
-void declare_occupancy_grid(Command& command, bool& wanted, OccupancyGridChoice& choice) {
-  const std::vector<const char*> needs = {"--occupancy-grid"};
+void declare_occupancy_grid(Command& command, bool& wanted, OccupancyGridChoice& choice,
+                            const std::vector<const char*>& needs) {
+  const std::vector<const char*> grid = {"--occupancy-grid"};
   command
       .option("--occupancy-grid", &wanted,
               "Also make an occupancy grid, map.pgm and map.yaml, for Nav2; reads the recording "
-              "three times more")
+              "three times more",
+              {.needs = needs})
       .option("--grid-cell", &choice.resolution_m, "Cell size of the occupancy grid, metres",
-              {.shows_default = true, .within = std::pair(0.02, 1.0), .needs = needs})
+              {.shows_default = true, .within = std::pair(0.02, 1.0), .needs = grid})
       .option("--grid-band", &choice.band_m,
               "LOW,HIGH: heights above the ground, metres, between which something is an obstacle",
-              {.shows_default = true, .delimiter = ',', .values = 2, .needs = needs});
+              {.shows_default = true, .delimiter = ',', .values = 2, .needs = grid});
 }
 
 slam::OccupancyGridOptions options_of(const OccupancyGridChoice& choice) {

@@ -19,8 +19,9 @@ struct OccupancyGridChoice {
   std::vector<double> band_m = {slam::OccupancyGridOptions().lowest_obstacle_m,
                                 slam::OccupancyGridOptions().highest_obstacle_m};
 };
-/// --occupancy-grid, which sets `wanted`, --grid-cell and --grid-band.
-void declare_occupancy_grid(Command& command, bool& wanted, OccupancyGridChoice& choice);
+/// --occupancy-grid, which sets `wanted` and needs `needs`, --grid-cell and --grid-band.
+void declare_occupancy_grid(Command& command, bool& wanted, OccupancyGridChoice& choice,
+                            const std::vector<const char*>& needs = {});
 /// Throws Error.
 slam::OccupancyGridOptions options_of(const OccupancyGridChoice& choice);
 

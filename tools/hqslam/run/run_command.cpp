@@ -1,14 +1,10 @@
 #include "run/run_command.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
-#include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <memory>
 
-#include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "recording/recording_choice.h"
 #include "run/run_output.h"
@@ -82,15 +78,8 @@ std::string no_pairs_message(const SlamRun& run, const TrajectoryFile& reference
 
 /// What to tell the shell, with the lines on stderr that explain it.
 int exit_status_of(const SlamRun& run, const RunOptions& options) {
-  for (const std::string& failed : run.failed_maps) to_stderr("hqslam: {}\n", failed);
-  if (run.end == ReadingEnd::kComplete && !run.failed_maps.empty()) return kWrongInput;
-  const bool lacks_dense_map = options.dense_map && run.dense_map_summary.empty();
-  const bool lacks_grid = options.occupancy_grid && run.occupancy_grid_summary.empty();
-  if (run.end == ReadingEnd::kComplete && (lacks_dense_map || lacks_grid)) {
-    to_stderr("hqslam: interrupted; the results are valid, but there is no {}\n",
-              lacks_dense_map ? "dense map" : "occupancy grid");
-    return kInterrupted;
-  }
+  const int status = exit_status_of_maps(options, run);
+  if (run.end == ReadingEnd::kComplete && status != kOk) return status;
   return exit_status_of(run, std::ssize(run.scans), run.scans_in_recording);
 }
 
@@ -121,58 +110,6 @@ std::optional<ReferenceComparison> comparison_of(const SlamRun& run,
     pose.T_map_sensor = T_reference_map * pose.T_map_sensor;
   }
   return comparison;
-}
-
-/// x, y and yaw are the user's, the rest is that of the nearest place of the map: streets have
-/// slopes.
-Pose start_on_path(const std::vector<slam::SavedPlace>& places, const std::vector<double>& start) {
-  if (!std::ranges::all_of(start, [](double v) { return std::isfinite(v); })) {
-    throw Error("--start {}: expected three numbers; give X,Y,YAW", fmt::join(start, ","));
-  }
-  const Eigen::Vector2d start_m(start[0], start[1]);
-  const auto distance_m = [&](const slam::SavedPlace& place) {
-    return (place.T_map_sensor.translation().head<2>() - start_m).norm();
-  };
-  const auto nearest = std::ranges::min_element(places, {}, distance_m);
-  const Eigen::Vector3d rpy_rad = roll_pitch_yaw_rad(nearest->T_map_sensor);
-  return pose_from_xyz_rpy({start[0], start[1], nearest->T_map_sensor.translation().z()},
-                           rpy_rad.x(), rpy_rad.y(), radians(start[2]));
-}
-
-/// What runs the scans of a recording: which SLAM, in which map.
-pipeline::PipelineOptions pipeline_options(const RunOptions& options) {
-  pipeline::PipelineOptions pipeline;
-  pipeline.slam = slam_kind(options.slam);
-  pipeline.slam_options = slam_options(options.slam);
-  if (pipeline.slam == pipeline::SlamKind::kLegoLoam && options.save_map) {
-    throw Error("--slam lego-loam: recognizes no places for a saved map; leave --save-map out");
-  }
-  if (options.map_file.empty()) return pipeline;
-  pipeline.slam_options.loop_closing.enabled = false;
-  pipeline.map = slam::read_saved_map(options.map_file);
-  if (!options.start.empty() && !pipeline.map->places.empty()) {
-    pipeline.T_map_level_start = start_on_path(pipeline.map->places, options.start);
-  }
-  return pipeline;
-}
-
-/// All other results are written by now: what goes wrong here costs the dense map alone.
-void add_dense_map(const RunOptions& options, const InterruptGuard& interrupt, RunOutput& output,
-                   SlamRun& run) {
-  DenseMapRun dense_map = build_dense_map(options, options, poses_of(run), options.map, interrupt);
-  if (interrupt.stop_requested()) return;
-  run.dense_map_summary = dense_map_summary(dense_map);
-  output.write_dense_map(run, dense_map);
-}
-
-/// What goes wrong here costs the occupancy grid alone.
-void add_occupancy_grid(const RunOptions& options, const InterruptGuard& interrupt,
-                        RunOutput& output, SlamRun& run) {
-  const OccupancyGridRun grid =
-      build_occupancy_grid(options, options, poses_of(run), options.grid, interrupt);
-  if (interrupt.stop_requested()) return;
-  run.occupancy_grid_summary = grid.summary;
-  output.write_occupancy_grid(run, grid.map);
 }
 
 /// SLAM over the recording, with intermediate results now and then.
@@ -239,36 +176,20 @@ void declare(CLI::App& app, RunOptions& options) {
   declare_threads(command, options.threads);
   declare_slam_kind(command, options.slam);
   declare_slam_settings(command, options.slam);
-  command
-      .option("--save-map", &options.save_map,
-              "Also write saved_map.npz, in which later drives can be located",
-              {.excludes = {"--no-loop-closing"}})
-      .option("--map", &options.map_file,
-              "Locate the drive in this saved_map.npz of an earlier drive instead of making a map; "
-              "the file stays as it is",
-              {.given = Given::kFile, .excludes = {"--save-map"}})
-      .option("--start", &options.start,
-              "X,Y,YAW: the first pose in the map of --map, in metres and degrees, within 10 m and "
-              "25 degrees; default: it is searched in all of the map",
-              {.delimiter = ',', .values = 3, .needs = {"--map"}})
-      .option("--dense-map", &options.dense_map,
-              "Also make a dense map of the points of all scans, measured and upsampled; reads the "
-              "recording twice more");
-  declare_dense_map(command, options.map, {"--dense-map"});
-  declare_occupancy_grid(command, options.occupancy_grid, options.grid);
+  declare_maps(command, options);
 }
 
 SlamRun run_and_write(const RunOptions& options, const InterruptGuard& interrupt) {
   use_threads(options.threads);
   refuse_to_write_into_recording(options.input, options.out);
-  options_of(options.grid);  // refused before the drive, not after it
   pipeline::UpsampledRecording input = upsampled_recording(options, options);
   ScanSource& source = input.recording;
   const std::size_t printed = print_warnings(source, options.input);
   const std::optional<TrajectoryFile> reference = reference_of(options, source);
   RunOutput output(options.out, inputs_of(options));
 
-  SlamSession session(std::move(input.upsampler), pipeline_options(options), options.input);
+  SlamSession session(std::move(input.upsampler), pipeline_options(options.slam, options),
+                      options.input);
   session.run().located_in = options.map_file;
   process_all(source, session, output, interrupt);
   print_later_warnings(source, printed);
@@ -279,17 +200,7 @@ SlamRun run_and_write(const RunOptions& options, const InterruptGuard& interrupt
     if (!run.comparison) to_stderr("hqslam: {}\n", no_pairs_message(run, *reference));
   }
   output.write_results(run);
-  const auto add = [&](bool wanted, const auto& make) {
-    if (!wanted || interrupt.stop_requested()) return;
-    try {
-      make();
-    } catch (const Error& error) {
-      run.failed_maps.emplace_back(error.what());
-    }
-  };
-  // The grid, which is small, comes first: the report with the dense map has both.
-  add(options.occupancy_grid, [&] { add_occupancy_grid(options, interrupt, output, run); });
-  add(options.dense_map, [&] { add_dense_map(options, interrupt, output, run); });
+  add_maps(options, options, options, interrupt, output, run);
   return run;
 }
 
