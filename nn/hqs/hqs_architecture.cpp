@@ -45,15 +45,33 @@ PriorDescription read_prior(const HqsPreset& preset, JsonFields& network) {
   return prior;
 }
 
-/// Files have these three fields, which have one value each.
-void check_fixed(const HqsPreset& preset, JsonFields& network) {
-  bool shared = preset.shared;
-  network.optional("shared_weights", shared);
-  if (shared != preset.shared) {
-    network.complain("shared_weights", preset.shared ? "true" : "false");
+/// The loop's own choices, beside K and the filters. Throws Error.
+void read_loop(const HqsPreset& preset, JsonFields& network, HqsSizes& sizes) {
+  sizes.shared = preset.learns_alpha;
+  network.optional("shared_weights", sizes.shared);
+  if (preset.learns_alpha && !sizes.shared) network.complain("shared_weights", "true");
+  if (network.has("penalty")) {
+    sizes.fixed_penalty = static_cast<float>(network.number("penalty"));
+    if (!(*sizes.fixed_penalty >= 0.0F)) network.complain("penalty", "0 or more");
   }
-  if (network.has("filtered_iterate")) network.choice("filtered_iterate", {"h"});
-  if (network.has("rejected_pixel")) network.choice("rejected_pixel", {"takes-z"});
+  if (network.has("filtered_iterate") && network.choice("filtered_iterate", {"h", "z"}) == 1) {
+    sizes.filtered_iterate = FilteredIterate::kZ;
+  }
+  const char* other = sizes.filtered_iterate == FilteredIterate::kH ? "takes-z" : "takes-h";
+  if (network.has("rejected_pixel") && network.choice("rejected_pixel", {other, "zero"}) == 1) {
+    sizes.rejected_pixel = RejectedPixel::kZero;
+  }
+}
+
+/// As read_loop reads it.
+void write_loop(const HqsSizes& sizes, Json& network) {
+  const bool of_h = sizes.filtered_iterate == FilteredIterate::kH;
+  network["shared_weights"] = sizes.shared;
+  if (sizes.fixed_penalty) network["penalty"] = *sizes.fixed_penalty;
+  network["filtered_iterate"] = of_h ? "h" : "z";
+  network["rejected_pixel"] = sizes.rejected_pixel == RejectedPixel::kZero ? "zero"
+                              : of_h                                       ? "takes-z"
+                                                                           : "takes-h";
 }
 
 }  // namespace
@@ -61,12 +79,12 @@ void check_fixed(const HqsPreset& preset, JsonFields& network) {
 const HqsPreset kDuOr{.kind = "du-or", .read_prior = read_u_shaped_prior};
 const HqsPreset kSimpleDu{.kind = "simple-du",
                           .read_prior = read_plain_prior,
-                          .filters = false,
+                          .has_y = false,
                           .starts_at_zero = true,
-                          .shared = true};
+                          .learns_alpha = true};
 const HqsPreset kDuMix{.kind = "du-mix",
                        .read_prior = read_two_modes_prior,
-                       .filters = false,
+                       .has_y = false,
                        .learned_penalty = false,
                        .says_confidence = true};
 
@@ -78,7 +96,7 @@ std::shared_ptr<const Architecture> read_hqs(const HqsPreset& preset, JsonFields
     sizes.last_filter.min_pixels = 0;
   } else {
     network.optional("layers", sizes.layers);
-    check_fixed(preset, network);
+    read_loop(preset, network, sizes);
     read_filter(network, "filter", sizes.filter);
     sizes.last_filter = sizes.filter;
   }
@@ -90,6 +108,7 @@ HqsArchitecture::HqsArchitecture(const HqsPreset& preset, const HqsSizes& sizes,
                                  PriorDescription prior)
     : preset_(preset), sizes_(sizes), prior_(std::move(prior)) {
   check_field("layers", sizes_.layers, 1, kMostLayers);
+  sizes_.shared = sizes_.shared || preset_.learns_alpha;
 }
 
 void HqsArchitecture::write(Json& network) const {
@@ -99,12 +118,10 @@ void HqsArchitecture::write(Json& network) const {
     return;
   }
   network["layers"] = sizes_.layers;
-  network["shared_weights"] = preset_.shared;
   network["denoiser"] = prior_.sizes;
   network["filter"] = filter_json(sizes_.filter);
   network["last_filter"] = filter_json(sizes_.last_filter);
-  network["filtered_iterate"] = "h";
-  network["rejected_pixel"] = "takes-z";
+  write_loop(sizes_, network);
 }
 
 void HqsArchitecture::validate(const NetworkDescription& d) const {
@@ -123,7 +140,7 @@ std::vector<ParameterShape> HqsArchitecture::parameter_shapes(const NetworkDescr
     add_part(fmt::format("layers.{}", layer), of_one, shapes);
   }
   if (penalty_count() > 0) {
-    shapes.push_back({preset_.shared ? "alpha" : "log_penalty", {penalty_count()}});
+    shapes.push_back({preset_.learns_alpha ? "alpha" : "log_penalty", {penalty_count()}});
   }
   return shapes;
 }
@@ -138,7 +155,7 @@ std::vector<float> HqsArchitecture::initial_parameters(const NetworkDescription&
     parameters.insert(parameters.end(), of_one.begin(), of_one.end());
   }
   parameters.insert(parameters.end(), penalty_count(),
-                    preset_.shared ? kFirstAlpha : std::log(kFirstPenalty));
+                    preset_.learns_alpha ? kFirstAlpha : std::log(kFirstPenalty));
   return parameters;
 }
 

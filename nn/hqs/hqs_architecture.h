@@ -15,11 +15,12 @@ struct HqsPreset {
   const char* kind = "";
   /// Takes the prior's sizes out of "denoiser". Throws Error.
   PriorDescription (*read_prior)(JsonFields& sizes) = nullptr;
-  bool filters = true;  ///< Y is what the filter leaves of H; otherwise there is no Y: Y = Z
+  bool has_y = true;            ///< otherwise there is no second auxiliary: Y = Z
   bool starts_at_zero = false;  ///< otherwise with L interpolated over rows
-  bool shared = false;          ///< one prior and one penalty, "alpha" = 1 / (2 b), for all layers;
-                                ///< otherwise one each, "log_penalty" = ln b
-  bool learned_penalty = true;  ///< otherwise b -> 0: what was measured stays
+  /// One prior for all layers and one penalty, learned as "alpha" = 1 / (2 b); otherwise as
+  /// "log_penalty" = ln b, one for each prior.
+  bool learns_alpha = false;
+  bool learned_penalty = true;   ///< otherwise b -> 0: what was measured stays
   bool says_confidence = false;  ///< Prior::forward makes the result; one layer, no filter in it
 };
 extern const HqsPreset kDuOr;      ///< the paper's
@@ -28,11 +29,23 @@ extern const HqsPreset kDuMix;     ///< two modes and the odds of a return
 
 inline constexpr int kMostLayers = 20;
 
-/// The sizes of such a network in a recipe beside those of its prior.
+/// The image of which eq. 10c makes Y: the paper's equation has H, its prose Z.
+enum class FilteredIterate { kH, kZ };
+/// What Y is in a pixel that Q rejects: the image that was not filtered (Z of H, H of Z), or the
+/// paper's 0, which halves the range in the next layer's mean of Z and Y.
+enum class RejectedPixel { kTakesOther, kZero };
+
+/// The choices of a recipe beside the prior.
 struct HqsSizes {
-  int layers = 5;                ///< K
-  OutlierRemovalOptions filter;  ///< in every layer but the last
-  /// On the last Z. Inside, a rejected pixel takes Z; here it comes out empty.
+  int layers = 5;       ///< K
+  bool shared = false;  ///< one prior, and one penalty, for all layers
+  /// b of every layer; nothing: learned.
+  std::optional<float> fixed_penalty = std::nullopt;
+  FilteredIterate filtered_iterate = FilteredIterate::kH;
+  RejectedPixel rejected_pixel = RejectedPixel::kTakesOther;
+  /// In every layer but the last; with 0 pixels there is none, and Y is the iterate itself.
+  OutlierRemovalOptions filter;
+  /// On the last Z. Inside, a rejected pixel takes another value; here it comes out empty.
   OutlierRemovalOptions last_filter;
 };
 
@@ -46,8 +59,9 @@ class HqsArchitecture final : public Architecture {
   const HqsSizes& sizes() const { return sizes_; }
   const PriorDescription& prior() const { return prior_; }
   /// Priors, and penalties, with parameters of their own.
-  int prior_count() const { return preset_.shared ? 1 : sizes_.layers; }
-  int penalty_count() const { return preset_.learned_penalty ? prior_count() : 0; }
+  int prior_count() const { return sizes_.shared ? 1 : sizes_.layers; }
+  bool learns_penalty() const { return preset_.learned_penalty && !sizes_.fixed_penalty; }
+  int penalty_count() const { return learns_penalty() ? prior_count() : 0; }
 
   std::string_view name() const override { return preset_.kind; }
   void write(nlohmann::ordered_json& network) const override;

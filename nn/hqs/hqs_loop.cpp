@@ -52,26 +52,41 @@ void take_raster_row(Hqs& hqs, TileSize tile, int tile_row, const Tensor& h) {
 
 /// Q: the pixels of H in small components. One thread finds them while the others begin with the
 /// prior, whose first results all wait for.
-void find_outliers(Hqs& hqs, int k, HqsState& state) {
+void find_outliers_of_h(Hqs& hqs, int k, HqsState& state) {
 #pragma omp single nowait
   hqs.filter.find(hqs.raster.data(), state.layer(k).rejected.data());
 }
 
-/// Y = H, or Z where H's pixel is rejected. Differs from the paper, whose 0 in the rejected pixel
-/// would halve its range in the next layer's mean of Z and Y and make a new ghost.
+/// Q of Z, which all threads have just finished.
+void find_outliers_of_z(Hqs& hqs, int k, HqsState& state) {
+  HqsLayer& layer = state.layer(k);
+#pragma omp for schedule(static)
+  for (int row = 0; row < layer.prior.z.rows(); ++row) {
+    take_raster_row(hqs, hqs.prior(k).tile(), row, layer.prior.z);
+  }
+#pragma omp single
+  hqs.filter.find(hqs.raster.data(), layer.rejected.data());
+}
+
+/// Y: the filtered iterate (H, or Z), and in a rejected pixel the other one or the paper's 0.
 void filter_step(Hqs& hqs, int k, HqsState& state) {
   HqsLayer& layer = state.layer(k);
+  const Tensor& kept = hqs.of_h() ? layer.prior.h() : layer.prior.z;
+  const Tensor& other = hqs.of_h() ? layer.prior.z : layer.prior.h();
+  const float share = hqs.takes_other() ? 1.0F : 0.0F;
   const TileSize tile = hqs.prior(k).tile();
   const int columns = layer.y.columns() * tile.columns;
 #pragma omp for schedule(static) nowait
   for (int row = 0; row < layer.y.rows(); ++row) {
     for_each_mask(layer.rejected, tile, columns, row,
                   [&](int channel, int first, int count, const std::uint32_t* mask) {
-                    const float* h = layer.prior.h().row(channel, row) + first;
-                    const float* z = layer.prior.z.row(channel, row) + first;
+                    const float* from = kept.row(channel, row) + first;
+                    const float* instead = other.row(channel, row) + first;
                     float* y = layer.y.row(channel, row) + first;
 #pragma omp simd
-                    for (int i = 0; i < count; ++i) y[i] = mask[i] != 0 ? z[i] : h[i];
+                    for (int i = 0; i < count; ++i) {
+                      y[i] = mask[i] != 0 ? share * instead[i] : from[i];
+                    }
                   });
   }
 }
@@ -80,17 +95,19 @@ void filter_step(Hqs& hqs, int k, HqsState& state) {
 
 Hqs::Hqs(const NetworkDescription& d, int columns, const Engine& engine)
     : preset(hqs_of(d).preset()),
-      layers(hqs_of(d).sizes().layers),
+      sizes(hqs_of(d).sizes()),
+      layers(sizes.layers),
+      learns_penalty(hqs_of(d).learns_penalty()),
       priors(make_priors(d, columns, engine)),
       measurement(measurement_of(d, preset, *priors.front(), scaled)),
-      penalty(layers),
-      filter(d.sensor, d.measured_rows, hqs_of(d).sizes().filter, columns),
+      penalty(layers, sizes.fixed_penalty.value_or(0.0F)),
+      filter(d.sensor, d.measured_rows, sizes.filter, columns),
       nearest(static_cast<float>(d.sensor.min_range_m) / d.range_scale_m),
       z0(priors.front()->make_tiles()),
       raster(static_cast<std::size_t>(d.sensor.rows()) * columns) {}
 
 void Hqs::set_parameters(std::span<const float> parameters) {
-  const std::int64_t penalties = !preset.learned_penalty ? 0 : preset.shared ? 1 : layers;
+  const std::int64_t penalties = learns_penalty ? std::ssize(priors) : 0;
   const std::int64_t of_prior = prior(0).parameters();
   const std::int64_t expected = std::ssize(priors) * of_prior + penalties;
   if (std::ssize(parameters) != expected) {
@@ -100,14 +117,14 @@ void Hqs::set_parameters(std::span<const float> parameters) {
   if (penalties == 0) return;
   alpha = parameters.back();
   for (int k = 0; k < layers; ++k) {
-    penalty[k] = preset.shared ? 0.5F / alpha : std::exp(parameters[k]);
+    penalty[k] = preset.learns_alpha ? 0.5F / alpha : std::exp(parameters[k % penalties]);
   }
 }
 
 HqsState Hqs::make_state(bool for_backward) const {
   HqsState state;
   for (int i = 0; i < (for_backward ? layers : std::min(2, layers)); ++i) {
-    state.slots.push_back({prior(i).make_state(for_backward), preset.filters ? z0 : Tensor{},
+    state.slots.push_back({prior(i).make_state(for_backward), has_y() ? z0 : Tensor{},
                            std::vector<std::uint8_t>(raster.size())});
   }
   return state;
@@ -137,6 +154,7 @@ void data_step(Hqs& hqs, int k, HqsState& state) {
   const PriorState* before = k == 0 ? nullptr : &state.layer(k - 1).prior;
   PriorState& current = state.layer(k).prior;
   Tensor& h = current.h();
+  const bool filters_h = hqs.makes_y(k, state) && hqs.has_filter() && hqs.of_h();
 #pragma omp for schedule(static)
   for (int row = 0; row < h.rows(); ++row) {
     for (int channel = 0; channel < tile.pixels(); ++channel) {
@@ -148,7 +166,7 @@ void data_step(Hqs& hqs, int k, HqsState& state) {
       h.fill_border(channel, row);
     }
     hqs.prior(k).take_row(row, before, current);
-    if (hqs.filters(k, state)) take_raster_row(hqs, tile, row, h);
+    if (filters_h) take_raster_row(hqs, tile, row, h);
   }
 }
 
@@ -156,14 +174,16 @@ void hqs_loop(Hqs& hqs, const Observation& seen, HqsState& state, const PriorPas
   hqs.measurement.take(seen);  // L, and M and W where there is a memory
   start(hqs);                  // Z, Y
   for (int k = 0; k < hqs.layers; ++k) {
-    const bool filters = hqs.filters(k, state);
+    const bool makes_y = hqs.makes_y(k, state);
+    const bool filters = makes_y && hqs.has_filter();
     data_step(
         hqs, k,
         state);  // H = argmin |L - D H|^2 + |W (M - H)|^2 + b |Z - H|^2 + b |Y - H|^2     eq. 10a
-    if (filters) find_outliers(hqs, k, state);
+    if (filters && hqs.of_h()) find_outliers_of_h(hqs, k, state);
     hqs.prior(k).forward(hqs.measurement.candidates(), state.layer(k).prior,
-                         pass.of_layer(k));   // Z = G(H)                             eq. 10b
-    if (filters) filter_step(hqs, k, state);  // Y = H without its outliers           eq. 10c
+                         pass.of_layer(k));  // Z = G(H)                             eq. 10b
+    if (filters && !hqs.of_h()) find_outliers_of_z(hqs, k, state);
+    if (makes_y) filter_step(hqs, k, state);  // Y = H without its outliers           eq. 10c
   }
 }
 

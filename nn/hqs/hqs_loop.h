@@ -47,19 +47,26 @@ struct Hqs {
 
   Prior& prior(int k) { return *priors[k % priors.size()]; }
   const Prior& prior(int k) const { return *priors[k % priors.size()]; }
-  /// Whether Y is filtered, because it is used; otherwise Y = Z.
-  bool filters(int k, const HqsState& state) const {
-    return preset.filters && (k + 1 < layers || state.last_y);
+  /// Whether layer k makes a Y of its own; no other layer needs the last one's.
+  bool makes_y(int k, const HqsState& state) const {
+    return has_y() && (k + 1 < layers || state.last_y);
   }
+  bool has_filter() const { return sizes.filter.min_pixels > 0; }
+  /// Y = Z where there is no second auxiliary, or Z is not filtered.
+  bool has_y() const { return preset.has_y && (of_h() || has_filter()); }
+  bool of_h() const { return sizes.filtered_iterate == FilteredIterate::kH; }
+  bool takes_other() const { return sizes.rejected_pixel == RejectedPixel::kTakesOther; }
   const Tensor& z_before(int k, const HqsState& s) const {
     return k == 0 ? z0 : s.layer(k - 1).prior.z;
   }
   const Tensor& y_before(int k, const HqsState& s) const {
-    return k == 0 ? z0 : preset.filters ? s.layer(k - 1).y : s.layer(k - 1).prior.z;
+    return k == 0 ? z0 : has_y() ? s.layer(k - 1).y : s.layer(k - 1).prior.z;
   }
 
   HqsPreset preset;
-  int layers;                                  ///< K
+  HqsSizes sizes;
+  int layers;  ///< K
+  bool learns_penalty;
   std::vector<std::unique_ptr<Prior>> priors;  ///< of each layer, or one for all
   std::unique_ptr<ScaledRanges> scaled;
   Measurement& measurement;    ///< the prior's own, or `scaled`

@@ -65,7 +65,7 @@ Trace HqsNetwork::trace(const Observation& seen) {
     image(prefix + "h", layer.prior.h());
     hqs_.prior(k).add_inner(hqs_.measurement, layer.prior, prefix, trace);
     image(prefix + "z", layer.prior.z);
-    if (!hqs_.preset.filters) continue;
+    if (!hqs_.has_y()) continue;
     RangeImage rejected(upsampled_.image.rows, upsampled_.image.columns);
     rejected.range_m.assign(layer.rejected.begin(), layer.rejected.end());
     trace.add(traced_image(prefix + "rejected", rejected, ""));
@@ -85,7 +85,7 @@ std::vector<NetworkStep> HqsNetwork::steps(const RangeImage& measured) {
     step.calls = hqs_.layers;
     steps.push_back(std::move(step));
   }
-  if (hqs_.preset.filters && last > 0) {
+  if (hqs_.preset.has_y && hqs_.has_filter() && last > 0) {
     steps.push_back({"outlier filter", last, 0,
                      [this, last] {
                        hqs_.filter.find(hqs_.raster.data(), state_.layer(last - 1).rejected.data());

@@ -18,6 +18,11 @@ struct Candidates {
   Tensor above;
   Tensor below;
 };
+/// Those of one row of a channel of the tiles, wherever they stand.
+struct CandidateRows {
+  const float* above = nullptr;
+  const float* below = nullptr;
+};
 
 /// M and W^2 / (W^2 + 1) in the pixels of one row of a channel of the tiles.
 struct RecalledRow {

@@ -25,6 +25,7 @@ struct PriorState {
   LayerGraph::Values values;
   Tensor z;              ///< tiles of Z
   Tensor part{};         ///< gradients: room for some rows of the last convolution's
+  Tensor neighbours{};   ///< gradients: of H through the neighbours of other pixels, as z
   Tensor own_h{};        ///< tiles of H, where the input does not begin with them
   Tensor probability{};  ///< of a return, as z, if the prior has it
 

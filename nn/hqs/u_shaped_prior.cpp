@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "hqslam/core/error.h"
+#include "hqslam/nn/interpolation.h"
 #include "kernels/row_kernels.h"
 #include "parameters.h"
 
@@ -63,8 +64,16 @@ void set_first_scores(const UShapedPriorShape& shape, std::span<float> parameter
 
 }  // namespace
 
-UShapedPrior::UShapedPrior(const UShapedPriorShape& shape, LayerGraph graph, const Engine& engine)
+UShapedPrior::UShapedPrior(const UShapedPriorShape& shape, LayerGraph graph,
+                           const NetworkDescription& network, const Engine& engine)
     : Prior(std::move(graph), shape.tile), shape_(shape) {
+  const int rows = network.sensor.rows();
+  const RowSelection measured = network.measured_rows;
+  for (int row = 0; row < rows && shape.neighbours_of_h; ++row) {
+    const RowsBetween between = rows_between(row, measured, measured_row_count(rows, measured));
+    above_.push_back(measured.offset + between.above * measured.stride);
+    below_.push_back(measured.offset + between.below * measured.stride);
+  }
   const Tensor output = graph_.output_shape().make();
   head_rows_.assign(engine.threads, std::vector<float>(static_cast<std::size_t>(output.channels()) *
                                                        output.padded_columns()));
@@ -96,7 +105,19 @@ void UShapedPrior::forward(const Candidates& candidates, PriorState& state,
   select_by_row(candidates, state);
 }
 
+CandidatesOf UShapedPrior::candidates_of(const Candidates& measured, const Tensor& h) const {
+  if (!shape_.neighbours_of_h) {
+    return [&measured](int channel, int row) {
+      return CandidateRows{measured.above.row(channel, row), measured.below.row(channel, row)};
+    };
+  }
+  return [this, &h](int channel, int row) {
+    return CandidateRows{above(channel, row, h), below(channel, row, h)};
+  };
+}
+
 void UShapedPrior::select_by_row(const Candidates& candidates, PriorState& state) {
+  const CandidatesOf candidates_here = candidates_of(candidates, state.input());
   Tensor& output = state.output();
   const bool kept = output.channels() == shape_.scores() + shape_.memory;
   const std::int64_t stride = kept ? output.channel_stride() : output.padded_columns();
@@ -104,7 +125,7 @@ void UShapedPrior::select_by_row(const Candidates& candidates, PriorState& state
   for (int row = 0; row < state.z.rows(); ++row) {
     float* scores_of_row = kept ? output.row(0, row) : head_rows_[omp_get_thread_num()].data();
     graph_.last_row(state.values, row, scores_of_row, stride);
-    select_row(candidates, state.input(), shape_.tile, graph_.engine().instruction_set, row,
+    select_row(candidates_here, state.input(), shape_.tile, graph_.engine().instruction_set, row,
                scores_of_row, stride, state.z);
     if (kept) continue;
     for (int channel = 0; channel < shape_.memory; ++channel) {
@@ -144,21 +165,22 @@ void UShapedPrior::add_inner(const Measurement& measurement, const PriorState& s
 PriorDescription u_shaped_prior(const UShapedPriorShape& shape) {
   validate(shape);
   const int halvings = 1 << (shape.channels.size() - 1);
-  return {.sizes = {{"tile_rows", shape.tile.rows},
-                    {"tile_columns", shape.tile.columns},
-                    {"channels", shape.channels},
-                    {"memory", shape.memory},
-                    {"negative_slope", shape.negative_slope}},
-          .multiple = {shape.tile.rows * halvings, shape.tile.columns * halvings},
-          .graph =
-              [shape](int rows, int columns, const Engine& engine) {
-                return u_shaped_graph(shape, rows, columns, engine);
-              },
-          .make =
-              [shape](LayerGraph graph, const NetworkDescription&, int, const Engine& engine) {
-                return std::make_unique<UShapedPrior>(shape, std::move(graph), engine);
-              },
-          .start = [shape](std::span<float> parameters) { set_first_scores(shape, parameters); }};
+  return {
+      .sizes = {{"tile_rows", shape.tile.rows},
+                {"tile_columns", shape.tile.columns},
+                {"channels", shape.channels},
+                {"memory", shape.memory},
+                {"negative_slope", shape.negative_slope},
+                {"neighbours", shape.neighbours_of_h ? "h" : "l"}},
+      .multiple = {shape.tile.rows * halvings, shape.tile.columns * halvings},
+      .graph = [shape](
+                   int rows, int columns,
+                   const Engine& engine) { return u_shaped_graph(shape, rows, columns, engine); },
+      .make =
+          [shape](LayerGraph graph, const NetworkDescription& network, int, const Engine& engine) {
+            return std::make_unique<UShapedPrior>(shape, std::move(graph), network, engine);
+          },
+      .start = [shape](std::span<float> parameters) { set_first_scores(shape, parameters); }};
 }
 
 PriorDescription read_u_shaped_prior(JsonFields& sizes) {
@@ -168,19 +190,21 @@ PriorDescription read_u_shaped_prior(JsonFields& sizes) {
   if (sizes.has("channels")) shape.channels = sizes.integers("channels");
   sizes.optional("memory", shape.memory);
   sizes.optional("negative_slope", shape.negative_slope);
+  shape.neighbours_of_h = sizes.has("neighbours") && sizes.choice("neighbours", {"l", "h"}) == 1;
   return u_shaped_prior(shape);
 }
 
-void select_row(const Candidates& candidates, const Tensor& h, TileSize tile,
+void select_row(const CandidatesOf& candidates, const Tensor& h, TileSize tile,
                 InstructionSet instruction_set, int row, float* scores, std::int64_t channel_stride,
                 Tensor& z) {
   const kernels::RowKernels& kernels = kernels::row_kernels(instruction_set);
   for (int channel = 0; channel < tile.pixels(); ++channel) {
+    const CandidateRows beside = candidates(channel, row);
     kernels.select({.gain = kSelectionGain,
                     .scores = scores + channel * channel_stride,
                     .group_stride = tile.pixels() * channel_stride,
-                    .above = candidates.above.row(channel, row),
-                    .below = candidates.below.row(channel, row),
+                    .above = beside.above,
+                    .below = beside.below,
                     .here = h.row(channel, row),
                     .z = z.row(channel, row),
                     .columns = z.columns()});

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "prior.h"
@@ -9,6 +10,7 @@ namespace hqslam::nn {
 /// The end of the U-shaped denoiser. The network scores four candidates for each pixel and adds a
 /// correction:
 ///   Z = w_a above + w_b below + w_h H + r,   (w_a, w_b, w_h, w_0) = softmax(gain scores)
+/// above and below: the nearest measured rows, in L or in H (UShapedPriorShape::neighbours_of_h);
 /// w_0 is the weight of "no return". At a depth jump a sum of features and ranges would have to
 /// hit the one range or the other exactly, or leave a point hovering between them; a choice only
 /// has to be clear.
@@ -32,13 +34,20 @@ struct UShapedPriorShape {
   std::vector<int> channels{24, 32};
   int memory = 16;
   float negative_slope = 0.0F;
+  /// The paper's Z = G(H): the choice at the end is among ranges of H. Otherwise the neighbours
+  /// are taken from L, and Z is a function of H and L, which leaves nothing to do for eq. 10a.
+  bool neighbours_of_h = false;
 
   int scores() const { return kSelectionGroups * tile.pixels(); }
 };
 
+/// The candidates of row `row` of channel `channel`.
+using CandidatesOf = std::function<CandidateRows(int channel, int row)>;
+
 class UShapedPrior final : public Prior {
  public:
-  UShapedPrior(const UShapedPriorShape& shape, LayerGraph graph, const Engine& engine);
+  UShapedPrior(const UShapedPriorShape& shape, LayerGraph graph, const NetworkDescription& network,
+               const Engine& engine);
 
   const UShapedPriorShape& shape() const { return shape_; }
   int memory_channels() const override { return shape_.memory; }
@@ -50,12 +59,36 @@ class UShapedPrior final : public Prior {
   std::vector<NetworkStep> steps(const Candidates& candidates, PriorState& state,
                                  const PriorPass& pass) override;
 
+  /// The neighbours that the choice is among: of L, or of h, which must outlive what is returned.
+  CandidatesOf candidates_of(const Candidates& measured, const Tensor& h) const;
+  /// In tiles of an image, the row of pixels that is above or below that of a channel's row, in the
+  /// same columns: neighbours_of_h alone.
+  template <typename TensorType>
+  auto* above(int channel, int row, TensorType& tiles) const {
+    return in_image_row(above_[image_row(channel, row)], channel, tiles);
+  }
+  template <typename TensorType>
+  auto* below(int channel, int row, TensorType& tiles) const {
+    return in_image_row(below_[image_row(channel, row)], channel, tiles);
+  }
+
  private:
   /// Head and selection one row after the other: a row of scores never leaves the cache. Leaves the
   /// weights, too, where the state has room for them.
   void select_by_row(const Candidates& candidates, PriorState& state);
+  template <typename TensorType>
+  auto* in_image_row(int image_row, int channel, TensorType& tiles) const {
+    const int column = channel % shape_.tile.columns;
+    return tiles.row(image_row % shape_.tile.rows * shape_.tile.columns + column,
+                     image_row / shape_.tile.rows);
+  }
+  int image_row(int channel, int row) const {
+    return row * shape_.tile.rows + channel / shape_.tile.columns;
+  }
 
   UShapedPriorShape shape_;
+  std::vector<int> above_;  ///< of each image row the measured row above it, of neighbours_of_h
+  std::vector<int> below_;
   std::vector<std::vector<float>> head_rows_;  ///< a row of the head's result, one per thread
 };
 
@@ -65,7 +98,7 @@ PriorDescription read_u_shaped_prior(JsonFields& sizes);
 
 /// Z of one row, by the calling thread alone. scores: groups of channels as above, channel_stride
 /// floats apart; in the scores, out the softmax.
-void select_row(const Candidates& candidates, const Tensor& h, TileSize tile,
+void select_row(const CandidatesOf& candidates, const Tensor& h, TileSize tile,
                 InstructionSet instruction_set, int row, float* scores, std::int64_t channel_stride,
                 Tensor& z);
 

@@ -156,6 +156,36 @@ TEST_CASE("the same holds with a filter inside") {
   check_network(problem(d, 32, 24, 3), 2);
 }
 
+TEST_CASE("the same holds for every choice that a recipe has of the loop") {
+  HqsPlan of_h = small_du_or();
+  of_h.filter.min_pixels = 12;
+  of_h.u_shaped.neighbours_of_h = true;
+  check_network(problem(of_h, 32, 27, 3), 2);
+  HqsPlan zero = of_h;
+  zero.rejected_pixel = RejectedPixel::kZero;
+  zero.shared = true;
+  check_network(problem(zero, 32, 28, 3), 2);
+  HqsPlan of_z = of_h;
+  of_z.filtered_iterate = FilteredIterate::kZ;
+  of_z.fixed_penalty = 0.3F;
+  check_network(problem(of_z, 32, 29, 3), 2);
+  of_z.rejected_pixel = RejectedPixel::kZero;
+  check_network(problem(of_z, 32, 30, 3), 2);
+  of_z.filter.min_pixels = 0;  // Y = Z
+  check_network(problem(of_z, 32, 31, 2), 2);
+}
+
+TEST_CASE(
+    "with neighbours from H penalties have gradients, but for the first, whose Z and Y are L") {
+  HqsPlan plan = small_du_or();
+  plan.u_shaped.neighbours_of_h = true;
+  const EngineResult result = engine(problem(plan, 64, 32, 3), chosen_instruction_set());
+  const auto penalties = std::span(result.gradient).last(3);
+  CHECK(penalties[0] == 0.0F);
+  CHECK(penalties[1] != 0.0F);
+  CHECK(penalties[2] != 0.0F);
+}
+
 TEST_CASE("Simple DU and its gradients equal the reference, with a loss on one and all layers") {
   check_network(problem(small_simple_du(), 32, 25), 6);
   check_network(problem(small_simple_du(), 32, 26, 3), 3);

@@ -115,7 +115,17 @@ TEST_CASE("filters that cannot be are refused with the description, not when wei
                             "support_share is 1"));
 }
 
-TEST_CASE("fields with one possible value are read, and refused with any other value") {
+TEST_CASE("the choices of the loop are written as they are read, and refused otherwise") {
+  HqsPlan plan = small_du_or();
+  plan.shared = true;
+  plan.fixed_penalty = 0.25F;
+  plan.filtered_iterate = FilteredIterate::kZ;
+  plan.rejected_pixel = RejectedPixel::kZero;
+  plan.u_shaped.neighbours_of_h = true;
+  const std::string json = network_json(plan);
+  CHECK(json.find(R"("neighbours": "h")") != std::string::npos);
+  CHECK(json.find(R"("penalty": 0.25)") != std::string::npos);
+  CHECK(network_json(network_from_json(json, "a test")) == json);
   const auto read = [](const std::string& kind, const std::string& fields) {
     return test::error_message([&] {
       network_from_json(
@@ -125,9 +135,12 @@ TEST_CASE("fields with one possible value are read, and refused with any other v
   };
   CHECK(read("du-or", R"("shared_weights": false, "filtered_iterate": "h")") == "no Error");
   CHECK(read("simple-du", R"("shared_weights": true, "rejected_pixel": "takes-z")") == "no Error");
-  CHECK(test::one_line_with(read("du-or", R"("shared_weights": true)"), "shared_weights", "false"));
-  CHECK(test::one_line_with(read("du-or", R"("filtered_iterate": "z")"), "filtered_iterate", "h"));
-  CHECK(test::one_line_with(read("du-or", R"("rejected_pixel": "zero")"), "rejected_pixel",
+  CHECK(test::one_line_with(read("simple-du", R"("shared_weights": false)"), "shared_weights",
+                            "true"));
+  CHECK(
+      test::one_line_with(read("du-or", R"("filtered_iterate": "y")"), "filtered_iterate", "h, z"));
+  CHECK(test::one_line_with(read("du-or", R"("penalty": -1)"), "penalty", "0 or more"));
+  CHECK(test::one_line_with(read("du-or", R"("rejected_pixel": "takes-h")"), "rejected_pixel",
                             "takes-z"));
   CHECK(test::one_line_with(read("du-or", R"("start": "zero")"), "unknown field 'start'"));
   CHECK(test::one_line_with(read("du-mix", R"("denoiser": {"layers": [{}, {}]})"), "layers is 2",

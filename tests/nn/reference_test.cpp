@@ -61,8 +61,10 @@ TEST_CASE("DU-Mix's confidence is the reference's") {
 }
 
 TEST_CASE("a rejected pixel that is 0, as in the paper, halves its range in the next layer") {
-  const HqsPlan plan = supported_du_or();
-  const ReferenceTrace literal = reference_of(plan, {.rejected_zero = true});
+  HqsPlan plan = supported_du_or();
+  const ReferenceTrace ours = reference_of(plan);
+  plan.rejected_pixel = RejectedPixel::kZero;
+  const ReferenceTrace literal = reference_of(plan);
   const std::span<const double> rejected = literal.tensor("layers.0.rejected").all();
   const std::span<const double> z = literal.tensor("layers.0.z").all();
   const std::span<const double> h = literal.tensor("layers.1.h").all();
@@ -73,15 +75,23 @@ TEST_CASE("a rejected pixel that is 0, as in the paper, halves its range in the 
     ++ghosts;
   }
   CHECK(ghosts > 10);
-  const ReferenceTrace ours = reference_of(plan);
   for (std::size_t i = 0; i < rejected.size(); ++i) {
     if (rejected[i] != 0.0) CHECK(ours.tensor("layers.1.h").all()[i] == doctest::Approx(z[i]));
   }
 }
 
-TEST_CASE("with Q of Z and Y := Z in rejected pixels Y is Z everywhere") {
-  const ReferenceTrace trace = reference_of(supported_du_or(), {.filters_z = true});
-  CHECK(std::ranges::equal(trace.tensor("layers.1.y").all(), trace.tensor("layers.1.z").all()));
+TEST_CASE("with Q of Z, Y is Z where the filter keeps it and H where it does not") {
+  HqsPlan plan = supported_du_or();
+  plan.filtered_iterate = FilteredIterate::kZ;
+  const ReferenceTrace trace = reference_of(plan);
+  const std::span<const double> rejected = trace.tensor("layers.1.rejected").all();
+  int count = 0;
+  for (std::size_t i = 0; i < rejected.size(); ++i) {
+    const char* from = rejected[i] != 0.0 ? "layers.1.h" : "layers.1.z";
+    CHECK(trace.tensor("layers.1.y").all()[i] == trace.tensor(from).all()[i]);
+    count += rejected[i] != 0.0;
+  }
+  CHECK(count > 10);
 }
 
 TEST_CASE("the reference refuses what does not fit in one line") {

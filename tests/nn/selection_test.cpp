@@ -14,6 +14,12 @@ Tensor of(const Golden& golden, const std::string& name, int channels) {
   return tensor_of(golden.values("selection." + name), channels, 2, 20);
 }
 
+CandidatesOf rows_of(const Candidates& candidates) {
+  return [&candidates](int channel, int row) {
+    return CandidateRows{candidates.above.row(channel, row), candidates.below.row(channel, row)};
+  };
+}
+
 struct Selection {
   Candidates candidates;
   Tensor here;
@@ -37,7 +43,7 @@ Selection with_scores(float above, float below, float here, float nothing, float
 void select_all(const Candidates& candidates, const Tensor& h, TileSize tile,
                 InstructionSet instruction_set, Tensor& scores, Tensor& z) {
   for (int row = 0; row < z.rows(); ++row) {
-    select_row(candidates, h, tile, instruction_set, row, scores.row(0, row),
+    select_row(rows_of(candidates), h, tile, instruction_set, row, scores.row(0, row),
                scores.channel_stride(), z);
   }
 }
@@ -66,13 +72,14 @@ TEST_CASE("selection and its gradients equal PyTorch's with every instruction se
     CHECK(relative_error(weights, golden.values("selection.weights")) < 1e-5);
     Tensor d_scores = scores;
     Tensor d_here = here;
-    select_backward(candidates, here, kTile, instruction_set, 0, scores, d_z, d_scores, d_here);
+    select_backward(rows_of(candidates), here, kTile, instruction_set, 0, scores, d_z, d_scores,
+                    d_here);
     CHECK(relative_error(d_scores, golden.values("selection.d_scores")) < 1e-5);
     CHECK(relative_error(d_here, golden.values("selection.d_here")) < 1e-5);
     CHECK(d_scores.at(19, 1, -1) == d_scores.at(19, 1, 19));
     Tensor in_place = d_z;  // the denoiser lets d loss / d H take the place of d loss / d Z
-    select_backward(candidates, here, kTile, instruction_set, 0, scores, in_place, d_scores,
-                    in_place);
+    select_backward(rows_of(candidates), here, kTile, instruction_set, 0, scores, in_place,
+                    d_scores, in_place);
     CHECK(same_bits(in_place, d_here));
     CHECK(relative_error(d_scores, golden.values("selection.d_scores")) < 1e-5);
   }
@@ -116,11 +123,11 @@ TEST_CASE("the gradient of a few rows is that of all rows, there") {
   select_all(candidates, here, kTile, any, weights, z);
   Tensor whole = weights;
   Tensor d_here = here;
-  select_backward(candidates, here, kTile, any, 0, weights, d_z, whole, d_here);
+  select_backward(rows_of(candidates), here, kTile, any, 0, weights, d_z, whole, d_here);
   REQUIRE(z.rows() > 1);
   Tensor second(20, 1, z.columns(), z.padding(), 0);
   Tensor d_here_again = d_z;
-  select_backward(candidates, here, kTile, any, 1, weights, d_z, second, d_here_again);
+  select_backward(rows_of(candidates), here, kTile, any, 1, weights, d_z, second, d_here_again);
   for (int x = 0; x < z.columns(); ++x) {
     for (int channel = 0; channel < 20; ++channel) {
       REQUIRE(second.at(channel, 0, x) == whole.at(channel, 1, x));

@@ -59,8 +59,8 @@ struct HqsPlan : HqsSizes {
   RowSelection measured_rows{3, 4};
   float range_scale_m = 80.0F;
 
-  bool simple() const { return preset.shared; }
-  int penalties() const { return preset.shared ? 1 : layers; }
+  bool simple() const { return preset.learns_alpha; }
+  int penalties() const { return fixed_penalty ? 0 : simple() || shared ? 1 : layers; }
   TileSize tile() const { return simple() ? TileSize{} : u_shaped.tile; }
   operator NetworkDescription() const {  // NOLINT: what a plan is for
     NetworkDescription d;

@@ -61,7 +61,10 @@ TEST_CASE("worked example, selection: above 10 m, below 14 m, here 11.5 m") {
   scores.at(3, 0, 0) = -0.5F;  // nothing
   scores.at(4, 0, 0) = 0.02F;  // correction
   Tensor z = shape;
-  select_row(candidates, h, {1, 1}, InstructionSet::kPortable, 0, scores.row(0, 0),
+  const CandidatesOf rows = [&](int channel, int row) {
+    return CandidateRows{candidates.above.row(channel, row), candidates.below.row(channel, row)};
+  };
+  select_row(rows, h, {1, 1}, InstructionSet::kPortable, 0, scores.row(0, 0),
              scores.channel_stride(), z);
   CHECK(scores.at(0, 0, 0) == doctest::Approx(0.962).epsilon(1e-3));
   CHECK(scores.at(1, 0, 0) == doctest::Approx(0.0176).epsilon(1e-2));

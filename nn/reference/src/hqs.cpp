@@ -74,19 +74,27 @@ std::vector<std::uint8_t> rejected(const Run& run, int k, const Image& image) {
                   filter_options(run.network["filter"]), seen_m);
 }
 
-/// Eq. 10c: Y = H where the filter keeps it. Differs from the paper, whose Y is 0 in a rejected
-/// pixel: that would halve its range in the next layer's mean of Z and Y and make a new ghost. Here
-/// it takes Z.
-Image filter_step(const Run& run, const Image& h, const Image& z,
+/// Eq. 10c: Y is the filtered iterate, H as in the paper's equation or Z as in its prose. In a
+/// rejected pixel it is the other one, or the paper's 0, which halves the range in the next layer's
+/// mean of Z and Y.
+Image filter_step(const Image& filtered, const Image& other, bool takes_zero,
                   const std::vector<std::uint8_t>& rejected) {
-  Image y = run.options.filters_z ? z : h;
+  Image y = filtered;
   std::size_t pixel = 0;
-  for (int row = 0; row < run.rows(); ++row) {
-    for (int x = 0; x < run.columns(); ++x) {
-      if (rejected[pixel++] != 0) y(0, row, x) = run.options.rejected_zero ? 0.0 : z(0, row, x);
+  for (int row = 0; row < y.dimension(1); ++row) {
+    for (int x = 0; x < y.dimension(2); ++x) {
+      if (rejected[pixel++] != 0) y(0, row, x) = takes_zero ? 0.0 : other(0, row, x);
     }
   }
   return y;
+}
+
+/// b of layer k.
+double penalty(Run& run, int k) {
+  if (run.network.contains("penalty")) return run.network["penalty"];
+  if (run.network["kind"] == "simple-du") return 0.5 / run.parameters["alpha"].values[0];
+  const std::span<const double> logs = run.parameters["log_penalty"].values;
+  return std::exp(logs[static_cast<std::size_t>(k) % logs.size()]);
 }
 
 }  // namespace
@@ -95,6 +103,9 @@ void run_hqs(Run& run) {
   const bool du_or = run.network["kind"] == "du-or";  // otherwise Simple DU
   const double scale_m = run.description.range_scale_m;
   const int layers = run.network["layers"];
+  const bool filters_z = run.network["filtered_iterate"] == "z";
+  const bool takes_zero = run.network["rejected_pixel"] == "zero";
+  const bool filters = run.network["filter"]["min_pixels"] > 0;
   const MeasuredAround m = measured_around(run);
   Image z = m.linear;       // Z0 = Y0: L interpolated ...
   if (!du_or) z.setZero();  // ... or nothing
@@ -103,9 +114,7 @@ void run_hqs(Run& run) {
   run.add("start", z, "m", scale_m);
   for (int k = 0; k < layers; ++k) {
     const std::string prefix = fmt::format("layers.{}.", k);
-    const double b = du_or ? std::exp(run.parameters["log_penalty"].values[k])
-                           : 0.5 / run.parameters["alpha"].values[0];
-    const Image h = data_step(run, m.below, z, y, b);  // 10a
+    const Image h = data_step(run, m.below, z, y, penalty(run, k));  // 10a
     run.add(prefix + "h", h, "m", scale_m);
     z = du_or ? du_or_prior(run, k, h, m.above, m.below, memory)  // 10b
               : simple_du_prior(run, k, h);
@@ -114,8 +123,10 @@ void run_hqs(Run& run) {
       y = z;  // Simple DU has no Y: Z pulls alone, and there is no filter inside
       continue;
     }
-    const std::vector<std::uint8_t> mask = rejected(run, k, run.options.filters_z ? z : h);
-    y = filter_step(run, h, z, mask);  // 10c
+    std::vector<std::uint8_t> mask(z.size());
+    if (filters) mask = rejected(run, k, filters_z ? z : h);
+    y = filters_z ? filter_step(z, h, takes_zero, mask)
+                  : filter_step(h, z, takes_zero, mask);  // 10c
     Image mask_image = y;
     std::ranges::copy(mask, mask_image.data());
     run.add(prefix + "rejected", mask_image);

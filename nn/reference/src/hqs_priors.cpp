@@ -41,6 +41,18 @@ Image choice(Run& run, const std::string& prefix, const std::vector<Image>& scor
   return z;
 }
 
+/// H in the nearest measured row above (or below) each pixel; in a measured row its own.
+Image nearest_measured_row(const Run& run, const Image& h, bool above) {
+  Image image = h;
+  const RowSelection rows = run.description.measured_rows;
+  for (int y = 0; y < run.rows(); ++y) {
+    const Between at = between(run, y);
+    const int from = rows.offset + (above ? at.above : at.below) * rows.stride;
+    for (int x = 0; x < run.columns(); ++x) image(0, y, x) = h(0, from, x);
+  }
+  return image;
+}
+
 }  // namespace
 
 /// A U of convolutions on tiles (t = tile rows x tile columns, m channels of memory), eq. 10b of
@@ -56,7 +68,8 @@ Image du_or_prior(Run& run, int k, const Image& h, const Image& above, const Ima
   const auto levels = static_cast<int>(sizes["channels"].size());
   const std::string prefix = fmt::format("layers.{}.", k);
   const auto array = [&](const std::string& name) -> const Array& {
-    return run.parameters[prefix + name];
+    const bool shared = run.network["shared_weights"];
+    return run.parameters[fmt::format("layers.{}.", shared ? 0 : k) + name];
   };
   const auto named = [&](const std::string& name, const Image& image) {
     run.add(prefix + name, image);
@@ -86,7 +99,11 @@ Image du_or_prior(Run& run, int k, const Image& h, const Image& above, const Ima
   std::vector<Image> scores;  // 5 of 1 x 64 x 1024
   for (int g = 0; g < 5; ++g)
     scores.push_back(untiled(output, g * pixels, tile_rows, tile_columns));
-  Image z = choice(run, prefix, scores, h, above, below);
+  // The paper's Z = G(H) has its neighbours from H, the other form from L.
+  const bool of_h = sizes["neighbours"] == "h";
+  Image z = of_h ? choice(run, prefix, scores, h, nearest_measured_row(run, h, true),
+                          nearest_measured_row(run, h, false))
+                 : choice(run, prefix, scores, h, above, below);
   memory = channels(output, 5 * pixels, memory_channels);
   if (memory_channels > 0) run.add(prefix + "memory", memory);
   return z;

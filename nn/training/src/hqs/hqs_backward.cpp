@@ -4,35 +4,52 @@
 namespace hqslam::nn {
 namespace {
 
+/// d A / d Z or d A / d H of the layer above, A = (Z + Y) / 2, in a pixel that the filter keeps and
+/// in one that it rejects.
+struct PassedShares {
+  float kept = 0.0F;
+  float rejected = 0.0F;
+};
+PassedShares shares_of_z(const Hqs& hqs) {
+  if (!hqs.has_y()) return {1.0F, 1.0F};
+  if (hqs.of_h()) return {0.5F, hqs.takes_other() ? 1.0F : 0.5F};
+  return {1.0F, 0.5F};
+}
+PassedShares shares_of_h(const Hqs& hqs) {
+  if (!hqs.has_y()) return {};
+  if (hqs.of_h()) return {0.5F, 0.0F};
+  return {0.0F, hqs.takes_other() ? 0.5F : 0.0F};
+}
+
 /// d loss / d Z: the gradient of this layer's loss plus what the layer above passes on through its
-/// A; where this layer's Y is Z, twice.
+/// A.
 void add_passed_to_z(const Hqs& hqs, const HqsLayer& layer, const Tensor& d_a, Tensor& d_z) {
   const TileSize tile = hqs.prior(0).tile();
-  const float share = hqs.preset.filters ? 0.5F : 1.0F;
+  const PassedShares share = shares_of_z(hqs);
   for (int row = 0; row < d_z.rows(); ++row) {
     for (int channel = 0; channel < tile.pixels(); ++channel) {
       const float* passed = d_a.row(channel, row);
       float* to = d_z.row(channel, row);
-      for (int x = 0; x < d_z.columns(); ++x) to[x] = to[x] + share * passed[x];
+      for (int x = 0; x < d_z.columns(); ++x) to[x] = to[x] + share.kept * passed[x];
     }
-    if (!hqs.preset.filters) continue;
+    if (!hqs.has_y()) continue;
+    const float more = share.rejected - share.kept;
     for_each_mask(layer.rejected, tile, d_z.columns() * tile.columns, row,
                   [&](int channel, int first, int count, const std::uint32_t* mask) {
                     const float* passed = d_a.row(channel, row) + first;
                     float* to = d_z.row(channel, row) + first;
 #pragma omp simd
                     for (int i = 0; i < count; ++i) {
-                      to[i] += (mask[i] != 0 ? 0.5F : 0.0F) * passed[i];
+                      to[i] += (mask[i] != 0 ? more : 0.0F) * passed[i];
                     }
                   });
   }
 }
 
-/// d loss / d H: through the prior, and where this layer's Y is H.
-void gather_d_h(const Hqs& hqs, const HqsLayer& layer, bool filters, const HqsGradient& gradient,
-                Tensor& d_h) {
+/// d loss / d H: through the prior, and through this layer's Y.
+void gather_d_h(const Hqs& hqs, const HqsLayer& layer, PassedShares share,
+                const HqsGradient& gradient, Tensor& d_h) {
   const TileSize tile = hqs.prior(0).tile();
-  const float share = filters ? 0.5F : 0.0F;
   for (int row = 0; row < d_h.rows(); ++row) {
     for_each_mask(layer.rejected, tile, d_h.columns() * tile.columns, row,
                   [&](int channel, int first, int count, const std::uint32_t* mask) {
@@ -41,7 +58,8 @@ void gather_d_h(const Hqs& hqs, const HqsLayer& layer, bool filters, const HqsGr
                     float* to = d_h.row(channel, row) + first;
 #pragma omp simd
                     for (int i = 0; i < count; ++i) {
-                      to[i] = of_input[i] + (mask[i] != 0 ? 0.0F : share) * passed[i];
+                      to[i] =
+                          of_input[i] + (mask[i] != 0 ? share.rejected : share.kept) * passed[i];
                     }
                   });
   }
@@ -66,10 +84,12 @@ double data_step_gradient(const Hqs& hqs, int k, const HqsState& state, HqsGradi
 /// The penalty is learned as ln b of each layer or as alpha = 1 / (2 b), one for all.
 void add_penalty_gradient(const Hqs& hqs, int k, double d_penalty, std::span<float> d_parameters) {
   const double b = hqs.penalty[k];
-  if (hqs.preset.shared) {
+  if (hqs.preset.learns_alpha) {
     d_parameters.back() += static_cast<float>(-d_penalty * 0.5 / (hqs.alpha * hqs.alpha));
   } else {
-    d_parameters[d_parameters.size() - hqs.layers + k] += static_cast<float>(d_penalty * b);
+    const std::size_t penalties = hqs.priors.size();
+    d_parameters[d_parameters.size() - penalties + k % penalties] +=
+        static_cast<float>(d_penalty * b);
   }
 }
 
@@ -123,8 +143,9 @@ double hqs_backward(Hqs& hqs, const HqsState& state, const LayerLoss& loss, HqsG
     gradient.backward(k).backward(hqs.measurement.candidates(), layer.prior, gradient.prior,
                                   d_parameters.subspan(begin, gradient.prior_parameters));
     if (!hqs.preset.learned_penalty) break;  // there is one layer, and nothing before it learns
-    gather_d_h(hqs, layer, !last && hqs.preset.filters, gradient, gradient.d_h);
-    add_penalty_gradient(hqs, k, data_step_gradient(hqs, k, state, gradient), d_parameters);
+    gather_d_h(hqs, layer, last ? PassedShares{} : shares_of_h(hqs), gradient, gradient.d_h);
+    const double d_penalty = data_step_gradient(hqs, k, state, gradient);
+    if (hqs.learns_penalty) add_penalty_gradient(hqs, k, d_penalty, d_parameters);
     if (memory > 0) {
       copy_channels(gradient.prior.input(), any.tile().pixels(), memory, gradient.prior.output(),
                     first_memory);

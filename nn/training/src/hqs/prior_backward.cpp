@@ -32,7 +32,8 @@ class PlainBackward final : public PriorBackward {
 
 class UShapedBackward final : public PriorBackward {
  public:
-  explicit UShapedBackward(UShapedPrior& prior) : PriorBackward(prior), shape_(prior.shape()) {}
+  explicit UShapedBackward(UShapedPrior& prior)
+      : PriorBackward(prior), u_shaped_(prior), shape_(prior.shape()) {}
 
   PriorState make_gradient() const override {
     PriorState gradient = prior_.make_state(false);
@@ -40,6 +41,7 @@ class UShapedBackward final : public PriorBackward {
     const int rows = gradient.z.rows() % 2 == 0 ? 2 : 1;
     gradient.part =
         Tensor(shape_.scores() + shape_.memory, rows, gradient.z.columns(), prior_.padding(), 0);
+    if (shape_.neighbours_of_h) gradient.neighbours = prior_.make_tiles();
     return gradient;
   }
 
@@ -48,9 +50,11 @@ class UShapedBackward final : public PriorBackward {
     // gradient.z holds d_z; the direct way to H is kept there once the scores have theirs.
     Tensor& d_direct = gradient.z;
     Tensor& d_output = gradient.part;
+    const CandidatesOf candidates_here = u_shaped_.candidates_of(candidates, state.input());
+    if (shape_.neighbours_of_h) put_gradient_of_neighbours(state, gradient);
     const int scores = shape_.scores();
     for (int first = 0; first < gradient.z.rows(); first += d_output.rows()) {
-      select_backward(candidates, state.input(), shape_.tile,
+      select_backward(candidates_here, state.input(), shape_.tile,
                       prior_.graph().engine().instruction_set, first, state.output(), gradient.z,
                       d_output, d_direct);
       for (int y = 0; y < d_output.rows(); ++y) {
@@ -65,9 +69,30 @@ class UShapedBackward final : public PriorBackward {
     graph_backward_.backward({&state.values, 1}, {&gradient.values, 1}, d_parameters,
                              {.left_out = 1});
     add_channels(d_direct, 0, gradient.input());
+    if (shape_.neighbours_of_h) add_channels(gradient.neighbours, 0, gradient.input());
   }
 
  private:
+  /// d loss / d H through the neighbours, which are H's own: of d_z their weights' share.
+  void put_gradient_of_neighbours(const PriorState& state, PriorState& gradient) const {
+    const int pixels = shape_.tile.pixels();
+    gradient.neighbours.set_zero();
+    for (int row = 0; row < gradient.z.rows(); ++row) {
+      for (int channel = 0; channel < pixels; ++channel) {
+        const float* passed = gradient.z.row(channel, row);
+        const float* weight_above = state.output().row(channel, row);
+        const float* weight_below = state.output().row(pixels + channel, row);
+        float* above = u_shaped_.above(channel, row, gradient.neighbours);
+        float* below = u_shaped_.below(channel, row, gradient.neighbours);
+        for (int x = 0; x < gradient.z.columns(); ++x) {
+          above[x] += weight_above[x] * passed[x];
+          below[x] += weight_below[x] * passed[x];
+        }
+      }
+    }
+  }
+
+  const UShapedPrior& u_shaped_;
   const UShapedPriorShape& shape_;
 };
 
@@ -173,7 +198,7 @@ double l1_loss(const Tensor& z, const Tensor& truth, TileSize tile,
   return sum / pixels;
 }
 
-void select_backward(const Candidates& candidates, const Tensor& h, TileSize tile,
+void select_backward(const CandidatesOf& candidates, const Tensor& h, TileSize tile,
                      InstructionSet instruction_set, int first_row, const Tensor& weights,
                      const Tensor& d_z, Tensor& d_scores, Tensor& d_h) {
   const kernels::RowKernels& kernels = kernels::row_kernels(instruction_set);
@@ -181,11 +206,12 @@ void select_backward(const Candidates& candidates, const Tensor& h, TileSize til
   for (int y = 0; y < d_scores.rows(); ++y) {
     const int row = first_row + y;
     for (int channel = 0; channel < pixels; ++channel) {
+      const CandidateRows beside = candidates(channel, row);
       kernels.select_gradient({.gain = kSelectionGain,
                                .weights = weights.row(channel, row),
                                .weight_stride = pixels * weights.channel_stride(),
-                               .above = candidates.above.row(channel, row),
-                               .below = candidates.below.row(channel, row),
+                               .above = beside.above,
+                               .below = beside.below,
                                .here = h.row(channel, row),
                                .d_z = d_z.row(channel, row),
                                .d_scores = d_scores.row(channel, y),

@@ -6,6 +6,7 @@
 
 #include "graph/graph_backward.h"
 #include "hqs/prior.h"
+#include "hqs/u_shaped_prior.h"
 
 namespace hqslam::nn {
 
@@ -58,7 +59,7 @@ double l1_loss(const Tensor& z, const Tensor& truth, TileSize tile,
 /// The gradient of select_row for some rows, `first_row` and what follows it: as many as d_scores
 /// has. weights: what select_row left. d_z: d loss / d Z. Writes d loss / d scores (groups as
 /// there, borders filled) and d loss / d H along the direct way through w_h. One thread.
-void select_backward(const Candidates& candidates, const Tensor& h, TileSize tile,
+void select_backward(const CandidatesOf& candidates, const Tensor& h, TileSize tile,
                      InstructionSet instruction_set, int first_row, const Tensor& weights,
                      const Tensor& d_z, Tensor& d_scores, Tensor& d_h);
 

@@ -44,9 +44,6 @@ struct ReferenceOptions {
   std::vector<std::vector<std::uint8_t>> rejected = {};
   /// M and W^2 of the networks with a memory; empty: nothing is recalled.
   RecalledImage recalled = {};
-  // Eq. 10c and the paper's prose to the letter, to show their effect.
-  bool filters_z = false;      ///< Y = Q(Z) instead of Q(H)
-  bool rejected_zero = false;  ///< Y = 0 in a rejected pixel instead of Z
 };
 
 /// The tensors of a network for a scan, written as plainly as its formulas: double precision, one
