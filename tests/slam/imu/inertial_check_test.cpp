@@ -50,7 +50,7 @@ TEST_CASE("a gyroscope in degrees, with other axes, stuck or late is refuted and
   const InertialCheck stuck = check_of([](int) -> Vector3d { return Vector3d::Zero(); });
   CHECK_FALSE(stuck.agrees());
   CHECK(holds(stuck, "no turns where the scans turn"));
-  const InertialCheck late = check_of([](int scan) { return true_rate(scan - 16); });
+  const InertialCheck late = check_of([](int scan) { return true_rate(scan - 8); });
   CHECK_FALSE(late.agrees());
   CHECK(holds(late, "another clock?"));
 }

@@ -102,17 +102,17 @@ TEST_CASE("inertial data that disagree with the scans are left out with a reason
     for (int i = 1; i < 7; ++i) v[i] = i == 6 ? 9.80665 : 0.0;
   }));
   CHECK(holds(stuck, "left out: it"));
-  CHECK(stuck_m < alone_m + 0.02);
+  CHECK(stuck_m < alone_m + 0.05);
   const auto [degrees, degrees_m] = run(written("degrees.csv", [](double* v) {
     for (int i = 1; i < 4; ++i) v[i] *= 57.29578;
   }));
   CHECK(holds(degrees, "degrees per second?"));
-  CHECK(degrees_m < alone_m + 0.02);
+  CHECK(degrees_m < alone_m + 0.05);
   const auto [downwards, downwards_m] = run(written("downwards.csv", [](double* v) {
     for (int i = 4; i < 7; ++i) v[i] *= -1.0;
   }));
   CHECK(holds(downwards, "point downwards"));
-  CHECK(downwards_m < alone_m + 0.02);
+  CHECK(downwards_m < alone_m + 0.05);
 }
 
 }  // namespace hqslam::test
