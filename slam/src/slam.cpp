@@ -1,11 +1,9 @@
 #include "hqslam/slam/slam.h"
 
-#include <cmath>
 #include <utility>
 
 #include "front_end/scan_check.h"
 #include "hqslam/core/error.h"
-#include "hqslam/core/imu_sample.h"
 #include "hqslam/slam/saved_map.h"
 #include "map/registration_trace.h"
 #include "slam_implementation.h"
@@ -17,12 +15,6 @@ namespace {
 
 /// Inertial data are kept this long, and not integrated across longer gaps.
 constexpr double kImuMemory_s = 5.0;
-
-/// Whether an inertial state can begin with this mean force over a scan: one far from gravity has
-/// another unit, or is of a sensor that does not measure it.
-bool is_about_gravity(const Eigen::Vector3d& specific_force_mps2) {
-  return std::abs(specific_force_mps2.norm() - kGravity_mps2) < 0.5 * kGravity_mps2;
-}
 
 SensorModel validated(const SensorModel& sensor) {
   hqslam::validate(sensor);
@@ -69,7 +61,7 @@ ScanReport Slam::Implementation::process_level(const OrganizedCloud& cloud, doub
   notes.trace = trace;
   notes.report.stamp_s = stamp_s;
   collect_loops(notes);
-  const Scan scan = front_end(cloud, stamp_s, notes);
+  Scan scan = front_end(cloud, stamp_s, notes);
   const std::string_view state_before = name(state);
   state = std::visit([&](auto& now) { return next(std::move(now), scan, notes); }, state);
   if (trace != nullptr) {
@@ -145,8 +137,9 @@ Scan Slam::Implementation::front_end(const OrganizedCloud& cloud, double stamp_s
   return scan;
 }
 
-/// Applies EvenTurning to a scan that inertial data cover.
+/// Applies EvenTurning to a scan that inertial data cover, of a sensor that agrees with the scans.
 void Slam::Implementation::make_turning_even(Scan& scan) {
+  if (!inertial_check.agrees()) return;
   const double half_s = 0.5 * sensor.scan_period_s;
   const std::vector<ImuStep> steps =
       imu.steps(scan.stamp_s - half_s, scan.stamp_s + half_s, mounting.turn_to_level());
@@ -154,10 +147,11 @@ void Slam::Implementation::make_turning_even(Scan& scan) {
   const Reference* reference = reference_of(state);
   const bool is_bias_known = reference != nullptr && reference->inertial;
   const Eigen::Vector3d force_mps2 = mean_specific_force_mps2(steps);
-  if (!is_bias_known && !is_about_gravity(force_mps2)) return;
+  if (!is_bias_known && !inertial_check.takes_gravity(force_mps2)) return;
   scan.turning.emplace(
       steps, half_s,
       is_bias_known ? reference->inertial->gyroscope_bias_rad_per_s : Eigen::Vector3d::Zero());
+  scan.measured_features = scan.features;
   scan.turning->apply(scan.features);
   scan.specific_force_mps2 = force_mps2;
 }
@@ -211,6 +205,10 @@ Slam::Slam(Slam&&) noexcept = default;
 Slam& Slam::operator=(Slam&&) noexcept = default;
 
 void Slam::add_imu(const std::vector<ImuSample>& samples) { implementation_->imu.add(samples); }
+
+const std::string& Slam::imu_complaint() const {
+  return implementation_->inertial_check.complaint();
+}
 
 ScanReport Slam::process(const OrganizedCloud& cloud, double stamp_s, ScanTrace* trace) {
   check(cloud, stamp_s, implementation_->sensor);

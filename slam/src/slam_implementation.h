@@ -11,6 +11,7 @@
 #include "hqslam/slam/slam.h"
 #include "imu/felt_gravity.h"
 #include "imu/imu_buffer.h"
+#include "imu/inertial_check.h"
 #include "loops/background_loop_closing.h"
 #include "loops/place_recognition.h"
 #include "segmented_trajectory.h"
@@ -34,6 +35,7 @@ struct Slam::Implementation {
   Segmenter segmenter;
   ScanClock clock;
   ImuBuffer imu;
+  InertialCheck inertial_check;
   State state;
   Mapping mapping;
   SegmentedTrajectory path;
@@ -55,12 +57,15 @@ struct Slam::Implementation {
   void apply(const LoopResult& found);
   void apply(const LoopedDrift& found, const Pose& T_map_reference);
   void make_turning_even(Scan& scan);
+  /// A Scan or FirstKeyframe as it was before make_turning_even().
+  template <typename WithFeatures>
+  void leave_out_imu(WithFeatures& scan) const;
   Scan front_end(const OrganizedCloud& cloud, double stamp_s, Notes& notes);
 
   // The next state after a scan: tracking.cpp; for Searching relocalization.cpp.
   State next(Starting now, const Scan& scan, Notes& notes);
-  State next(Tracking now, const Scan& scan, Notes& notes);
-  State next(Lost now, const Scan& scan, Notes& notes);
+  State next(Tracking now, Scan& scan, Notes& notes);
+  State next(Lost now, Scan& scan, Notes& notes);
   State next(Searching now, const Scan& scan, Notes& notes);
 
   /// The result of a registration in the map.
@@ -74,15 +79,22 @@ struct Slam::Implementation {
     double inlier_ratio = 0.0;
     double close_ratio = 0.0;
     std::optional<InertialState> inertial;
+    double innovation = 0.0;  ///< normalized_innovation() of the inertial prediction
   };
   std::optional<InertialPrediction> predicted_by_imu(const Reference& reference,
                                                      const Scan& scan) const;
   Registered judged(const Tracking& last, const Scan& scan, const MotionState& expected,
                     const OdometryResult& moved, const MappingResult& matched) const;
   Registered registered(const Tracking& last, const Scan& scan, Notes& notes) const;
-  Registered first_registered(Tracking& last, const Scan& scan, Notes& notes);
+  Registered checked(const Tracking& last, Scan& scan, Notes& notes);
+  bool replaced_without_imu(const Tracking& last, double least_gain, Scan& scan, Registered& found,
+                            Notes& notes);
+  void compare_turns(const Reference& reference, const Scan& scan, const Registered& found);
+  Registered first_registered(Tracking& last, Scan& scan, Notes& notes);
+  Registered in_corrected_map(Tracking& last, Scan& scan, Notes& notes);
   State tracked(Tracking last, const Registered& found, const Scan& scan, Notes& notes);
   State new_segment(const Lost& lost, Registered found, const Scan& scan, Notes& notes);
+  void put_first_keyframe(Tracking& last, const Twist& velocity);
   void correct_first_keyframe(Tracking& last, Twist velocity);
   void add_keyframe(const Scan& scan, const Twist& velocity, bool begins_segment, Notes& notes);
   bool is_in_given_map(const MapFeatures& features, const MotionState& found) const;

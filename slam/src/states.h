@@ -46,7 +46,8 @@ struct FirstKeyframe {
   double time_s = 0.0;
   Features features;
   MapFeatures map_features;
-  std::optional<EvenTurning> turning;  ///< if inertial data cover the scan
+  std::optional<EvenTurning> turning;                        ///< if inertial data cover the scan
+  std::optional<Features> measured_features = std::nullopt;  ///< as Scan has them
 };
 
 /// The last scan was registered in the map, or is the first of a submap.
@@ -92,6 +93,7 @@ struct Scan {
   double stamp_s = 0.0;  ///< by the clock of the inertial sensor, if there is one
   std::optional<EvenTurning> turning;
   Eigen::Vector3d specific_force_mps2 = Eigen::Vector3d::Zero();  ///< with `turning` only
+  std::optional<Features> measured_features = std::nullopt;       ///< before `turning` was applied
 };
 
 }  // namespace hqslam::slam

@@ -20,6 +20,11 @@ constexpr std::size_t kMaxMissedScans = 5;
 /// Smallest share of the last registered scan's ratios. From scan to scan the inlier ratio falls to
 /// 0.83 at the lowest on simulated drives of all kinds, and to 0.44 in another street.
 constexpr double kLeastShareOfInlierRatio = 0.6;
+/// A scan whose close_ratio is less than this share of the last one's is registered without the
+/// inertial sensor, too.
+constexpr double kFitsBadly = 0.8;
+/// As in choice_of_start.cpp.
+constexpr double kFitsBetter = 1.1;
 
 /// Whether a sensor that is not carried can deviate this much from its expected motion.
 bool is_plausible(const Twist& innovation, double duration_s) {
@@ -74,14 +79,15 @@ State Slam::Implementation::next(Starting, const Scan& scan, Notes& notes) {
   if (scan.turning) standing.velocity.angular = scan.turning->mean_rate_rad_per_s();
   add_keyframe(scan, standing.velocity, true, notes);
   return Tracking{reference_of(scan, standing, drift.against_map(standing), notes.report), 0.0, 0.0,
-                  FirstKeyframe{scan.time_s, scan.features, scan.map_features, scan.turning}};
+                  FirstKeyframe{scan.time_s, scan.features, scan.map_features, scan.turning,
+                                scan.measured_features}};
 }
 
-State Slam::Implementation::next(Tracking now, const Scan& scan, Notes& notes) {
+State Slam::Implementation::next(Tracking now, Scan& scan, Notes& notes) {
   return next(Lost{std::move(now)}, scan, notes);
 }
 
-State Slam::Implementation::next(Lost now, const Scan& scan, Notes& notes) {
+State Slam::Implementation::next(Lost now, Scan& scan, Notes& notes) {
   const Registered found = first_registered(now.last, scan, notes);
   if (found.is_registered) return tracked(std::move(now.last), found, scan, notes);
   gravity_window.interrupt();
@@ -229,9 +235,12 @@ Slam::Implementation::Registered Slam::Implementation::registered(const Tracking
                             last.close_ratio, measured.has_value()});
   Registered found = judged(last, scan, expected, moved, matched);
   if (measured) {
-    found.inertial = found.is_registered ? corrected(*measured, found.state, matched.information)
-                                         : kept(measured->inertial, found.state);
-  } else if (reference.inertial) {
+    found.innovation = normalized_innovation(*measured, found.state, matched.information);
+    // What a wrong sample did to the prediction is no error of biases or gravity.
+    const bool is_usual = found.is_registered && found.innovation < InertialCheck::kMostOfScan;
+    found.inertial = is_usual ? corrected(*measured, found.state, matched.information)
+                              : kept(measured->inertial, found.state);
+  } else if (reference.inertial && inertial_check.agrees()) {
     found.inertial = kept(*reference.inertial, found.state);
   }
   // ScanClock replaces a very long gap by one period.
@@ -261,22 +270,118 @@ Slam::Implementation::Registered Slam::Implementation::registered(const Tracking
   return found;
 }
 
-/// registered(), and again after the map has begun anew with the first keyframe, which was inserted
-/// as if the sensor stood, corrected for the velocity that is known now.
-Slam::Implementation::Registered Slam::Implementation::first_registered(Tracking& last,
-                                                                        const Scan& scan,
+template <typename WithFeatures>
+void Slam::Implementation::leave_out_imu(WithFeatures& scan) const {
+  scan.turning.reset();
+  if (!scan.measured_features) return;
+  scan.features = *std::exchange(scan.measured_features, std::nullopt);
+  scan.map_features = map_features(scan.features, options.mapping);
+}
+
+/// registered(), and without the inertial sensor if its prediction is contradicted: what fits
+/// better is taken. The scan is then as it was measured.
+Slam::Implementation::Registered Slam::Implementation::checked(const Tracking& last, Scan& scan,
+                                                               Notes& notes) {
+  Registered found = registered(last, scan, notes);
+  const bool is_doubtful = !found.is_registered ||
+                           found.innovation > InertialCheck::kMostInnovation ||
+                           found.close_ratio < kFitsBadly * last.close_ratio;
+  const double least_gain = is_doubtful ? 1.0 : kFitsBetter;
+  const bool competes = scan.turning && (is_doubtful || !inertial_check.is_proven());
+  if (competes && replaced_without_imu(last, least_gain, scan, found, notes)) {
+    inertial_check.add_innovation(InertialCheck::kMostInnovation);
+  } else if (notes.report.predicted_by_imu) {
+    inertial_check.add_innovation(found.innovation);
+  }
+  if (found.is_registered) compare_turns(last.reference, scan, found);
+  return found;
+}
+
+/// Replaces a registration by one without the inertial sensor if that fits better, by more than
+/// least_gain; returns whether it does.
+bool Slam::Implementation::replaced_without_imu(const Tracking& last, double least_gain, Scan& scan,
+                                                Registered& found, Notes& notes) {
+  Scan alone = scan;
+  leave_out_imu(alone);
+  Notes alone_notes = notes;
+  const Registered by_scan = registered(last, alone, alone_notes);
+  const bool is_better =
+      by_scan.is_registered &&
+      (!found.is_registered || by_scan.close_ratio > least_gain * found.close_ratio);
+  if (is_better) {
+    leave_out_imu(scan);
+    notes = alone_notes;
+    found = by_scan;
+  } else if (notes.trace != nullptr) {
+    found = registered(last, scan, notes);  // the trace is of this one
+  }
+  return is_better;
+}
+
+/// Compares the turn since the reference by the inertial sensor with the registered one.
+void Slam::Implementation::compare_turns(const Reference& reference, const Scan& scan,
+                                         const Registered& found) {
+  const std::vector<ImuStep> steps =
+      imu.steps(reference.stamp_s, scan.stamp_s, mounting.turn_to_level());
+  if (steps.empty()) return;
+  Eigen::Vector3d turned_rad = Eigen::Vector3d::Zero();
+  for (const ImuStep& step : steps) turned_rad += step.duration_s * step.angular_rate_rad_per_s;
+  const double duration_s = scan.stamp_s - reference.stamp_s;
+  const Pose motion = reference.state.T_map_sensor.inverse() * found.state.T_map_sensor;
+  inertial_check.compare_turns(turned_rad / duration_s, logarithm(motion).angular / duration_s);
+}
+
+/// checked(), while the first keyframe is the only one in the better of two maps: it was corrected
+/// with the turns of the inertial sensor, which nothing has confirmed yet, or is without.
+Slam::Implementation::Registered Slam::Implementation::first_registered(Tracking& last, Scan& scan,
                                                                         Notes& notes) {
-  const Registered found = registered(last, scan, notes);
+  if (!last.first_keyframe || !last.first_keyframe->turning ||
+      last.first_keyframe->time_s != last.reference.time_s) {
+    return in_corrected_map(last, scan, notes);
+  }
+  Tracking alone_last = last;
+  Scan alone = scan;
+  Notes alone_notes = notes;
+  const Registered found = in_corrected_map(last, scan, notes);
+  Mapping mapping_by_imu = mapping;
+  leave_out_imu(alone);
+  leave_out_imu(*alone_last.first_keyframe);
+  alone_last.reference.inertial.reset();
+  alone_last.reference.state = unknown_motion(alone_last.reference.state.T_map_sensor);
+  alone_last.reference.target = {alone_last.first_keyframe->features, Twist()};
+  put_first_keyframe(alone_last, Twist());
+  const Registered by_scan = in_corrected_map(alone_last, alone, alone_notes);
+  if (!by_scan.is_registered || (found.is_registered && by_scan.close_ratio <= found.close_ratio)) {
+    mapping = std::move(mapping_by_imu);
+    return found;
+  }
+  inertial_check.add_innovation(InertialCheck::kMostInnovation);
+  last = std::move(alone_last);
+  leave_out_imu(scan);
+  notes = alone_notes;
+  return by_scan;
+}
+
+/// checked(), and again after the map has begun anew with the first keyframe, which was inserted as
+/// if the sensor stood, corrected for the velocity that is known now.
+Slam::Implementation::Registered Slam::Implementation::in_corrected_map(Tracking& last, Scan& scan,
+                                                                        Notes& notes) {
+  const Registered found = checked(last, scan, notes);
   if (!last.first_keyframe || !found.is_registered) return found;
   correct_first_keyframe(last, found.state.velocity);
   return registered(last, scan, notes);
 }
 
+/// The map with the first keyframe alone.
+void Slam::Implementation::put_first_keyframe(Tracking& last, const Twist& velocity) {
+  mapping = Mapping(options.mapping, mapping.keyframes() - 1);
+  mapping.insert(last.first_keyframe->map_features, Pose::Identity(), velocity);
+}
+
 void Slam::Implementation::correct_first_keyframe(Tracking& last, Twist velocity) {
   const FirstKeyframe& first = *last.first_keyframe;
   if (first.turning) velocity.angular = first.turning->mean_rate_rad_per_s();
-  mapping = Mapping(options.mapping, mapping.keyframes() - 1);
-  mapping.insert(first.map_features, Pose::Identity(), velocity);
+  put_first_keyframe(last, velocity);
   if (last.reference.time_s == first.time_s) last.reference.target = {first.features, velocity};
   last.first_keyframe.reset();
 }

@@ -1,6 +1,7 @@
 #include "imu/inertial_state.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
@@ -113,18 +114,47 @@ InertialPrediction predicted(const MotionState& state, const InertialState& iner
   return result;
 }
 
+namespace {
+
+/// P + N: the covariance of the prediction's pose and of a registration's errors beyond its own.
+Matrix6 covariance_of_pose(const InertialPrediction& prediction) {
+  Matrix6 result = prediction.inertial.covariance.topLeftCorner<6, 6>();
+  result.diagonal().head<3>().array() += kRegistration_m * kRegistration_m;
+  result.diagonal().tail<3>().array() += kRegistration_rad * kRegistration_rad;
+  return result;
+}
+
+/// L z
+Vector6 weighted_innovation(const InertialPrediction& prediction, const MotionState& found) {
+  const Vector6 moved =
+      vector_of(logarithm(prediction.state.T_map_sensor.inverse() * found.T_map_sensor));
+  return found.covariance.topLeftCorner<6, 6>().ldlt().solve(moved);
+}
+
+}  // namespace
+
+double normalized_innovation(const InertialPrediction& prediction, const MotionState& found,
+                             const Matrix6& of_scan) {
+  const Vector6 weighted = weighted_innovation(prediction, found);
+  const Matrix6 covariance = of_scan + of_scan * covariance_of_pose(prediction) * of_scan;
+  const Eigen::SelfAdjointEigenSolver<Matrix6> modes(covariance);
+  const double least = 1e-9 * modes.eigenvalues().maxCoeff();
+  double sum = 0.0;
+  for (int i = 0; i < 6; ++i) {
+    const double along = modes.eigenvectors().col(i).dot(weighted);
+    if (modes.eigenvalues()[i] > least) sum += along * along / modes.eigenvalues()[i];
+  }
+  return sum;
+}
+
 InertialState corrected(const InertialPrediction& prediction, const MotionState& found,
                         const Matrix6& of_scan) {
   const Matrix18& before = prediction.inertial.covariance;
   const Eigen::Matrix<double, 18, 6> with_pose = before.leftCols<6>();
-  Matrix6 of_pose = before.topLeftCorner<6, 6>();  // P + N
-  of_pose.diagonal().head<3>().array() += kRegistration_m * kRegistration_m;
-  of_pose.diagonal().tail<3>().array() += kRegistration_rad * kRegistration_rad;
-  const Eigen::PartialPivLU<Matrix6> inverse_share(Matrix6::Identity() + of_scan * of_pose);
-  const Vector6 moved =
-      vector_of(logarithm(prediction.state.T_map_sensor.inverse() * found.T_map_sensor));
-  const Vector6 weighted = found.covariance.topLeftCorner<6, 6>().ldlt().solve(moved);
-  const Eigen::Matrix<double, 18, 1> change = with_pose * inverse_share.solve(weighted);
+  const Eigen::PartialPivLU<Matrix6> inverse_share(Matrix6::Identity() +
+                                                   of_scan * covariance_of_pose(prediction));
+  const Eigen::Matrix<double, 18, 1> change =
+      with_pose * inverse_share.solve(weighted_innovation(prediction, found));
   InertialState result = prediction.inertial;
   result.gyroscope_bias_rad_per_s += change.segment<3>(kGyroscope);
   result.accelerometer_bias_mps2 += change.segment<3>(kAccelerometer);

@@ -63,6 +63,12 @@ InertialPrediction predicted(const MotionState& state, const InertialState& iner
 InertialState corrected(const InertialPrediction& prediction, const MotionState& found,
                         const Matrix6& of_scan);
 
+/// The squared innovation of a scan over its covariance, with the symbols of corrected(): for right
+/// data about 6. In y = L z, of covariance L + L (P + N) L, directions without information count
+/// nothing.
+double normalized_innovation(const InertialPrediction& prediction, const MotionState& found,
+                             const Matrix6& of_scan);
+
 /// Applies a rotation of the map.
 void turn(InertialState& inertial, const Eigen::Matrix3d& R_corrected_map);
 

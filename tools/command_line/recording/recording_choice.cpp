@@ -39,9 +39,9 @@ void declare_input(Command& command, InputChoice& choice, const std::string& wha
 void declare_imu(Command& command, InputChoice& choice) {
   command.option("--imu", &choice.imu,
                  "File of inertial data by the clock of the scans, in the LiDAR's frame: lines of "
-                 "stamp, angular rate x,y,z (rad/s), specific force x,y,z (m/s^2); default: those "
-                 "of the recording",
-                 {.given = Given::kFile});
+                 "stamp, angular rate x,y,z (rad/s), specific force x,y,z (m/s^2); 'none' leaves "
+                 "out those of the recording, which are the default",
+                 {.given = Given::kFile, .one_of = {recordings::kNoInertialData}});
 }
 
 void declare_reading(Command& command, InputChoice& choice) {

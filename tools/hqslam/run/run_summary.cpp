@@ -30,16 +30,18 @@ std::string mapping_summary(const SlamRun& run) {
   return summary;
 }
 
-/// "inertial sensor: measured the way to 198 of 200 scans"; nothing where there is none
+/// "inertial sensor: predicted 198 of 200 scans"; nothing where there is none
 std::string inertial_summary(const SlamRun& run) {
   if (!run.has_imu) return "";
-  const auto measured = std::ranges::count_if(
+  const auto predicted = std::ranges::count_if(
       run.scans, [](const ScanRecord& scan) { return scan.report.predicted_by_imu; });
-  return fmt::format(
-      "inertial sensor: measured the way to {} of {} scans{}\n", measured, run.scans.size(),
-      2 * measured > std::ssize(run.scans)
-          ? ""
-          : "; between others its samples are missing, more than 50 ms apart, or hold no gravity");
+  const std::string reason = !run.imu_complaint.empty()
+                                 ? fmt::format("; left out: {}", run.imu_complaint)
+                             : 2 * predicted > std::ssize(run.scans)
+                                 ? ""
+                                 : "; for others its samples are missing or more than 50 ms apart";
+  return fmt::format("inertial sensor: predicted {} of {} scans{}\n", predicted, run.scans.size(),
+                     reason);
 }
 
 /// "mounting: roll 0.1, pitch 12.0 degrees, estimated from the ground"; nothing of a level one

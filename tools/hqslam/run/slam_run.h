@@ -46,6 +46,7 @@ struct SlamRun : Reading {
   std::optional<std::int64_t> scans_in_recording;
   std::vector<ScanRecord> scans;
   bool has_imu = false;                      ///< inertial data came with it
+  std::string imu_complaint;                 ///< slam::Slam::imu_complaint()
   std::vector<slam::LoopReport> loops;       ///< places that were recognised, and are right now
   std::vector<std::size_t> part_of_scan;     ///< slam::Slam::submap_of_scan()
   std::vector<std::size_t> segment_of_scan;  ///< slam::Slam::segment_of_scan()

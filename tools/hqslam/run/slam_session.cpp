@@ -71,6 +71,7 @@ void SlamSession::keep(const slam::LoopReport& loop) {
 SlamRun SlamSession::finished(bool save_map) {
   for (const slam::LoopReport& loop : pipeline_.finish()) keep(loop);
   run_.mounting = pipeline_.mounting();
+  run_.imu_complaint = pipeline_.imu_complaint();
   run_.part_of_scan = pipeline_.submap_of_scan();
   run_.wall_s = seconds_since(start_);
   run_so_far();

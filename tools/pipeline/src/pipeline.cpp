@@ -44,6 +44,8 @@ void Pipeline::add_imu(const std::vector<ImuSample>& samples) {
   implementation_->slam->add_imu(samples);
 }
 
+std::string Pipeline::imu_complaint() const { return implementation_->slam->imu_complaint(); }
+
 LocatedScan Pipeline::process(const RecordedScan& scan, slam::ScanTrace* trace) {
   add_imu(scan.imu);
   return process(scan.cloud, scan.stamp_s, trace);

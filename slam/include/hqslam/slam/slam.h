@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -98,9 +99,13 @@ class Slam {
   Slam& operator=(Slam&&) noexcept;
 
   /// Adds inertial samples, before the scan that they cover up to its end. They predict the scan's
-  /// pose and correct it for uneven rotation; biases are estimated. Unusable samples are left out
-  /// silently; scans that are not covered are processed without.
+  /// pose and correct it for uneven rotation; biases are estimated. Unusable samples are left out;
+  /// scans that are not covered are processed without. A sensor that disagrees with the scans is
+  /// left out until it agrees (src/imu/inertial_check.h).
   void add_imu(const std::vector<ImuSample>& samples);
+  /// What disagreed and what would agree: "its turns disagree with the scans 57-fold; degrees per
+  /// second?"; empty as long as nothing did.
+  const std::string& imu_complaint() const;
 
   /// Throws Error if the cloud's shape is not the sensor's, if a pixel lacks a point, a range or
   /// (if others have them) a capture time, confidence or intensity, or if the stamp is no time in

@@ -62,6 +62,8 @@ class Pipeline {
 
   /// What an inertial sensor measured since the last call: slam::Slam::add_imu.
   void add_imu(const std::vector<ImuSample>& samples);
+  /// slam::Slam::imu_complaint.
+  std::string imu_complaint() const;
   /// A scan of a recording, after its inertial samples. trace: filled by slam::Slam::process; only
   /// of kHqslam. Throws Error; ScanError for a scan to be left out.
   LocatedScan process(const RecordedScan& scan, slam::ScanTrace* trace = nullptr);

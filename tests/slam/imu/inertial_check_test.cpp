@@ -1,0 +1,98 @@
+#include "imu/inertial_check.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <string>
+
+namespace hqslam::slam {
+namespace {
+
+using Eigen::Vector3d;
+
+/// The rate of a sensor that nods and sways while it turns to and fro.
+Vector3d true_rate(int scan) {
+  return {0.1 * std::sin(0.7 * scan), 0.15 * std::cos(0.4 * scan), 0.5 * std::sin(0.2 * scan)};
+}
+
+/// The check after scans whose turns were measured so.
+template <typename Measured>
+InertialCheck check_of(const Measured& measured, int scans = 120) {
+  InertialCheck check;
+  for (int scan = 0; scan < scans; ++scan) check.compare_turns(measured(scan), true_rate(scan));
+  return check;
+}
+
+bool holds(const InertialCheck& check, const std::string& part) {
+  return check.complaint().find(part) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("a gyroscope that measures the registered turns and a bias agrees") {
+  const InertialCheck check =
+      check_of([](int scan) -> Vector3d { return true_rate(scan) + Vector3d(0.01, -0.02, 0.03); });
+  CHECK(check.agrees());
+  CHECK(check.complaint().empty());
+}
+
+TEST_CASE("a gyroscope in degrees, with other axes, stuck or late is refuted and explained") {
+  const InertialCheck degrees =
+      check_of([](int scan) -> Vector3d { return 57.29578 * true_rate(scan); });
+  CHECK_FALSE(degrees.agrees());
+  CHECK(holds(degrees, "57-fold; degrees per second?"));
+  const InertialCheck axes = check_of([](int scan) -> Vector3d {
+    const Vector3d rate = true_rate(scan);
+    return {rate.y(), -rate.x(), -rate.z()};
+  });
+  CHECK_FALSE(axes.agrees());
+  CHECK(holds(axes, "axes -y, x, -z?"));
+  const InertialCheck stuck = check_of([](int) -> Vector3d { return Vector3d::Zero(); });
+  CHECK_FALSE(stuck.agrees());
+  CHECK(holds(stuck, "no turns where the scans turn"));
+  const InertialCheck late = check_of([](int scan) { return true_rate(scan - 8); });
+  CHECK_FALSE(late.agrees());
+  CHECK(holds(late, "another clock?"));
+}
+
+TEST_CASE("a sensor that was refuted is taken again once its turns agree") {
+  InertialCheck check;
+  for (int scan = 0; scan < 60; ++scan) check.compare_turns(Vector3d::Zero(), true_rate(scan));
+  REQUIRE_FALSE(check.agrees());
+  for (int scan = 60; scan < 140; ++scan) check.compare_turns(true_rate(scan), true_rate(scan));
+  CHECK(check.agrees());
+}
+
+TEST_CASE("without turns nothing is decided: a standing sensor cannot refute a stuck one") {
+  InertialCheck check;
+  const Vector3d noise(0.004, -0.003, 0.005);
+  for (int scan = 0; scan < 100; ++scan) {
+    check.compare_turns(Vector3d::Zero(), scan % 2 == 0 ? noise : Vector3d(-noise));
+  }
+  CHECK(check.agrees());
+}
+
+TEST_CASE("single samples that are wrong refute nothing, lasting innovations do") {
+  InertialCheck check = check_of([](int scan) -> Vector3d {
+    return scan % 40 == 20 ? Vector3d(0.0, 0.0, 35.0) : true_rate(scan);
+  });
+  for (int scan = 0; scan < 100; ++scan) check.add_innovation(scan % 40 < 3 ? 1e6 : 0.1);
+  CHECK(check.agrees());
+  for (int scan = 0; scan < 30; ++scan) check.add_innovation(2.0);
+  CHECK_FALSE(check.agrees());
+  CHECK_FALSE(check.complaint().empty());
+}
+
+TEST_CASE("gravity has to be 9.8 m/s^2 and to point upwards as a force") {
+  InertialCheck check;
+  CHECK(check.takes_gravity({1.0, -2.0, 9.5}));
+  CHECK(check.complaint().empty());
+  CHECK_FALSE(check.takes_gravity({0.0, 0.0, -9.8}));
+  CHECK(holds(check, "point downwards"));
+  CHECK_FALSE(check.takes_gravity({9.8, 0.0, 0.5}));
+  CHECK(holds(check, "point sideways"));
+  CHECK_FALSE(check.takes_gravity({0.0, 0.0, 1.0}));
+  CHECK(holds(check, "in g?"));
+}
+
+}  // namespace hqslam::slam
