@@ -120,7 +120,10 @@ State Slam::Implementation::tracked(Tracking last, const Registered& found, cons
                                     Notes& notes) {
   const MotionState& before = last.reference.state;
   const Pose motion = before.T_map_sensor.inverse() * found.state.T_map_sensor;
-  accelerations.learn(before.velocity, found.state.velocity, scan.time_s - last.reference.time_s);
+  // A velocity that was predicted, not measured, shows no acceleration.
+  if (notes.report.mapping_status != Status::kDegenerate) {
+    accelerations.learn(before.velocity, found.state.velocity, scan.time_s - last.reference.time_s);
+  }
   drift.learn(found.state.velocity);
   if (place_recognition) {
     drift.move(motion);

@@ -19,6 +19,8 @@ struct PlaneConstraint {
   Eigen::Vector3d normal;
   double offset_m = 0.0;  ///< of the plane: normal . q for any point q of it
   double weight = 1.0;
+  /// Standard deviation of the normal, along the direction in which it is largest.
+  Eigen::Vector3d tilt = Eigen::Vector3d::Zero();
 };
 
 /// An edge feature: two planes that meet in its line, perpendicular to each other.

@@ -1,31 +1,75 @@
 #include "alignment/scan_information.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
 
 namespace hqslam::slam {
 
-ScanInformation scan_information(const std::vector<PlaneConstraint>& constraints,
-                                 const Eigen::Matrix3d& R_map_sensor) {
-  Matrix6 sum = Matrix6::Zero();
+namespace {
+
+/// Sums over the constraints.
+struct Sums {
+  Matrix6 information = Matrix6::Zero();
+  Matrix6 feigned = Matrix6::Zero();  ///< N
   Vector6 gradient = Vector6::Zero();
-  double total = 0.0;
+  double total = 0.0;  ///< of weight^2
+};
+
+Sums sums_of(const std::vector<PlaneConstraint>& constraints) {
+  Sums sums;
   for (const PlaneConstraint& c : constraints) {
     Vector6 J;
     J << c.normal, c.point_m.cross(c.normal);
     J *= c.weight;
-    sum += J.lazyProduct(J.transpose());
-    total += c.weight * c.weight;
-    gradient += c.weight * (c.normal.dot(c.point_m) - c.offset_m) * J;
+    sums.information += J.lazyProduct(J.transpose());
+    sums.total += c.weight * c.weight;
+    sums.gradient += c.weight * (c.normal.dot(c.point_m) - c.offset_m) * J;
+    Vector6 J_tilt;
+    J_tilt << c.tilt, c.point_m.cross(c.tilt);
+    J_tilt *= c.weight;
+    sums.feigned += J_tilt.lazyProduct(J_tilt.transpose());
   }
+  return sums;
+}
+
+/// Leaves of each direction what is known of it; returns how many have nothing left.
+int leave_out_feigned(Sums& sums) {
+  Vector6 scale;  // so that all parameters are lengths
+  scale << Eigen::Vector3d::Ones(), Eigen::Vector3d::Constant(1.0 / kLever_m);
+  const auto S = scale.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(S * sums.information * S);
+  const Matrix6 feigned = S * sums.feigned * S;
+  const Matrix6& u = solver.eigenvectors();
+  Vector6 kept;
+  for (int i = 0; i < 6; ++i) {
+    const double none = 2.0 * u.col(i).dot(feigned * u.col(i)) + kMinObservableShare * sums.total;
+    kept[i] = std::clamp(0.2 * (solver.eigenvalues()[i] / none - 1.0), 0.0, 1.0);
+  }
+  const Vector6 left = kept.cwiseProduct(solver.eigenvalues());
+  const Vector6 unscale = scale.cwiseInverse();
+  sums.information =
+      unscale.asDiagonal() * (u * left.asDiagonal() * u.transpose()) * unscale.asDiagonal();
+  sums.gradient =
+      unscale.asDiagonal() * (u * (kept.asDiagonal() * (u.transpose() * (S * sums.gradient))));
+  return static_cast<int>((kept.array() <= 0.0).count());
+}
+
+}  // namespace
+
+ScanInformation scan_information(const std::vector<PlaneConstraint>& constraints,
+                                 const Eigen::Matrix3d& R_map_sensor) {
+  Sums sums = sums_of(constraints);
+  const int degenerate_directions = leave_out_feigned(sums);
   Matrix6 turn = Matrix6::Zero();
   turn.topLeftCorner<3, 3>() = R_map_sensor;
   turn.bottomRightCorner<3, 3>() = R_map_sensor;
   Vector6 scale;
   scale << Eigen::Vector3d::Ones(), Eigen::Vector3d::Constant(1.0 / kLever_m);
-  const Matrix6 scaled = scale.asDiagonal() * sum * scale.asDiagonal();
-  return {turn.transpose() * sum * turn, turn.transpose() * gradient,
-          observability(scaled, total, FreeParameters::kAll).degenerate_directions,
-          total * observability(scaled, total, FreeParameters::kInPlane).share[0]};
+  const Matrix6 scaled = scale.asDiagonal() * sums.information * scale.asDiagonal();
+  return {turn.transpose() * sums.information * turn, turn.transpose() * sums.gradient,
+          degenerate_directions,
+          sums.total * observability(scaled, sums.total, FreeParameters::kInPlane).share[0]};
 }
 
 ExpectedState::ExpectedState(const MotionState& expected)

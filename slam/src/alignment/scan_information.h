@@ -10,7 +10,7 @@ namespace hqslam::slam {
 struct ScanInformation {
   Matrix6 information = Matrix6::Zero();
   Vector6 gradient = Vector6::Zero();
-  int degenerate_directions = 0;  ///< Observability, of all parameters
+  int degenerate_directions = 0;
   /// 1 / sigma^2 [1/m^2] of the least known direction in (x, y, kLever_m yaw), the others held.
   double least_in_plane = 0.0;
 };
@@ -18,7 +18,13 @@ struct ScanInformation {
 /// In: constraints in axes of the map with the sensor as origin, weight = 1 / sigma [1/m], the
 /// sensor's orientation in the map. Out: the sums over constraints of J J^T and r J with
 ///   r = weight (n . p - offset),  J = weight (n, p x n),
-/// turned into the sensor's frame.
+/// turned into the sensor's frame, without the information that errors of the normals feign: along
+/// a tunnel each normal leans at random, and many of them make a direction look known. With
+///   N = sum of J_t J_t^T,  J_t = weight (t, p x t),  t: the normal's tilt,
+/// the expected part of it, a direction u of information a = u^T (sum J J^T) u is known above
+///   b = 2 u^T N u + kMinObservableShare sum of weight^2
+/// and keeps the share (a / b - 1) / 2, between 0 and 1, of its information and gradient: none up to
+/// b, where it is degenerate, all from 3 b on.
 ScanInformation scan_information(const std::vector<PlaneConstraint>& constraints,
                                  const Eigen::Matrix3d& R_map_sensor);
 

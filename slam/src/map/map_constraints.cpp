@@ -34,7 +34,7 @@ std::optional<EdgeConstraints> match_edge(const std::optional<MapLine>& line,
 std::optional<MapPlane> plane_through(const MapLine& line, const Eigen::Vector3d& direction) {
   const Eigen::Vector3d normal = line.direction.cross(direction);
   if (!(normal.norm() > kMinSine)) return std::nullopt;
-  return MapPlane{line.point_m, normal.normalized()};
+  return MapPlane{line.point_m, normal.normalized(), line.tilt * line.direction};
 }
 
 /// The plane of a surface, or the one through its line and `direction`.
@@ -53,7 +53,7 @@ std::optional<PlaneConstraint> match_surface(const std::optional<MapPlane>& plan
   const double distance_m = std::abs(plane->normal.dot(rotated_m) - offset_m);
   const double weight = 1.0 - 0.9 * distance_m / std::sqrt(rotated_m.norm());
   if (weight < kMinMapWeight) return std::nullopt;
-  return PlaneConstraint{rotated_m, plane->normal, offset_m, weight};
+  return PlaneConstraint{rotated_m, plane->normal, offset_m, weight, plane->tilt};
 }
 
 /// Reduces a ground plane to its information about height, roll and pitch.
@@ -70,6 +70,7 @@ std::optional<PlaneConstraint> upright(std::optional<PlaneConstraint> ground,
   const double share = ground->normal.dot(vertical);
   if (std::abs(share) < kMinGroundUprightness) return std::nullopt;
   ground->normal = share * vertical;
+  ground->tilt = ground->tilt.dot(vertical) * vertical;
   ground->offset_m = ground->normal.dot(ground->point_m) - distance_m;
   return ground;
 }
@@ -85,6 +86,7 @@ std::optional<PlaneConstraint> horizontal(std::optional<PlaneConstraint> surface
   if (!surface) return std::nullopt;
   const double distance_m = surface->normal.dot(surface->point_m) - surface->offset_m;
   surface->normal -= surface->normal.dot(vertical) * vertical;
+  surface->tilt -= surface->tilt.dot(vertical) * vertical;
   surface->offset_m = surface->normal.dot(surface->point_m) - distance_m;
   return surface;
 }

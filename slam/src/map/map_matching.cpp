@@ -15,6 +15,16 @@ constexpr double kMinLineElongation = 10.0;
 /// through which any plane goes.
 constexpr double kMinPlaneWidthShare = 0.1;
 
+/// Standard deviation of the map's points, which are means in voxels, beside what five of them show.
+constexpr double kPointSigma_m = 0.01;
+
+/// Standard deviation of the slope of a fit through points of variance `along`, which are away from
+/// it by the variance `across`. free: the number of points less that of the fit's parameters.
+double slope_sigma(double across, double along, int free) {
+  constexpr double kPoints = Neighbours::kWanted;
+  return std::sqrt((across * kPoints / free + kPointSigma_m * kPointSigma_m) / (kPoints * along));
+}
+
 struct Spread {
   Eigen::Vector3d mean_m;
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;  ///< of the covariance, smallest first
@@ -37,14 +47,17 @@ Spread spread_of(const Neighbours& neighbours) {
 std::optional<MapLine> line_of(const Spread& spread) {
   const Eigen::Vector3d& eigenvalues = spread.solver.eigenvalues();
   if (!(eigenvalues[2] > kMinLineElongation * eigenvalues[1])) return std::nullopt;
-  return MapLine{spread.mean_m, spread.solver.eigenvectors().col(2)};
+  return MapLine{spread.mean_m, spread.solver.eigenvectors().col(2),
+                 slope_sigma(eigenvalues[1], eigenvalues[2], 3)};
 }
 
 std::optional<MapPlane> plane_of(const Neighbours& neighbours, const Spread& spread,
                                  double max_residual_m) {
   const Eigen::Vector3d& eigenvalues = spread.solver.eigenvalues();
   if (!(eigenvalues[1] >= kMinPlaneWidthShare * eigenvalues[2])) return std::nullopt;
-  const MapPlane plane{spread.mean_m, spread.solver.eigenvectors().col(0)};
+  const MapPlane plane{
+      spread.mean_m, spread.solver.eigenvectors().col(0),
+      slope_sigma(eigenvalues[0], eigenvalues[1], 2) * spread.solver.eigenvectors().col(1)};
   for (const auto& point_m : neighbours.points_m) {
     const double residual_m = plane.normal.dot(point_m.cast<double>() - plane.point_m);
     if (!(std::abs(residual_m) <= max_residual_m)) return std::nullopt;

@@ -12,6 +12,7 @@ namespace hqslam::slam {
 struct MapLine {
   Eigen::Vector3d point_m;
   Eigen::Vector3d direction;
+  double tilt = 0.0;  ///< standard deviation of the direction, rad
 };
 /// The line through five neighbours, if they are collinear: the largest eigenvalue of their
 /// covariance is more than ten times the second (three times in LOAM).
@@ -21,6 +22,10 @@ std::optional<MapLine> fit_line(const Neighbours& neighbours);
 struct MapPlane {
   Eigen::Vector3d point_m;
   Eigen::Vector3d normal;
+  /// The direction in the plane towards which the normal is least known, times its standard
+  /// deviation: of n points with distances of variance s^2 from the plane and the variance l along
+  /// that direction it is s / sqrt(n l).
+  Eigen::Vector3d tilt = Eigen::Vector3d::Zero();
 };
 /// The plane through five neighbours, if they are not collinear and all within max_residual_m of
 /// it.
