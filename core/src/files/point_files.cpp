@@ -85,9 +85,7 @@ FoundSensor find_sensor_of_files(const std::vector<std::string>& paths,
     points += scans.back().scan.points_m.size();
     if (points > kMostPoints) break;
     const auto times = times_of(scans.back(), paths[i]);
-    if (!times) continue;
-    const auto [first, last] = std::ranges::minmax_element(times->offset_s);
-    lasted_s.push_back(double{*last} - double{*first});
+    if (times) lasted_s.push_back(times->duration_s);
   }
   for (std::size_t i = 1; i < stamps_s.size(); ++i) {
     stamp_steps_s.push_back(stamps_s[i] - stamps_s[i - 1]);

@@ -23,6 +23,12 @@ std::optional<double> signed_decimal(std::string_view word) {
   return decimal_from(word);
 }
 
+/// Of a line of names, which may have blanks in them where commas stand between: "X (m), Y (m)".
+std::vector<std::string_view> column_names(std::string_view line) {
+  const bool has_commas = line.find_first_of(",;") != std::string_view::npos;
+  return words_of(line, has_commas ? ",;\r" : kSeparators, kMaxColumns);
+}
+
 std::vector<PointField> columns_named(const std::vector<std::string_view>& names) {
   std::vector<PointField> columns;
   for (std::size_t i = 0; i < names.size(); ++i) columns.push_back({std::string(names[i]), {}, i});
@@ -55,8 +61,8 @@ RawPoints read_text_points(const std::string& path) {
     if (words.empty()) continue;
     if (!points) {
       const bool names = !signed_decimal(words.front());
-      count = words.size();
-      columns = names ? columns_named(words) : usual_columns(count);
+      columns = names ? columns_named(column_names(line)) : usual_columns(words.size());
+      count = names ? columns.size() : words.size();
       fields = point_fields(columns, path, "columns");
       points.emplace(fields, 0);
       if (names) continue;

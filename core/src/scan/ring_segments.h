@@ -26,7 +26,7 @@ struct RingSegment {
 
 /// Cuts a scan into segments at each wrap of the azimuth, and at a large gap of the azimuth (the
 /// only place where a wrap can hide) if all that follows up to the next wrap lies lower. At least
-/// one point. Throws Error where the azimuth jumps more often than gaps fit into a turn.
+/// one point.
 std::vector<RingSegment> ring_segments(const Scan& scan, const SensorModel& sensor);
 
 /// Where the azimuth begins anew, from front or back; without beginnings of less than 3 % of the

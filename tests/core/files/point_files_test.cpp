@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -76,6 +77,39 @@ TEST_CASE("a .csv file with names and a .txt file without give the same scan") {
   const int column = sensor.column_of_azimuth(0.0);
   CHECK(csv.cloud.range_m[csv.cloud.index(0, column)] > 5.0F);  // ring 15 is the highest beam
   CHECK(csv.cloud.time_offset_s[csv.cloud.index(0, column)] == doctest::Approx(0.045));
+}
+
+TEST_CASE("the names that the makers' programs give to columns are understood") {
+  const TemporaryDirectory directory;
+  const std::string points = ",0,5\n0.05,1,-1.1507,0,5\n0.09,15,1.33975,0,5\n";
+  for (const char* names :
+       {"t,ring,z,y,x\n", "TIMESTAMP (s), ROW, Z (m), Y (m), X (m)\n",
+        "\"timestamp\",\"laser_id\",\"Points_m_XYZ:2\",\"Points_m_XYZ:1\",\"Points_m_XYZ:0\"\n",
+        "scalar_GpsTime,scalar_ring,z,y,x\n"}) {
+    CAPTURE(names);
+    write_file(directory.file("a.csv"), names + ("0,9,0.2616" + points));
+    const RecordedScan scan = only_scan(directory.file("a.csv"), sensor_preset("vlp-16"));
+    CHECK(scan.counts.kept == 3);
+    CHECK_FALSE(scan.cloud.time_offset_s.empty());
+  }
+}
+
+TEST_CASE("points whose time is far from that of nearly all others are left out of the scan") {
+  const TemporaryDirectory directory;
+  for (const double wild_s : {4.294966295, -0.04}) {
+    CAPTURE(wild_s);
+    std::string text = fmt::format("x y z t\n5 0 0 {}\n", wild_s);
+    for (int i = 0; i < 1000; ++i) {
+      text +=
+          fmt::format("{} {} 0 {}\n", 5 * std::cos(6e-3 * i), -5 * std::sin(6e-3 * i), 1e-4 * i);
+    }
+    write_file(directory.file("a.txt"), text);
+    const Scan scan = read_cloud(directory.file("a.txt"));
+    CHECK(scan.points_m.size() == 1000);
+    CHECK(scan.invalid_points == 1);
+    const auto [first_s, last_s] = std::ranges::minmax_element(scan.time_offset_s);
+    CHECK(*last_s - *first_s == doctest::Approx(0.0999));
+  }
 }
 
 TEST_CASE(".ply files of both forms are read") {
