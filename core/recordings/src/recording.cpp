@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "files/scan_files.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/left_out.h"
@@ -121,7 +122,7 @@ std::optional<SensorModel> sensor_of_points(const std::string& path,
   if (!stated && !options.all_rows) return std::nullopt;  // the source finds it
   std::optional<SensorModel> found;
   try {
-    found = hqslam::open_scan_files(path, std::nullopt, options.files)->sensor();
+    found = open_scan_files(path, std::nullopt, options.files)->sensor();
   } catch (const Error&) {
     // What is wrong with the points is said when they are read.
   }
@@ -151,11 +152,11 @@ std::unique_ptr<ScanSource> open_files(const std::string& path, const OpenOption
   std::optional<SensorModel> sensor =
       rows ? sensor_of_images(stated, *rows, options) : sensor_of_points(path, stated, options);
   if (options.columns > 0) {
-    if (!sensor) sensor = hqslam::open_scan_files(path, std::nullopt, options.files)->sensor();
+    if (!sensor) sensor = open_scan_files(path, std::nullopt, options.files)->sensor();
     sensor->columns = options.columns;
   }
   if (!rows) of_points = sensor;
-  return hqslam::open_scan_files(path, sensor, options.files);
+  return open_scan_files(path, sensor, options.files);
 }
 
 /// Reads the first scans and takes from them what they tell; later ones are many.

@@ -10,9 +10,9 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/median.h"
-#include "hqslam/core/recorded_scan.h"
-#include "hqslam/core/sensor_finder.h"
 #include "hqslam/recordings/velodyne.h"
+#include "points/recorded_scan.h"
+#include "points/sensor_finder.h"
 #include "stream_scans.h"
 
 namespace hqslam::recordings {

@@ -1,4 +1,4 @@
-#include "hqslam/core/ring_recovery.h"
+#include "points/ring_recovery.h"
 
 #include <doctest/doctest.h>
 
@@ -13,6 +13,7 @@
 #include "hqslam/core/kitti_bin.h"
 
 using namespace hqslam;
+using namespace hqslam::recordings;
 using namespace hqslam::test;
 
 namespace {

@@ -1,4 +1,4 @@
-#include "scan/ring_segments.h"
+#include "points/ring_segments.h"
 
 #include <algorithm>
 #include <array>
@@ -23,7 +23,7 @@
 // is uncertain by the parallax of lasers that far apart (kLaserApart_m / distance); heights of
 // other rings at those azimuths take precedence over it.
 
-namespace hqslam {
+namespace hqslam::recordings {
 
 namespace {
 
@@ -376,4 +376,4 @@ std::vector<RingSegment> ring_segments(const Scan& scan, const SensorModel& sens
   return tracker.segments(cut_into_pieces(angle_rad, gap_rad));
 }
 
-}  // namespace hqslam
+}  // namespace hqslam::recordings

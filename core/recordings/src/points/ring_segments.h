@@ -7,7 +7,7 @@
 #include "hqslam/core/scan.h"
 #include "hqslam/core/sensor_model.h"
 
-namespace hqslam {
+namespace hqslam::recordings {
 
 /// Bins of azimuth, 5 degrees each.
 inline constexpr int kAzimuthBins = 72;
@@ -40,4 +40,4 @@ std::vector<float> elevation_tangents(const Scan& scan);
 std::vector<double> beam_spacing_rad(const SensorModel& sensor);
 double median_beam_spacing_rad(const SensorModel& sensor);
 
-}  // namespace hqslam
+}  // namespace hqslam::recordings

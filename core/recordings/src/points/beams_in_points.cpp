@@ -1,4 +1,4 @@
-#include "sensor/beams_in_points.h"
+#include "points/beams_in_points.h"
 
 #include <algorithm>
 #include <map>
@@ -7,7 +7,7 @@
 
 #include "hqslam/core/angles.h"
 #include "hqslam/core/median.h"
-#include "scan/ring_segments.h"
+#include "points/ring_segments.h"
 
 // Points are assigned to beams by their rings, else by their order where each scan holds beam after
 // beam (KITTI), else by the elevation: beams are the peaks of its histogram over all
@@ -22,7 +22,7 @@
 // kFarthest_m: so it does not depend on what stands around the sensor, and comes near the medians
 // of many scans.
 
-namespace hqslam {
+namespace hqslam::recordings {
 
 namespace {
 
@@ -239,4 +239,4 @@ Beams beams_by_elevation(const std::vector<RawPoints>& scans) {
   return result;
 }
 
-}  // namespace hqslam
+}  // namespace hqslam::recordings

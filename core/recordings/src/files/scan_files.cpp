@@ -1,4 +1,4 @@
-#include "hqslam/core/scan_source.h"
+#include "files/scan_files.h"
 
 #include <fmt/format.h>
 
@@ -8,13 +8,13 @@
 #include <filesystem>
 #include <utility>
 
-#include "files/scan_sources.h"
-#include "files/words.h"
+#include "files/scan_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/point_fields.h"
 #include "hqslam/core/trajectory.h"
+#include "hqslam/core/words.h"
 
-namespace hqslam {
+namespace hqslam::recordings {
 
 namespace {
 
@@ -262,4 +262,4 @@ std::unique_ptr<ScanSource> with_imu(std::unique_ptr<ScanSource> source,
   return std::make_unique<SourceWithImu>(std::move(source), std::move(samples), name);
 }
 
-}  // namespace hqslam
+}  // namespace hqslam::recordings

@@ -6,13 +6,14 @@
 
 #include "error_message.h"
 #include "file_contents.h"
+#include "files/scan_files.h"
 #include "hqslam/core/npy.h"
-#include "hqslam/core/scan_source.h"
 #include "hqslam/core/trajectory.h"
 #include "recording_complaint.h"
 #include "temporary_directory.h"
 
 using namespace hqslam;
+using namespace hqslam::recordings;
 using namespace hqslam::test;
 
 namespace {

@@ -7,7 +7,7 @@
 #include "hqslam/core/point_fields.h"
 #include "hqslam/core/sensor_model.h"
 
-namespace hqslam {
+namespace hqslam::recordings {
 
 struct FoundSensor {
   SensorModel sensor;  ///< a preset where all beams are one's, else without azimuth offsets
@@ -21,4 +21,10 @@ struct FoundSensor {
 FoundSensor find_sensor(const std::vector<RawPoints>& scans, std::optional<double> scan_period_s,
                         const std::string& source);
 
-}  // namespace hqslam
+/// The sensor of a recording with one scan per file, determined from some of at least one file. The
+/// rate of turning follows from the stamps, else from the points' times. Files that cannot be read
+/// are skipped. Throws Error where the points do not determine a sensor.
+FoundSensor find_sensor_of_files(const std::vector<std::string>& paths,
+                                 const std::vector<double>& stamps_s);
+
+}  // namespace hqslam::recordings

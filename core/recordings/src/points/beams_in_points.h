@@ -6,7 +6,7 @@
 
 #include "hqslam/core/point_fields.h"
 
-namespace hqslam {
+namespace hqslam::recordings {
 
 /// No sensor has more beams.
 inline constexpr int kMostBeams = 256;
@@ -53,4 +53,4 @@ Beams beams_by_order(const std::vector<RawPoints>& scans);
 /// Beams from the elevations alone.
 Beams beams_by_elevation(const std::vector<RawPoints>& scans);
 
-}  // namespace hqslam
+}  // namespace hqslam::recordings

@@ -1,4 +1,4 @@
-#include "hqslam/core/sensor_finder.h"
+#include "points/sensor_finder.h"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 #include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/median.h"
-#include "sensor/beams_in_points.h"
+#include "points/beams_in_points.h"
 
 // The beams of a sensor, found in the points of some of its scans.
 //
@@ -21,7 +21,7 @@
 // A sensor is accepted if hardly any point is nearer to another beam than to its own, and if each
 // scan alone gives the same beams.
 
-namespace hqslam {
+namespace hqslam::recordings {
 
 namespace {
 
@@ -187,4 +187,4 @@ FoundSensor find_sensor(const std::vector<RawPoints>& scans, std::optional<doubl
       source, wrong);
 }
 
-}  // namespace hqslam
+}  // namespace hqslam::recordings

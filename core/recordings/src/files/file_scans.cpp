@@ -8,15 +8,15 @@
 #include <utility>
 #include <vector>
 
-#include "files/point_files.h"
-#include "files/scan_sources.h"
+#include "files/scan_files.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/median.h"
 #include "hqslam/core/point_fields.h"
-#include "hqslam/core/recorded_scan.h"
+#include "points/recorded_scan.h"
+#include "points/sensor_finder.h"
 
-namespace hqslam {
+namespace hqslam::recordings {
 
 namespace {
 
@@ -322,4 +322,4 @@ std::unique_ptr<ScanSource> make_file_scan_source(std::vector<std::string> paths
   return std::make_unique<FileScanSource>(std::move(paths), sensor, options);
 }
 
-}  // namespace hqslam
+}  // namespace hqslam::recordings

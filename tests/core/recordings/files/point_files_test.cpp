@@ -8,15 +8,16 @@
 
 #include "error_message.h"
 #include "file_contents.h"
+#include "files/scan_files.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/point_fields.h"
-#include "hqslam/core/scan_source.h"
 #include "recording_complaint.h"
 #include "temporary_directory.h"
 
 using namespace hqslam;
+using namespace hqslam::recordings;
 using namespace hqslam::test;
 
 // Point files beyond .bin and .pcd, stamps and times that come from elsewhere, and units of a

@@ -5,15 +5,15 @@
 #include <filesystem>
 #include <utility>
 
-#include "files/scan_sources.h"
-#include "files/words.h"
+#include "files/scan_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/npy.h"
-#include "hqslam/core/recorded_scan.h"
 #include "hqslam/core/whole_file.h"
+#include "hqslam/core/words.h"
+#include "points/recorded_scan.h"
 
-namespace hqslam {
+namespace hqslam::recordings {
 
 namespace {
 
@@ -215,4 +215,4 @@ std::unique_ptr<ScanSource> make_image_stack_source(const std::string& path,
   return std::make_unique<ImageStackSource>(path, sensor, options, std::move(stamps_s), of_folder);
 }
 
-}  // namespace hqslam
+}  // namespace hqslam::recordings
