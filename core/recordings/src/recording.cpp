@@ -12,6 +12,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/left_out.h"
 #include "hqslam/core/npy.h"
+#include "ordered_scans.h"
 #include "stream_scans.h"
 
 namespace hqslam::recordings {
@@ -227,7 +228,7 @@ RecordingInfo info_of_files(const std::string& path, const OpenOptions& options,
 
 RecordingInfo inspect_files(const std::string& path, const OpenOptions& options) {
   std::optional<SensorModel> of_points;  // the file's own beams are shown instead
-  const auto source = open_files(path, options, of_points);
+  const auto source = ordered(open_files(path, options, of_points));
   RecordingInfo info = info_of_files(path, options, *source);
   look_at_scans(*source, info);
   return info;
@@ -274,6 +275,8 @@ Recording::Recording(std::string path, OpenOptions options)
   } else {
     source_ = open_files(path_, options_, stated_);
   }
+  // Packets are put in order, and stamped by one clock, where they become scans.
+  if (stream_ == nullptr || !stream_->has_packets()) source_ = ordered(std::move(source_));
   if (options_.imu == kNoInertialData) {
     source_ = with_imu(std::move(source_), {});
   } else if (!options_.imu.empty()) {
@@ -303,16 +306,30 @@ void Recording::use_columns(int columns) {
 }
 
 RecordingInfo Recording::info() const {
-  return stream_ != nullptr ? stream_->info() : info_of_files(path_, options_, *this);
+  if (stream_ == nullptr) return info_of_files(path_, options_, *this);
+  RecordingInfo info = stream_->info();
+  info.warnings = warnings();
+  return info;
 }
 
 RecordingInfo inspect(const std::string& path, const OpenOptions& options) {
   refuse_idle_options(path, options);
   if (!is_capture_or_bag(path)) return inspect_files(path, options);
-  const auto source = open_stream(path, options, false);
+  auto stream = open_stream(path, options, false);
+  const StreamScans& scans = *stream;
+  const auto source = scans.has_packets() ? std::unique_ptr<ScanSource>(std::move(stream))
+                                          : ordered(std::move(stream));
   LeftOut left_out;
-  while (next_usable(*source, left_out)) continue;
-  RecordingInfo info = source->info();
+  std::string end;  // why it cannot be read on
+  try {
+    while (next_usable(*source, left_out)) continue;
+  } catch (const Error& error) {
+    if (scans.info().scans == 0) throw;
+    end = error.what();
+  }
+  RecordingInfo info = scans.info();
+  info.warnings = source->warnings();
+  if (!end.empty()) info.warnings.push_back(end);
   if (left_out.scans > 0) info.warnings.push_back(left_out.text());
   return info;
 }

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <map>
 #include <numbers>
+#include <utility>
 #include <stdexcept>
 
 namespace hqslam::test {
@@ -201,7 +202,10 @@ Payload cloud_message(std::int64_t stamp_ns, const std::vector<CloudPoint>& poin
   writer.number(step);
   writer.number(static_cast<std::uint32_t>(step * points.size()));
   writer.number(static_cast<std::uint32_t>(step * points.size()));
-  for (const CloudPoint& point : points) {
+  // No two scans of a real sensor are the same.
+  float off_m = 1e-5F * static_cast<float>(stamp_ns / 1'000'000 % 999);
+  for (CloudPoint point : points) {
+    point.y += std::exchange(off_m, 0.0F);
     Payload bytes(step);
     std::memcpy(bytes.data(), &point.x, 4);
     std::memcpy(bytes.data() + 4, &point.y, 4);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <exception>
 #include <utility>
 
 #include "bags/bag.h"
@@ -30,6 +31,7 @@ struct Layout {
   std::size_t height = 0, width = 0, point_step = 0, row_step = 0;
   std::vector<PointField> fields;
   Bytes data;
+  bool big_endian = false;  ///< as the message says, which some writers of little-endian ones do
 };
 
 Layout read_layout(MessageReader& reader) {
@@ -54,7 +56,7 @@ Layout read_layout(MessageReader& reader) {
   layout.point_step = reader.u32();
   layout.row_step = reader.u32();
   layout.data = reader.byte_list();
-  if (big_endian) throw Error("expected points in little-endian order, found big-endian ones");
+  layout.big_endian = big_endian;
   return layout;
 }
 
@@ -77,9 +79,32 @@ void check(const Layout& layout) {
   }
 }
 
-/// The stamp of the header alone. Throws Error.
+/// The stamp of the header alone; where it was never set, the time of recording. Throws Error.
 double point_cloud_stamp_s(const Message& message) {
-  return 1e-9 * static_cast<double>(MessageReader(message).header().time_ns);
+  const std::int64_t stamp_ns = MessageReader(message).header().time_ns;
+  return 1e-9 * static_cast<double>(stamp_ns != 0 ? stamp_ns : message.time_ns);
+}
+
+/// A number in the other order of bytes.
+double swapped_number_at(const std::uint8_t* bytes, StoredNumber stored) {
+  std::array<std::uint8_t, 8> swapped{};
+  std::reverse_copy(bytes, bytes + stored.bytes, swapped.begin());
+  return number_at(swapped.data(), stored);
+}
+
+/// Whether the coordinates of the most points are in metres only in the other order of bytes.
+bool is_big_endian(const Layout& layout, const PointField& x) {
+  constexpr double kFarthest_m = 1e4;
+  constexpr double kNearest_m = 1e-4;  // in the wrong order next to all are smaller or larger
+  std::int64_t balance = 0;
+  for (std::size_t at = x.offset; at + 8 <= layout.data.size(); at += layout.point_step) {
+    const auto in_metres = [](double value) {
+      return std::abs(value) > kNearest_m && std::abs(value) < kFarthest_m ? 1 : 0;
+    };
+    balance += in_metres(swapped_number_at(layout.data.data() + at, x.stored)) -
+               in_metres(number_at(layout.data.data() + at, x.stored));
+  }
+  return balance > 0;
 }
 
 /// The points of a sensor_msgs/PointCloud2. Fields as point_fields() finds them, of any of the
@@ -94,12 +119,14 @@ RawPoints read_point_cloud(const Message& message, const std::string& source) {
   const std::size_t rows = layout.width == 0 ? 0 : layout.height;
   const PointFields fields = point_fields(layout.fields, source);
   RawPoints points(fields, rows * layout.width);
+  const bool swap = layout.big_endian && is_big_endian(layout, *fields.x);
   for (std::size_t row = 0; row < rows; ++row) {
     for (std::size_t column = 0; column < layout.width; ++column) {
       const std::uint8_t* const point =
           layout.data.data() + row * layout.row_step + column * layout.point_step;
       points.add(fields, [&](const PointField& field) {
-        return number_at(point + field.offset, field.stored);
+        return swap ? swapped_number_at(point + field.offset, field.stored)
+                    : number_at(point + field.offset, field.stored);
       });
     }
   }
@@ -165,19 +192,21 @@ class CloudScans : public StreamScans {
 };
 
 /// read(message) of the next messages, this many of them; damaged ones, which are reported when
-/// their turn comes, are passed over.
+/// their turn comes, are passed over. Throws Error where all are.
 template <typename Read>
 auto read_ahead(StreamReader& reader, std::size_t messages, const Read& read) {
   std::vector<decltype(read(Message()))> results;
+  std::exception_ptr damage;
   for (std::size_t i = 0; i < messages; ++i) {
     const auto message = reader.ahead(i);
     if (!message) break;
     try {
       results.push_back(read(*message));
     } catch (const Error&) {
-      continue;
+      damage = std::current_exception();
     }
   }
+  if (results.empty() && damage) std::rethrow_exception(damage);
   return results;
 }
 

@@ -133,7 +133,8 @@ class Recording final : public ScanSource {
   double read_share() const override { return source_->read_share(); }
   bool has_stamps() const override { return source_->has_stamps(); }
   std::vector<std::string> warnings() const override { return source_->warnings(); }
-  /// Throws Error also at the end, where there was not one whole scan.
+  /// Throws Error also at the end, where there was not one whole scan, or where more should follow:
+  /// a bag that was cut off, or of which files are missing.
   std::optional<RecordedScan> next() override { return source_->next(); }
 
   /// What is known so far: of a capture or a bag the number of scans, their duration and what was
