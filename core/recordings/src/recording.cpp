@@ -87,23 +87,6 @@ std::optional<SensorModel> measured_rows_of(SensorModel all_rows, int rows) {
   return result.rows() == rows ? std::optional(result) : std::nullopt;
 }
 
-/// Points of few beams, taken for those of many, would lie in wrong rows: whether the beams that
-/// were found are others than the sensor's, and less than half as many between the highest and the
-/// lowest of them.
-bool has_few_beams(const SensorModel& found, const SensorModel& taken_for) {
-  constexpr double kSameBeam_rad = radians(0.15);
-  const std::vector<double>& found_rad = found.beam_elevation_rad;
-  const std::vector<double>& rows_rad = taken_for.beam_elevation_rad;
-  const auto between = std::ranges::count_if(rows_rad, [&](double row_rad) {
-    return row_rad <= found_rad.front() && row_rad >= found_rad.back();
-  });
-  const auto is_a_row = [&](double beam_rad) {
-    return std::ranges::any_of(
-        rows_rad, [&](double row_rad) { return std::abs(row_rad - beam_rad) < kSameBeam_rad; });
-  };
-  return 2 * std::ssize(found_rad) < between && !std::ranges::all_of(found_rad, is_a_row);
-}
-
 /// The sensor of images: the one that is stated or, with the rows that they have, all_rows.
 std::optional<SensorModel> sensor_of_images(const std::optional<SensorModel>& stated, int rows,
                                             const OpenOptions& options) {
@@ -117,13 +100,12 @@ std::optional<SensorModel> sensor_of_images(const std::optional<SensorModel>& st
 
 /// The sensor of points: the one that is stated, held against the beams that are found in them;
 /// else, of upsampled scans, the weights'; else the one that is found.
-std::optional<SensorModel> sensor_of_points(const std::string& path,
-                                            const std::optional<SensorModel>& stated,
-                                            const OpenOptions& options) {
-  if (!stated && !options.all_rows) return std::nullopt;  // the source finds it
-  std::optional<SensorModel> found;
+FoundSensor sensor_of_points(const std::string& path, const std::optional<SensorModel>& stated,
+                             const OpenOptions& options, const std::function<FoundSensor()>& find) {
+  if (!stated && !options.all_rows) return find();
+  std::optional<FoundSensor> found;
   try {
-    found = open_scan_files(path, std::nullopt, options.files)->sensor();
+    found = find();
   } catch (const Error&) {
     // What is wrong with the points is said when they are read.
   }
@@ -131,18 +113,12 @@ std::optional<SensorModel> sensor_of_points(const std::string& path,
   if (found && options.all_rows) {
     SensorModel with_measured = full;
     with_measured.measured_rows = options.all_rows->measured_rows;
-    if (const auto measured = measured_rows_of(with_measured, found->rows());
-        measured && have_same_beams(*found, *measured)) {
-      return stated ? measured : found;
+    if (const auto measured = measured_rows_of(with_measured, found->sensor.rows());
+        measured && have_same_beams(found->sensor, *measured)) {
+      return {stated ? *measured : found->sensor, {}, "", false};
     }
   }
-  if (found && has_few_beams(*found, full)) {
-    throw Error(
-        "{}: expected scans of '{}' with {} rows, found beams of '{}' with {}; name the sensor "
-        "that recorded them",
-        path, full.name, full.rows(), found->name, found->rows());
-  }
-  return full;
+  return held_against_points(full, found, path);
 }
 
 /// Files of scans.
@@ -150,14 +126,14 @@ std::unique_ptr<ScanSource> open_files(const std::string& path, const OpenOption
                                        std::optional<SensorModel>& of_points) {
   const std::optional<SensorModel> stated = stated_sensor(path, options);
   const std::optional<int> rows = image_rows(path);
-  std::optional<SensorModel> sensor =
-      rows ? sensor_of_images(stated, *rows, options) : sensor_of_points(path, stated, options);
-  if (options.columns > 0) {
-    if (!sensor) sensor = open_scan_files(path, std::nullopt, options.files)->sensor();
-    sensor->columns = options.columns;
-  }
-  if (!rows) of_points = sensor;
-  return open_scan_files(path, sensor, options.files);
+  const auto of_images = rows ? sensor_of_images(stated, *rows, options) : stated;
+  const auto choose = [&](const std::function<FoundSensor()>& find) {
+    FoundSensor chosen = sensor_of_points(path, stated, options, find);
+    if (options.columns > 0) chosen.sensor.columns = options.columns;
+    if (!chosen.is_found || options.columns > 0) of_points = chosen.sensor;
+    return chosen;
+  };
+  return open_scan_files(path, of_images, choose, options.files);
 }
 
 /// Reads the first scans and takes from them what they tell; later ones are many.

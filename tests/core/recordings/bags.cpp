@@ -10,7 +10,6 @@
 #include <filesystem>
 #include <map>
 #include <numbers>
-#include <utility>
 #include <stdexcept>
 
 namespace hqslam::test {
@@ -203,9 +202,9 @@ Payload cloud_message(std::int64_t stamp_ns, const std::vector<CloudPoint>& poin
   writer.number(static_cast<std::uint32_t>(step * points.size()));
   writer.number(static_cast<std::uint32_t>(step * points.size()));
   // No two scans of a real sensor are the same.
-  float off_m = 1e-5F * static_cast<float>(stamp_ns / 1'000'000 % 999);
+  const float scale = 1.0F + 2e-7F * static_cast<float>(stamp_ns / 1'000'000 % 37);
   for (CloudPoint point : points) {
-    point.y += std::exchange(off_m, 0.0F);
+    for (float* const coordinate : {&point.x, &point.y, &point.z}) *coordinate *= scale;
     Payload bytes(step);
     std::memcpy(bytes.data(), &point.x, 4);
     std::memcpy(bytes.data() + 4, &point.y, 4);

@@ -13,6 +13,7 @@
 #include "hqslam/core/median.h"
 #include "hqslam/recordings/velodyne.h"
 #include "points/recorded_scan.h"
+#include "points/ring_numbers.h"
 #include "points/sensor_finder.h"
 #include "stream_scans.h"
 
@@ -144,8 +145,10 @@ constexpr std::size_t kTimedClouds = 5;
 class CloudScans : public StreamScans {
  public:
   /// has_clock: times of points are those of a clock. Not with_points: scans are timed alone.
-  CloudScans(StreamReader reader, RecordingInfo info, bool has_clock, bool with_points)
+  CloudScans(StreamReader reader, RecordingInfo info, RingNumbers ring_numbers, bool has_clock,
+             bool with_points)
       : StreamScans(std::move(reader), std::move(info)),
+        ring_numbers_(ring_numbers),
         has_clock_(has_clock),
         with_points_(with_points) {}
 
@@ -177,6 +180,7 @@ class CloudScans : public StreamScans {
     }
     RawPoints points = read_point_cloud(message, name);
     points.time.is_of_clock = has_clock_;
+    ring_numbers_.count_from_0(points.ring);
     Scan scan = scan_of(std::move(points), &info_.sensor, name, stamp_s);
     set_rows_by_order(scan, info_.sensor, name);
     return recorded_scan(scan, info_.sensor, name);
@@ -185,6 +189,7 @@ class CloudScans : public StreamScans {
   void sensor_changed() override {}
   void complete(RecordingInfo& /*info*/) override {}
 
+  RingNumbers ring_numbers_;
   bool has_clock_;
   bool with_points_;
   bool any_read_ = false;
@@ -235,6 +240,20 @@ bool has_clock(StreamReader& reader, double scan_period_s) {
   return times_rise(times, scan_period_s);
 }
 
+/// The one that is named, else that of the points.
+FoundSensor sensor_of_clouds(const std::vector<RawPoints>& clouds, std::optional<double> period_s,
+                             const std::string& name, const std::string& path) {
+  if (name.empty()) return find_sensor(clouds, period_s, path);
+  const SensorModel stated = load_sensor(name);
+  std::optional<FoundSensor> found;
+  try {
+    found = find_sensor(clouds, period_s, path);
+  } catch (const Error&) {
+    // The clouds are of whatever was named.
+  }
+  return held_against_points(stated, found, path);
+}
+
 bool has_point_times(StreamReader& reader, std::vector<std::string>& warnings) {
   try {
     const auto first = reader.ahead(0);
@@ -251,13 +270,12 @@ std::unique_ptr<StreamScans> open_clouds(StreamReader reader, const OpenOptions&
                                          bool with_points) {
   RecordingInfo info;
   const auto period = period_s(reader);
-  if (options.sensor.empty()) {
-    FoundSensor found = find_sensor(first_clouds(reader), period, reader.path());
-    info.sensor = std::move(found.sensor);
-    info.sensor_known = true;
-    info.warnings.push_back(fmt::format("{}: {}", reader.path(), found.note));
-  } else {
-    info.sensor = load_sensor(options.sensor);
+  const std::vector<RawPoints> first = first_clouds(reader);
+  FoundSensor chosen = sensor_of_clouds(first, period, options.sensor, reader.path());
+  info.sensor = std::move(chosen.sensor);
+  info.sensor_known = chosen.is_found;
+  if (!chosen.note.empty()) {
+    info.warnings.push_back(fmt::format("{}: {}", reader.path(), chosen.note));
   }
   const bool named = period && !options.sensor.empty();
   if (named) info.sensor.scan_period_s = *period;
@@ -266,7 +284,9 @@ std::unique_ptr<StreamScans> open_clouds(StreamReader reader, const OpenOptions&
   info.has_point_times = has_point_times(reader, info.warnings);
   info.format = info.has_point_times ? "point clouds with times" : "point clouds without times";
   const bool clock = with_points && has_clock(reader, info.sensor.scan_period_s);
-  return std::make_unique<CloudScans>(std::move(reader), std::move(info), clock, with_points);
+  const RingNumbers rings = ring_numbers(first, info.sensor);
+  return std::make_unique<CloudScans>(std::move(reader), std::move(info), rings, clock,
+                                      with_points);
 }
 
 }  // namespace hqslam::recordings

@@ -14,6 +14,7 @@
 #include "hqslam/core/median.h"
 #include "hqslam/core/point_fields.h"
 #include "points/recorded_scan.h"
+#include "points/ring_numbers.h"
 #include "points/sensor_finder.h"
 
 namespace hqslam::recordings {
@@ -160,13 +161,18 @@ constexpr std::size_t kScansToLearnFrom = 5;
 
 class FileScanSource : public ScanSource {
  public:
-  FileScanSource(std::vector<std::string> paths, const std::optional<SensorModel>& sensor,
+  FileScanSource(std::vector<std::string> paths, const ChooseSensor& choose,
                  const RecordingOptions& options)
       : paths_(std::move(paths)), without_times_(options.without_times) {
     read_stamps(options.stamps);
-    sensor_ = sensor ? *sensor : found_sensor();
+    FoundSensor chosen = choose([&] { return find_sensor_of_files(paths_, stamps_s_); });
+    sensor_ = std::move(chosen.sensor);
+    validate(sensor_);
+    if (!chosen.note.empty()) {
+      warnings_.push_back(fmt::format("{}: {}", paths_.front(), chosen.note));
+    }
     azimuth_times_ = AzimuthTimes(sensor_.scan_period_s);
-    look_at_first_scans(sensor.has_value());
+    look_at_first_scans(!chosen.is_found);
   }
 
   const SensorModel& sensor() const override { return sensor_; }
@@ -220,12 +226,6 @@ class FileScanSource : public ScanSource {
     }
   }
 
-  SensorModel found_sensor() {
-    FoundSensor found = find_sensor_of_files(paths_, stamps_s_);
-    warnings_.push_back(fmt::format("{}: {}", paths_.front(), found.note));
-    return std::move(found.sensor);
-  }
-
   /// Reads the first scans, whose points are kept until their turn. may_be_off: whether the beams
   /// may be others than the sensor's.
   void look_at_first_scans(bool may_be_off) {
@@ -240,12 +240,19 @@ class FileScanSource : public ScanSource {
       }
     }
     has_clock_ = times_rise(times, sensor_.scan_period_s);
+    std::vector<RawPoints> readable;
+    for (const auto& points : first_points_) {
+      if (points && !points->ring.empty()) readable.push_back(*points);
+    }
+    ring_numbers_ = ring_numbers(readable, sensor_);
     std::vector<Scan> scans;
     for (std::size_t i = 0; i < first_points_.size(); ++i) {
       if (!first_points_[i]) continue;
       try {
-        first_points_[i]->time.is_of_clock = has_clock_;
-        scans.push_back(scan_of(*first_points_[i], &sensor_, paths_[i]));
+        RawPoints& points = *first_points_[i];
+        points.time.is_of_clock = has_clock_;
+        ring_numbers_.count_from_0(points.ring);
+        scans.push_back(scan_of(points, &sensor_, paths_[i]));
         has_stamps_ = has_stamps_ || scans.back().stamp_s != 0.0;
         set_rows(scans.back(), paths_[i], false);
       } catch (const Error&) {
@@ -270,8 +277,12 @@ class FileScanSource : public ScanSource {
   RawPoints points_of(std::size_t index) {
     const bool is_kept = index < first_points_.size() && first_points_[index].has_value();
     RawPoints points = is_kept ? std::move(*first_points_[index]) : read_point_file(paths_[index]);
-    if (is_kept) first_points_[index].reset();
-    points.time.is_of_clock = has_clock_;
+    if (is_kept) {
+      first_points_[index].reset();
+    } else {
+      ring_numbers_.count_from_0(points.ring);
+      points.time.is_of_clock = has_clock_;
+    }
     return points;
   }
 
@@ -279,16 +290,18 @@ class FileScanSource : public ScanSource {
     const std::string& path = paths_[index];
     Scan scan = scan_of(points_of(index), &sensor_, path);
     set_rows(scan, path, true);
-    if (scan.time_offset_s.empty()) {
-      if (!without_times_) warn_of_missing_times();
-      if (without_times_ == CaptureTime::kRolling) azimuth_times_.set(scan, sensor_, index);
+    const bool has_times = !scan.time_offset_s.empty();
+    if (!has_times && without_times_ == CaptureTime::kRolling) {
+      azimuth_times_.set(scan, sensor_, index);
     }
     if (!stamps_s_.empty()) {
       scan.stamp_s = stamps_s_[index];
     } else if (scan.stamp_s == 0.0) {
       scan.stamp_s = static_cast<double>(index) * sensor_.scan_period_s;
     }
-    return recorded_scan(scan, sensor_, path);
+    RecordedScan result = recorded_scan(scan, sensor_, path);
+    if (!has_times && !without_times_) warn_of_missing_times();
+    return result;
   }
 
   /// Once, and not of a single scan, which fits nothing else.
@@ -307,6 +320,7 @@ class FileScanSource : public ScanSource {
   std::optional<CaptureTime> without_times_;
   AzimuthTimes azimuth_times_{0.0};
   std::array<std::optional<RawPoints>, kScansToLearnFrom> first_points_;
+  RingNumbers ring_numbers_;
   bool has_stamps_ = false;
   bool has_clock_ = false;  ///< times of points are those of a clock
   std::size_t next_ = 0;
@@ -317,9 +331,9 @@ class FileScanSource : public ScanSource {
 }  // namespace
 
 std::unique_ptr<ScanSource> make_file_scan_source(std::vector<std::string> paths,
-                                                  const std::optional<SensorModel>& sensor,
+                                                  const ChooseSensor& choose,
                                                   const RecordingOptions& options) {
-  return std::make_unique<FileScanSource>(std::move(paths), sensor, options);
+  return std::make_unique<FileScanSource>(std::move(paths), choose, options);
 }
 
 }  // namespace hqslam::recordings

@@ -1,13 +1,19 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "hqslam/recordings/recording.h"
+#include "points/sensor_finder.h"
 
 namespace hqslam::recordings {
+
+/// Which sensor points are read with; `find` determines it from them, once, and throws Error where
+/// they do not.
+using ChooseSensor = std::function<FoundSensor(const std::function<FoundSensor()>& find)>;
 
 /// Opens a recording of `sensor`; without one, of that of its sensor.json or that which its points
 /// tell of, and a warning says which that is:
@@ -36,6 +42,12 @@ std::unique_ptr<ScanSource> open_scan_files(const std::string& path,
                                             const std::optional<SensorModel>& sensor,
                                             const RecordingOptions& options = {});
 
+/// The same with the sensor of points chosen by what is found in them; `sensor`: that of images.
+std::unique_ptr<ScanSource> open_scan_files(const std::string& path,
+                                            const std::optional<SensorModel>& sensor,
+                                            const ChooseSensor& choose,
+                                            const RecordingOptions& options);
+
 /// A recording with inertial samples that were kept elsewhere, in the order of their stamps, in
 /// place of its own. Once most of the scans that were read have none, as by another clock, its
 /// warnings end with one that says so; `name` stands for the samples in it.
@@ -43,10 +55,9 @@ std::unique_ptr<ScanSource> with_imu(std::unique_ptr<ScanSource> source,
                                      std::vector<ImuSample> samples,
                                      const std::string& name = "inertial data");
 
-/// One scan per file, all of one kind, in the order given; without a sensor that which is found in
-/// the points. Throws Error.
+/// One scan per file, all of one kind, in the order given. Throws Error.
 std::unique_ptr<ScanSource> make_file_scan_source(std::vector<std::string> paths,
-                                                  const std::optional<SensorModel>& sensor,
+                                                  const ChooseSensor& choose,
                                                   const RecordingOptions& options);
 
 /// The images of an .npy stack. Image i is of stamps_s[i]; without any stamps, of i scan periods.

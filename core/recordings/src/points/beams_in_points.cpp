@@ -7,6 +7,7 @@
 
 #include "hqslam/core/angles.h"
 #include "hqslam/core/median.h"
+#include "points/ring_numbers.h"
 #include "points/ring_segments.h"
 
 // Points are assigned to beams by their rings, else by their order where each scan holds beam after
@@ -177,8 +178,13 @@ Beams beams_by_rings(const std::vector<RawPoints>& scans) {
       if (is_far(points_m[i])) groups[static_cast<int>(ring)].push_back(sight_of(points_m[i], s));
     }
   }
+  std::vector<int> numbers;
+  for (const auto& [ring, sights] : groups) numbers.push_back(ring);
   Beams result = beams_of(groups);
-  if (!groups.empty()) result.rings = groups.rbegin()->first + 1;
+  if (numbers.empty()) return result;
+  const auto [first, step] = RingNumbers::of(numbers);
+  // Rings from 2 on are those of a sensor that has others, of which nothing came back.
+  result.rings = (numbers.back() - (step == 1 && first > 1 ? 0 : first)) / step + 1;
   return result;
 }
 

@@ -43,7 +43,8 @@ struct Beams {
   std::vector<Beam> beams;
   double strays = 0.0;   ///< number of points that belong to no beam
   double nearest = 0.5;  ///< share of a beam's spacing within which points belong to it
-  int rings = 0;         ///< number of rings by their largest number; 0: unknown
+  /// How many rings their numbers are for, from the smallest to the largest; 0: unknown.
+  int rings = 0;
 };
 
 /// Beams from the numbers of the rings; none where not all points have one.
