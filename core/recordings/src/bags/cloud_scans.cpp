@@ -8,6 +8,7 @@
 
 #include "bags/bag.h"
 #include "bags/message_packets.h"
+#include "bags/whole_turns.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/median.h"
@@ -134,65 +135,108 @@ RawPoints read_point_cloud(const Message& message, const std::string& source) {
   return points;
 }
 
+/// No sensor turns faster.
+constexpr double kShortestTurn_s = 0.01;
 /// The rate of turning is determined from the stamps of these.
 constexpr std::size_t kProbedClouds = 50;
 /// The sensor is determined from the points of these.
 constexpr std::size_t kCloudsToLearnFrom = 10;
+/// A packet of few channels is a message at most as short.
+constexpr double kMostInTurn = 200.0;
 /// Whether times are a clock's is determined from these.
 constexpr std::size_t kTimedClouds = 5;
+
+/// What is known of a topic's clouds before the first scan.
+struct CloudForm {
+  RingNumbers ring_numbers;
+  bool has_clock = false;             ///< times of points are those of a clock
+  double message_s = 0.0;             ///< from message to message
+  std::optional<double> turn_s = {};  ///< where a message is not one turn
+  bool with_points = true;            ///< otherwise scans are timed alone
+};
 
 /// Scans of a topic of point clouds.
 class CloudScans : public StreamScans {
  public:
-  /// has_clock: times of points are those of a clock. Not with_points: scans are timed alone.
-  CloudScans(StreamReader reader, RecordingInfo info, RingNumbers ring_numbers, bool has_clock,
-             bool with_points)
+  CloudScans(StreamReader reader, RecordingInfo info, CloudForm form)
       : StreamScans(std::move(reader), std::move(info)),
-        ring_numbers_(ring_numbers),
-        has_clock_(has_clock),
-        with_points_(with_points) {}
+        form_(form),
+        turns_(form.turn_s.value_or(0.0)) {}
 
  private:
   std::optional<RecordedScan> read() override {
+    std::optional<RecordedScan> scan = form_.turn_s ? read_turn() : read_message();
+    if (scan && form_.with_points && !std::exchange(any_read_, true)) {
+      if (std::string text = crowding_warning(*scan); !text.empty()) {
+        info_.warnings.push_back(std::move(text));
+      }
+    }
+    return scan;
+  }
+
+  std::string name() { return fmt::format("{}[{}]", reader_.path(), index_++); }
+
+  std::optional<RecordedScan> read_message() {
     const auto message = reader_.next();
     if (!message) return std::nullopt;
-    const std::string name = fmt::format("{}[{}]", reader_.path(), index_++);
-    try {
-      RecordedScan scan = scan_of_message(*message, name);
-      if (!std::exchange(any_read_, true)) {
-        if (std::string text = crowding_warning(scan); !text.empty()) {
-          info_.warnings.push_back(std::move(text));
-        }
+    return named(name(), [&](const std::string& name) {
+      if (form_.with_points)
+        return recorded_scan(scan_of_message(*message, name), info_.sensor, name);
+      RecordedScan timed;
+      timed.stamp_s = point_cloud_stamp_s(*message);
+      return timed;
+    });
+  }
+
+  std::optional<RecordedScan> read_turn() {
+    while (true) {
+      if (const auto scan = turns_.next()) {
+        return named(name(), [&](const std::string& name) {
+          return recorded_scan(*scan, info_.sensor, name);
+        });
       }
-      return scan;
+      const auto message = reader_.next();
+      if (!message && std::exchange(is_finished_, true)) return std::nullopt;
+      if (!message) {
+        turns_.finish();
+        continue;
+      }
+      named(reader_.path(), [&](const std::string& name) {
+        turns_.add(scan_of_message(*message, name));
+        return RecordedScan();
+      });
+    }
+  }
+
+  /// make(name), whose Error is a ScanError that begins with the name.
+  template <typename Make>
+  static RecordedScan named(const std::string& name, const Make& make) {
+    try {
+      return make(name);
     } catch (const Error& error) {
       const std::string text = error.what();
       throw ScanError(text.starts_with(name) ? text : fmt::format("{}: {}", name, text));
     }
   }
 
-  RecordedScan scan_of_message(const Message& message, const std::string& name) const {
-    const double stamp_s = point_cloud_stamp_s(message);
-    if (!with_points_) {
-      RecordedScan timed;
-      timed.stamp_s = stamp_s;
-      return timed;
-    }
+  Scan scan_of_message(const Message& message, const std::string& name) const {
     RawPoints points = read_point_cloud(message, name);
-    points.time.is_of_clock = has_clock_;
-    ring_numbers_.count_from_0(points.ring);
-    Scan scan = scan_of(std::move(points), &info_.sensor, name, stamp_s);
-    set_rows_by_order(scan, info_.sensor, name);
-    return recorded_scan(scan, info_.sensor, name);
+    points.time.is_of_clock = form_.has_clock;
+    form_.ring_numbers.count_from_0(points.ring);
+    SensorModel sensor = info_.sensor;
+    sensor.scan_period_s = form_.message_s;
+    Scan scan = scan_of(std::move(points), &sensor, name, point_cloud_stamp_s(message));
+    if (!form_.turn_s) set_rows_by_order(scan, info_.sensor, name);
+    return scan;
   }
 
   void sensor_changed() override {}
   void complete(RecordingInfo& /*info*/) override {}
 
-  RingNumbers ring_numbers_;
-  bool has_clock_;
-  bool with_points_;
+  CloudForm form_;
+  WholeTurns turns_;
   bool any_read_ = false;
+  bool is_finished_ = false;
   std::int64_t index_ = 0;
 };
 
@@ -215,7 +259,7 @@ auto read_ahead(StreamReader& reader, std::size_t messages, const Read& read) {
   return results;
 }
 
-/// The time from scan to scan: most gaps are one turn. Nothing with fewer than two stamps.
+/// The time from message to message: most gaps are one turn. Nothing with fewer than two stamps.
 std::optional<double> period_s(StreamReader& reader) {
   std::vector<double> stamps = read_ahead(reader, kProbedClouds, point_cloud_stamp_s);
   std::ranges::sort(stamps);
@@ -223,14 +267,25 @@ std::optional<double> period_s(StreamReader& reader) {
   for (std::size_t i = 1; i < stamps.size(); ++i) steps.push_back(stamps[i] - stamps[i - 1]);
   if (steps.empty()) return std::nullopt;
   const double middle = median(std::move(steps));
-  if (!(middle > 0.01 && middle < 1.0)) return std::nullopt;
-  return std::round(1e4 * middle) * 1e-4;
+  if (!(middle > 0.0005 && middle < 1.0)) return std::nullopt;
+  return std::round(1e5 * middle) * 1e-5;
 }
 
-std::vector<RawPoints> first_clouds(StreamReader& reader) {
-  return read_ahead(reader, kCloudsToLearnFrom, [&](const Message& message) {
+std::vector<RawPoints> first_clouds(StreamReader& reader, std::size_t clouds) {
+  return read_ahead(reader, clouds, [&](const Message& message) {
     return read_point_cloud(message, reader.path());
   });
+}
+
+/// Points and rings of a turn's parts together; one of them may have too few to tell a beam.
+std::vector<RawPoints> joined(const std::vector<RawPoints>& parts) {
+  RawPoints whole = parts.front();
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    const auto& points_m = parts[i].scan.points_m;
+    whole.scan.points_m.insert(whole.scan.points_m.end(), points_m.begin(), points_m.end());
+    whole.ring.insert(whole.ring.end(), parts[i].ring.begin(), parts[i].ring.end());
+  }
+  return {whole};
 }
 
 bool has_clock(StreamReader& reader, double scan_period_s) {
@@ -269,24 +324,37 @@ bool has_point_times(StreamReader& reader, std::vector<std::string>& warnings) {
 std::unique_ptr<StreamScans> open_clouds(StreamReader reader, const OpenOptions& options,
                                          bool with_points) {
   RecordingInfo info;
-  const auto period = period_s(reader);
-  const std::vector<RawPoints> first = first_clouds(reader);
-  FoundSensor chosen = sensor_of_clouds(first, period, options.sensor, reader.path());
+  std::vector<RawPoints> first = first_clouds(reader, kCloudsToLearnFrom);
+  auto period = period_s(reader);
+  CloudForm form;
+  if (period) form.turn_s = turn_of_parts_s(first, *period);
+  if (form.turn_s) {
+    const double in_turn = std::clamp(*form.turn_s / *period, 1.0, kMostInTurn);
+    first = joined(first_clouds(reader, static_cast<std::size_t>(std::ceil(in_turn))));
+    info.warnings.push_back(fmt::format(
+        "{}: a message holds {:.2g} of a turn of {:.4g} s: turns are cut by the times of "
+        "the points",
+        reader.path(), *period / *form.turn_s, *form.turn_s));
+  }
+  if (!form.turn_s && period && *period < kShortestTurn_s) period.reset();
+  const auto turn = form.turn_s ? form.turn_s : period;
+  FoundSensor chosen = sensor_of_clouds(first, turn, options.sensor, reader.path());
   info.sensor = std::move(chosen.sensor);
   info.sensor_known = chosen.is_found;
   if (!chosen.note.empty()) {
     info.warnings.push_back(fmt::format("{}: {}", reader.path(), chosen.note));
   }
-  const bool named = period && !options.sensor.empty();
-  if (named) info.sensor.scan_period_s = *period;
+  const bool named = turn && !options.sensor.empty();
+  if (named) info.sensor.scan_period_s = *turn;
   set_columns(info.sensor, options.columns,
               named && velodyne_model(info.sensor.name) && !options.sensor.ends_with(".json"));
   info.has_point_times = has_point_times(reader, info.warnings);
   info.format = info.has_point_times ? "point clouds with times" : "point clouds without times";
-  const bool clock = with_points && has_clock(reader, info.sensor.scan_period_s);
-  const RingNumbers rings = ring_numbers(first, info.sensor);
-  return std::make_unique<CloudScans>(std::move(reader), std::move(info), rings, clock,
-                                      with_points);
+  form.message_s = form.turn_s ? *period : info.sensor.scan_period_s;
+  form.with_points = with_points || form.turn_s;
+  form.has_clock = form.with_points && has_clock(reader, form.message_s);
+  form.ring_numbers = ring_numbers(first, info.sensor);
+  return std::make_unique<CloudScans>(std::move(reader), std::move(info), form);
 }
 
 }  // namespace hqslam::recordings

@@ -339,6 +339,45 @@ TEST_CASE("clouds of every unit and origin of times get the recording's stamps")
   }
 }
 
+TEST_CASE("messages of half a turn, of a twentieth and of two turns are scans of one turn") {
+  const TemporaryDirectory directory;
+  const auto bag_of = [&](double message_s) {
+    std::vector<CloudPoint> all;  // six turns
+    for (int turn = 0; turn < 6; ++turn) {
+      const auto of_turn = round_cloud(0.1, 1.0, 0.1 * turn);
+      all.insert(all.end(), of_turn.begin(), of_turn.end());
+    }
+    std::vector<BagMessage> messages;
+    const auto each =
+        static_cast<std::size_t>(std::lround(message_s / 0.6 * static_cast<double>(all.size())));
+    for (std::size_t at = 0; at < all.size(); at += each) {
+      std::vector<CloudPoint> points(all.begin() + static_cast<std::ptrdiff_t>(at),
+                                     all.begin() + static_cast<std::ptrdiff_t>(at + each));
+      const double begin_s = points.front().time;
+      for (CloudPoint& point : points) point.time -= begin_s;
+      const auto stamp_ns = 1'600'000'000'000'000'000 + std::llround(1e9 * begin_s);
+      messages.push_back(
+          {"/points", kCloudType, stamp_ns, cloud_message(stamp_ns, points, false, 7)});
+    }
+    write_file(directory.file("a.mcap"), mcap_bytes(messages, ""));
+    return directory.file("a.mcap");
+  };
+  for (const double message_s : {0.1, 0.05, 0.005, 0.2}) {
+    CAPTURE(message_s);
+    for (const std::string sensor : {"", "vlp-16"}) {
+      auto source = Recording::open(bag_of(message_s), {.sensor = sensor});
+      CHECK(source.sensor().scan_period_s == doctest::Approx(0.1).epsilon(0.01));
+      const auto scans = all_scans(source);
+      REQUIRE(scans.size() == 6);
+      CHECK(scans[5].stamp_s - scans[0].stamp_s == doctest::Approx(0.5).epsilon(0.01));
+      for (const RecordedScan& scan : scans) {
+        CHECK(scan.counts.kept + scan.counts.hidden_by_nearer > 5700);
+      }
+    }
+    CHECK(inspect(bag_of(message_s)).scans == 6);
+  }
+}
+
 TEST_CASE("times of a clock that is not the messages' are counted from each message's stamp") {
   const TemporaryDirectory directory;
   std::vector<BagMessage> messages;
