@@ -344,7 +344,8 @@ TEST_CASE("messages of half a turn, of a twentieth and of two turns are scans of
   const auto bag_of = [&](double message_s) {
     std::vector<CloudPoint> all;  // six turns
     for (int turn = 0; turn < 6; ++turn) {
-      const auto of_turn = round_cloud(0.1, 1.0, 0.1 * turn);
+      auto of_turn = round_cloud(0.1, 1.0, 0.1 * turn);
+      for (CloudPoint& point : of_turn) point.x *= 1.0F + 1e-4F * static_cast<float>(turn);
       all.insert(all.end(), of_turn.begin(), of_turn.end());
     }
     std::vector<BagMessage> messages;
