@@ -24,6 +24,10 @@ namespace fs = std::filesystem;
 std::unique_ptr<StreamScans> open_stream(const std::string& path, const OpenOptions& options,
                                          bool with_points) {
   StreamReader reader(path, options.stream);
+  if (options.files.without_times && reader.stream().kind != StreamKind::kPointClouds) {
+    throw Error("{}: --capture does not apply to packets, which have times; leave --capture out",
+                path);
+  }
   if (with_points) reader.skip_others();
   switch (reader.stream().kind) {
     case StreamKind::kVelodynePackets:
@@ -230,7 +234,7 @@ void refuse_idle_options(const std::string& path, const OpenOptions& options) {
            {"--return", options.kept_return != usual.kept_return, is_stream},
            {"--row-order", files.row_order != usual.files.row_order, is_stack},
            {"--motion-corrected", files.capture_time != usual.files.capture_time, is_stack},
-           {"--capture", files.without_times.has_value(), !is_stream && !is_stack},
+           {"--capture", files.without_times.has_value(), !is_stack},
            {"--stamps", !files.stamps.empty(), !is_stream}}) {
     if (!option.is_given || option.applies) continue;
     throw Error("{}: {} does not apply to {}; leave {} out", path, option.name,

@@ -8,11 +8,13 @@
 
 #include "bags/bag.h"
 #include "bags/message_packets.h"
+#include "bags/point_cloud.h"
 #include "bags/whole_turns.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/median.h"
 #include "hqslam/recordings/velodyne.h"
+#include "points/azimuth_times.h"
 #include "points/recorded_scan.h"
 #include "points/ring_numbers.h"
 #include "points/sensor_finder.h"
@@ -21,119 +23,6 @@
 namespace hqslam::recordings {
 
 namespace {
-
-constexpr std::size_t kMaxFields = 200;
-constexpr std::size_t kMaxPoints = 33'000'000;
-/// sensor_msgs/PointField: INT8 UINT8 INT16 UINT16 INT32 UINT32 FLOAT32 FLOAT64, from 1 on.
-constexpr std::array<StoredNumber, 8> kTypes = {
-    {{'I', 1}, {'U', 1}, {'I', 2}, {'U', 2}, {'I', 4}, {'U', 4}, {'F', 4}, {'F', 8}}};
-
-/// The layout of a message's points.
-struct Layout {
-  std::size_t height = 0, width = 0, point_step = 0, row_step = 0;
-  std::vector<PointField> fields;
-  Bytes data;
-  bool big_endian = false;  ///< as the message says, which some writers of little-endian ones do
-};
-
-Layout read_layout(MessageReader& reader) {
-  Layout layout;
-  layout.height = reader.u32();
-  layout.width = reader.u32();
-  const std::uint32_t fields = reader.u32();
-  if (fields > kMaxFields) {
-    throw Error("expected at most {} fields of a point, found {}", kMaxFields, fields);
-  }
-  for (std::uint32_t i = 0; i < fields; ++i) {
-    PointField field;
-    field.name = reader.words();
-    field.offset = reader.u32();
-    const std::uint8_t type = reader.u8();
-    reader.u32();  // how many: of the fields that matter, one
-    if (type < 1 || type > kTypes.size()) continue;
-    field.stored = kTypes[type - 1];
-    layout.fields.push_back(std::move(field));
-  }
-  const bool big_endian = reader.u8() != 0;
-  layout.point_step = reader.u32();
-  layout.row_step = reader.u32();
-  layout.data = reader.byte_list();
-  layout.big_endian = big_endian;
-  return layout;
-}
-
-void check(const Layout& layout) {
-  const bool fits =
-      layout.height == 0 || layout.width == 0 ||
-      (layout.point_step > 0 && layout.width <= layout.data.size() / layout.point_step &&
-       layout.row_step >= layout.width * layout.point_step &&
-       layout.height <= layout.data.size() / layout.row_step &&
-       layout.height <= kMaxPoints / layout.width);
-  if (!fits) {
-    throw Error("expected {} x {} points of {} bytes, found {} bytes in all", layout.height,
-                layout.width, layout.point_step, layout.data.size());
-  }
-  for (const PointField& field : layout.fields) {
-    if (field.offset + field.stored.bytes > layout.point_step) {
-      throw Error("field '{}': expected it within the {} bytes of a point, found it at {}",
-                  excerpt(field.name, kNameCharacters), layout.point_step, field.offset);
-    }
-  }
-}
-
-/// The stamp of the header alone; where it was never set, the time of recording. Throws Error.
-double point_cloud_stamp_s(const Message& message) {
-  const std::int64_t stamp_ns = MessageReader(message).header().time_ns;
-  return 1e-9 * static_cast<double>(stamp_ns != 0 ? stamp_ns : message.time_ns);
-}
-
-/// A number in the other order of bytes.
-double swapped_number_at(const std::uint8_t* bytes, StoredNumber stored) {
-  std::array<std::uint8_t, 8> swapped{};
-  std::reverse_copy(bytes, bytes + stored.bytes, swapped.begin());
-  return number_at(swapped.data(), stored);
-}
-
-/// Whether the coordinates of the most points are in metres only in the other order of bytes.
-bool is_big_endian(const Layout& layout, const PointField& x) {
-  constexpr double kFarthest_m = 1e4;
-  constexpr double kNearest_m = 1e-4;  // in the wrong order next to all are smaller or larger
-  std::int64_t balance = 0;
-  for (std::size_t at = x.offset; at + 8 <= layout.data.size(); at += layout.point_step) {
-    const auto in_metres = [](double value) {
-      return std::abs(value) > kNearest_m && std::abs(value) < kFarthest_m ? 1 : 0;
-    };
-    balance += in_metres(swapped_number_at(layout.data.data() + at, x.stored)) -
-               in_metres(number_at(layout.data.data() + at, x.stored));
-  }
-  return balance > 0;
-}
-
-/// The points of a sensor_msgs/PointCloud2. Fields as point_fields() finds them, of any of the
-/// eight types, in any order. `source` stands for the message in messages. Throws Error for a
-/// message that is damaged or has no coordinates.
-RawPoints read_point_cloud(const Message& message, const std::string& source) {
-  MessageReader reader(message);
-  reader.header();
-  const Layout layout = read_layout(reader);
-  check(layout);
-  // Rows without a column may be announced by the thousand million.
-  const std::size_t rows = layout.width == 0 ? 0 : layout.height;
-  const PointFields fields = point_fields(layout.fields, source);
-  RawPoints points(fields, rows * layout.width);
-  const bool swap = layout.big_endian && is_big_endian(layout, *fields.x);
-  for (std::size_t row = 0; row < rows; ++row) {
-    for (std::size_t column = 0; column < layout.width; ++column) {
-      const std::uint8_t* const point =
-          layout.data.data() + row * layout.row_step + column * layout.point_step;
-      points.add(fields, [&](const PointField& field) {
-        return swap ? swapped_number_at(point + field.offset, field.stored)
-                    : number_at(point + field.offset, field.stored);
-      });
-    }
-  }
-  return points;
-}
 
 /// No sensor turns faster.
 constexpr double kShortestTurn_s = 0.01;
@@ -149,10 +38,11 @@ constexpr std::size_t kTimedClouds = 5;
 /// What is known of a topic's clouds before the first scan.
 struct CloudForm {
   RingNumbers ring_numbers;
-  bool has_clock = false;             ///< times of points are those of a clock
-  double message_s = 0.0;             ///< from message to message
-  std::optional<double> turn_s = {};  ///< where a message is not one turn
-  bool with_points = true;            ///< otherwise scans are timed alone
+  bool has_clock = false;                         ///< times of points are those of a clock
+  double message_s = 0.0;                         ///< from message to message
+  std::optional<double> turn_s = {};              ///< where a message is not one turn
+  std::optional<CaptureTime> without_times = {};  ///< as RecordingOptions has it
+  bool with_points = true;                        ///< otherwise scans are timed alone
 };
 
 /// Scans of a topic of point clouds.
@@ -161,7 +51,8 @@ class CloudScans : public StreamScans {
   CloudScans(StreamReader reader, RecordingInfo info, CloudForm form)
       : StreamScans(std::move(reader), std::move(info)),
         form_(form),
-        turns_(form.turn_s.value_or(0.0)) {}
+        turns_(form.turn_s.value_or(0.0)),
+        azimuth_times_(info_.sensor.scan_period_s) {}
 
  private:
   std::optional<RecordedScan> read() override {
@@ -219,7 +110,7 @@ class CloudScans : public StreamScans {
     }
   }
 
-  Scan scan_of_message(const Message& message, const std::string& name) const {
+  Scan scan_of_message(const Message& message, const std::string& name) {
     RawPoints points = read_point_cloud(message, name);
     points.time.is_of_clock = form_.has_clock;
     form_.ring_numbers.count_from_0(points.ring);
@@ -227,6 +118,11 @@ class CloudScans : public StreamScans {
     sensor.scan_period_s = form_.message_s;
     Scan scan = scan_of(std::move(points), &sensor, name, point_cloud_stamp_s(message));
     if (!form_.turn_s) set_rows_by_order(scan, info_.sensor, name);
+    if (scan.time_offset_s.empty() && form_.without_times == CaptureTime::kRolling) {
+      const double stamp_s = scan.stamp_s;  // the message's remains
+      azimuth_times_.set(scan, info_.sensor, static_cast<std::size_t>(index_));
+      scan.stamp_s = stamp_s;
+    }
     return scan;
   }
 
@@ -235,6 +131,7 @@ class CloudScans : public StreamScans {
 
   CloudForm form_;
   WholeTurns turns_;
+  AzimuthTimes azimuth_times_;
   bool any_read_ = false;
   bool is_finished_ = false;
   std::int64_t index_ = 0;
@@ -354,6 +251,7 @@ std::unique_ptr<StreamScans> open_clouds(StreamReader reader, const OpenOptions&
   form.with_points = with_points || form.turn_s;
   form.has_clock = form.with_points && has_clock(reader, form.message_s);
   form.ring_numbers = ring_numbers(first, info.sensor);
+  form.without_times = options.files.without_times;
   return std::make_unique<CloudScans>(std::move(reader), std::move(info), form);
 }
 

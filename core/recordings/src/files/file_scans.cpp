@@ -13,6 +13,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/median.h"
 #include "hqslam/core/point_fields.h"
+#include "points/azimuth_times.h"
 #include "points/recorded_scan.h"
 #include "points/ring_numbers.h"
 #include "points/sensor_finder.h"
@@ -20,77 +21,6 @@
 namespace hqslam::recordings {
 
 namespace {
-
-/// A scan in the order of firing turns about once; one stored ring after ring once per ring.
-constexpr double kMostTurns = 1.5;
-
-/// Within half a turn of 0.
-double wrapped(double angle_rad) { return angle_rad - kTwoPi * std::round(angle_rad / kTwoPi); }
-
-/// Where the head stood, clockwise from the front.
-double head_rad(const Scan& scan, std::size_t i, const SensorModel& sensor) {
-  const double offset_rad = scan.row.empty() ? 0.0 : sensor.beam_azimuth_offset_rad[scan.row[i]];
-  return offset_rad - std::atan2(scan.points_m[i].y(), scan.points_m[i].x());
-}
-
-/// Times of points that were recorded without any, from the azimuth at which they were measured.
-///
-/// In:  scans as captured while the head turned, points in the order of their firing; a turn takes
-///      scan_period_s. `index`, of the scan in its recording, rises; scans may be missing.
-/// Out: time offset = (turns of the head up to the point) x scan_period_s, from the middle of the
-///      scan's times. The turns are counted on from scan to scan, so a scan of 364 degrees takes
-///      that much longer than one of 360, and stamp_s is the middle of its times since the first
-///      point of the first scan. Points that are stored ring after ring turn many times within a
-///      scan: such a scan begins at the back, as an image does, and lasts one turn.
-class AzimuthTimes {
- public:
-  explicit AzimuthTimes(double scan_period_s) : scan_period_s_(scan_period_s) {}
-
-  void set(Scan& scan, const SensorModel& sensor, std::size_t index) {
-    if (!first_index_) first_index_ = index;
-    const auto scans_before = static_cast<double>(index - *first_index_);
-    scan.time_offset_s.clear();
-    if (scan.points_m.empty()) {
-      scan.stamp_s = (scans_before + 0.5) * scan_period_s_;
-      return;
-    }
-    std::vector<double> turned_rad;
-    turned_rad.reserve(scan.points_m.size());
-    // The head turned on while scans were missing.
-    double turned = last_index_
-                        ? turned_rad_ + kTwoPi * static_cast<double>(index - *last_index_ - 1)
-                        : head_rad(scan, 0, sensor) + kTwoPi * scans_before;
-    for (std::size_t i = 0; i < scan.points_m.size(); ++i) {
-      turned += wrapped(head_rad(scan, i, sensor) - turned);
-      turned_rad.push_back(turned);
-    }
-    const auto [least, most] = std::ranges::minmax_element(turned_rad);
-    if (*most - *least > kMostTurns * kTwoPi) {
-      for (std::size_t i = 0; i < turned_rad.size(); ++i) {
-        const double from_back = wrapped(head_rad(scan, i, sensor)) / kTwoPi;  // -1/2 .. 1/2
-        scan.time_offset_s.push_back(static_cast<float>(from_back * scan_period_s_));
-      }
-      scan.stamp_s = (scans_before + 0.5) * scan_period_s_;
-      return;
-    }
-    if (!last_index_) first_turned_rad_ = head_rad(scan, 0, sensor);
-    last_index_ = index;
-    turned_rad_ = turned;
-    const double middle_rad = (*least + *most) / 2.0;
-    const double s_per_rad = scan_period_s_ / kTwoPi;
-    for (const double t : turned_rad) {
-      scan.time_offset_s.push_back(static_cast<float>((t - middle_rad) * s_per_rad));
-    }
-    scan.stamp_s = (middle_rad - first_turned_rad_) * s_per_rad;
-  }
-
- private:
-  double scan_period_s_;
-  std::optional<std::size_t> first_index_;
-  std::optional<std::size_t> last_index_;  ///< up to which turns were counted
-  double turned_rad_ = 0.0;                ///< clockwise, since azimuth 0
-  double first_turned_rad_ = 0.0;
-};
 
 constexpr double kFits_rad = 0.1 * kDegree_rad;
 constexpr double kFarthest_rad = 1.5 * kDegree_rad;

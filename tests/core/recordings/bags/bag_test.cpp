@@ -379,6 +379,22 @@ TEST_CASE("messages of half a turn, of a twentieth and of two turns are scans of
   }
 }
 
+TEST_CASE("clouds without times are said to be as captured by the option, packets are not") {
+  const TemporaryDirectory directory;
+  auto messages = cloud_messages(0.1, 1.0, false, 7, false);
+  messages[0].bytes = cloud_message(1'600'000'000'000'000'000, round_cloud(0.0), false, 7);
+  write_file(directory.file("a.mcap"), mcap_bytes({messages[0]}, ""));
+  OpenOptions options = {.sensor = "vlp-16"};
+  CHECK(Recording::open(directory.file("a.mcap"), options).next()->cloud.time_offset_s.empty());
+  options.files.without_times = CaptureTime::kRolling;
+  const auto scan = Recording::open(directory.file("a.mcap"), options).next();
+  CHECK_FALSE(scan->cloud.time_offset_s.empty());
+  CHECK(scan->stamp_s == doctest::Approx(1.6e9).epsilon(1e-15));
+  write_file(directory.file("b.mcap"), mcap_bytes(velodyne_messages(false), ""));
+  CHECK(refused_with([&] { Recording::open(directory.file("b.mcap"), options); }, "--capture",
+                     "leave"));
+}
+
 TEST_CASE("times of a clock that is not the messages' are counted from each message's stamp") {
   const TemporaryDirectory directory;
   std::vector<BagMessage> messages;
