@@ -185,10 +185,11 @@ std::vector<RawPoints> joined(const std::vector<RawPoints>& parts) {
   return {whole};
 }
 
-bool has_clock(StreamReader& reader, double scan_period_s) {
-  const auto times = read_ahead(reader, kTimedClouds, [&](const Message& message) {
-    return read_point_cloud(message, reader.path()).time;
-  });
+bool has_clock(const std::vector<RawPoints>& clouds, double scan_period_s) {
+  std::vector<PointTimeField> times;
+  for (std::size_t i = 0; i < std::min(kTimedClouds, clouds.size()); ++i) {
+    times.push_back(clouds[i].time);
+  }
   return times_rise(times, scan_period_s);
 }
 
@@ -206,36 +207,26 @@ FoundSensor sensor_of_clouds(const std::vector<RawPoints>& clouds, std::optional
   return held_against_points(stated, found, path);
 }
 
-bool has_point_times(StreamReader& reader, std::vector<std::string>& warnings) {
-  try {
-    const auto first = reader.ahead(0);
-    return first && !read_point_cloud(*first, "PointCloud2").time.name.empty();
-  } catch (const Error& error) {
-    warnings.push_back(fmt::format("{}: its first scan: {}", reader.path(), error.what()));
-    return false;
-  }
-}
-
 }  // namespace
 
 std::unique_ptr<StreamScans> open_clouds(StreamReader reader, const OpenOptions& options,
                                          bool with_points) {
   RecordingInfo info;
-  std::vector<RawPoints> first = first_clouds(reader, kCloudsToLearnFrom);
+  const std::vector<RawPoints> first = first_clouds(reader, kCloudsToLearnFrom);
+  std::vector<RawPoints> turns = first;
   auto period = period_s(reader);
   CloudForm form;
   if (period) form.turn_s = turn_of_parts_s(first, *period);
   if (form.turn_s) {
     const double in_turn = std::clamp(*form.turn_s / *period, 1.0, kMostInTurn);
-    first = joined(first_clouds(reader, static_cast<std::size_t>(std::ceil(in_turn))));
+    turns = joined(first_clouds(reader, static_cast<std::size_t>(std::ceil(in_turn))));
     info.warnings.push_back(fmt::format(
-        "{}: a message holds {:.2g} of a turn of {:.4g} s: turns are cut by the times of "
-        "the points",
+        "{}: a message holds {:.2g} turns of {:.4g} s: scans are cut by the times of the points",
         reader.path(), *period / *form.turn_s, *form.turn_s));
   }
   if (!form.turn_s && period && *period < kShortestTurn_s) period.reset();
   const auto turn = form.turn_s ? form.turn_s : period;
-  FoundSensor chosen = sensor_of_clouds(first, turn, options.sensor, reader.path());
+  FoundSensor chosen = sensor_of_clouds(turns, turn, options.sensor, reader.path());
   info.sensor = std::move(chosen.sensor);
   info.sensor_known = chosen.is_found;
   if (!chosen.note.empty()) {
@@ -245,12 +236,12 @@ std::unique_ptr<StreamScans> open_clouds(StreamReader reader, const OpenOptions&
   if (named) info.sensor.scan_period_s = *turn;
   set_columns(info.sensor, options.columns,
               named && velodyne_model(info.sensor.name) && !options.sensor.ends_with(".json"));
-  info.has_point_times = has_point_times(reader, info.warnings);
+  info.has_point_times = !first.empty() && !first.front().time.name.empty();
   info.format = info.has_point_times ? "point clouds with times" : "point clouds without times";
   form.message_s = form.turn_s ? *period : info.sensor.scan_period_s;
   form.with_points = with_points || form.turn_s;
-  form.has_clock = form.with_points && has_clock(reader, form.message_s);
-  form.ring_numbers = ring_numbers(first, info.sensor);
+  form.has_clock = form.with_points && has_clock(first, form.message_s);
+  form.ring_numbers = ring_numbers(turns, info.sensor);
   form.without_times = options.files.without_times;
   return std::make_unique<CloudScans>(std::move(reader), std::move(info), form);
 }

@@ -170,9 +170,20 @@ class ImageStackSource : public ScanSource {
       }
     }
     filled_ = selection_of({rows.begin(), rows.end()});
-    if (!filled_) return;
+    if (!filled_) return note_holes(rows);
     note_ = fmt::format("{}: {}", path_, selection_text(sensor_.rows(), *filled_));
     sensor_ = select_rows(sensor_, *filled_);
+  }
+
+  /// Rows without a return between others that have some, where they are a quarter of these or
+  /// more: SLAM misses them, and no even choice of rows does without.
+  void note_holes(const std::set<int>& filled) {
+    if (filled.empty()) return;
+    const int between = *filled.rbegin() - *filled.begin() + 1;
+    const int holes = between - static_cast<int>(filled.size());
+    if (4 * holes < between) return;
+    note_ = fmt::format("{}: {} of the {} rows {} to {} hold nothing; give images of the others",
+                        path_, holes, between, *filled.begin(), *filled.rbegin());
   }
 
   /// Stamps that lie in the folder may be more than the images: upsampling was interrupted. They

@@ -154,4 +154,12 @@ TEST_CASE("rows that hold nothing in the images of a stack are left out, and nam
   const auto scan = source->next();
   REQUIRE(scan);
   CHECK(scan->cloud.range_m[scan->cloud.index(1, 0)] == 17.0F);
+
+  NpyStackWriter uneven(directory.file("b.npy"), 64, sensor.columns);
+  RangeImage image(64, sensor.columns);
+  for (const int row : {3, 4, 8, 20, 21, 33, 40}) image.at(row, 7) = 10.0F;
+  uneven.append(image);
+  const auto with_holes = open_scan_files(directory.file("b.npy"), sensor);
+  CHECK(with_holes->sensor().rows() == 64);
+  CHECK(with_holes->warnings().at(0).find("31 of the 38 rows 3 to 40") != std::string::npos);
 }
