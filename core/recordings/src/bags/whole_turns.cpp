@@ -21,6 +21,8 @@ constexpr double kOneTurn = 0.1;
 constexpr double kSameTime = 0.2;
 constexpr double kSameTurn = 0.05;
 constexpr std::size_t kFewestPoints = 100;
+/// More than in a turn of any LiDAR: the stamps stand.
+constexpr std::size_t kMostPoints = 2'000'000;
 
 /// By how much the azimuth goes on from the first to the last point in time, over the time; nothing
 /// for points without times.
@@ -78,7 +80,8 @@ void WholeTurns::add(const Scan& part) {
   const auto [first, last] = std::ranges::minmax_element(part.time_offset_s);
   const double first_s = part.stamp_s + *first;
   const double end_s = part.stamp_s + *last;
-  if (open_.points_m.empty() || std::abs(first_s - last_s_) > turn_s_) {
+  const bool is_gap = std::abs(first_s - last_s_) > turn_s_;
+  if (open_.points_m.empty() || is_gap || open_.points_m.size() > kMostPoints) {
     finish();
     begin_s_ = first_s;
   }
