@@ -222,6 +222,7 @@ void refuse_idle_options(const std::string& path, const OpenOptions& options) {
   const bool is_stack = fs::path(path).extension() == ".npy" ||
                         (fs::is_regular_file(fs::path(path) / "scans.npy", error) &&
                          fs::is_regular_file(fs::path(path) / "sensor.json", error));
+  const bool is_capture = is_stream && fs::path(path).extension().string().starts_with(".pcap");
   struct Option {
     const char* name;
     bool is_given;
@@ -234,7 +235,7 @@ void refuse_idle_options(const std::string& path, const OpenOptions& options) {
            {"--return", options.kept_return != usual.kept_return, is_stream},
            {"--row-order", files.row_order != usual.files.row_order, is_stack},
            {"--motion-corrected", files.capture_time != usual.files.capture_time, is_stack},
-           {"--capture", files.without_times.has_value(), !is_stack},
+           {"--capture", files.without_times.has_value(), !is_stack && !is_capture},
            {"--stamps", !files.stamps.empty(), !is_stream}}) {
     if (!option.is_given || option.applies) continue;
     throw Error("{}: {} does not apply to {}; leave {} out", path, option.name,

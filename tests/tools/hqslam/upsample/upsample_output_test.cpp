@@ -79,6 +79,7 @@ TEST_CASE("a sensor that begins its turns anywhere has the times of its scans in
   for (float& range_m : image.range_m) range_m = 10.0F;
   std::vector<OrganizedCloud> clouds;
   for (const int first : {0, 700, 3}) {
+    image.range_m[0] += 1.0F;  // no two scans of a real sensor are the same
     clouds.push_back(unproject(image, sensor, CaptureTime::kRolling, first));
     output.append(image, clouds.back(), 0.1);
   }
