@@ -63,7 +63,7 @@ void recognise(Stream& stream, const Message& message) {
 
 class BagRecording : public RecordingFile {
  public:
-  /// missing: what the bag says that it has, and has not; "" or one line.
+  /// missing: files that metadata.yaml lists and that are not there; "" or one line.
   BagRecording(std::vector<std::string> paths, std::string kind, OpenBagFile open,
                std::string missing)
       : paths_(std::move(paths)),
@@ -256,7 +256,7 @@ Paths files_of_bag(const fs::path& folder) {
   return paths;
 }
 
-/// That files of which a bag's metadata.yaml speaks are not there; "" where all are.
+/// Names the files that a bag's metadata.yaml lists and that are missing; "" where none is.
 std::string missing_files(const fs::path& folder) {
   std::string names;
   std::error_code error;
@@ -274,7 +274,7 @@ std::string missing_files(const fs::path& folder) {
     }
   }
   if (names.empty()) return names;
-  return fmt::format("files of which metadata.yaml speaks are not there:{}", names);
+  return fmt::format("files that metadata.yaml lists are missing:{}", names);
 }
 
 /// The form of a capture or a bag, and its files; nothing for what is none.

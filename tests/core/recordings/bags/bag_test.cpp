@@ -100,7 +100,7 @@ TEST_CASE("a bag of which a file is missing gives the others, and then says so")
              "    - a_0.db3\n    - a_1.db3\n");
   auto source = Recording::open(directory.path().string());
   for (int i = 0; i < 4; ++i) CHECK(source.next());
-  CHECK(refused_with([&] { source.next(); }, "not there: a_1.db3"));
+  CHECK(refused_with([&] { source.next(); }, "missing: a_1.db3"));
   std::filesystem::rename(directory.file("a_0.db3"), directory.file("a_0.db3.zstd"));
   CHECK(refused_with([&] { Recording::open(directory.path().string()); }, "unzstd"));
 }
