@@ -70,6 +70,7 @@ class CloudScans : public StreamScans {
   std::optional<RecordedScan> read_message() {
     const auto message = reader_.next();
     if (!message) return std::nullopt;
+    if (index_ == 0) warn_of_missing_stamp(*message);
     return named(name(), [&](const std::string& name) {
       if (form_.with_points)
         return recorded_scan(scan_of_message(*message, name), info_.sensor, name);
@@ -77,6 +78,17 @@ class CloudScans : public StreamScans {
       timed.stamp_s = point_cloud_stamp_s(*message);
       return timed;
     });
+  }
+
+  void warn_of_missing_stamp(const Message& message) {
+    try {
+      if (MessageReader(message).header().time_ns != 0) return;
+    } catch (const Error&) {
+      return;  // said with its scan
+    }
+    info_.warnings.push_back(
+        fmt::format("{}: clouds without stamps are stamped by the time at which they were recorded",
+                    reader_.path()));
   }
 
   std::optional<RecordedScan> read_turn() {

@@ -379,6 +379,19 @@ TEST_CASE("messages of half a turn, of a twentieth and of two turns are scans of
   }
 }
 
+TEST_CASE("clouds whose stamps were never set have those of their recording, and a note") {
+  const TemporaryDirectory directory;
+  auto messages = cloud_messages(0.1, 1.0, false, 7, false);
+  for (BagMessage& message : messages) {
+    message.bytes = cloud_message(0, round_cloud(0.1), false, 7);
+  }
+  write_file(directory.file("a.mcap"), mcap_bytes(messages, ""));
+  auto source = Recording::open(directory.file("a.mcap"), {.sensor = "vlp-16"});
+  CHECK(source.next()->stamp_s == doctest::Approx(1.6e9 + 0.055).epsilon(1e-12));
+  REQUIRE(source.warnings().size() == 1);
+  CHECK(source.warnings()[0].find("without stamps") != std::string::npos);
+}
+
 TEST_CASE("clouds without times are said to be as captured by the option, packets are not") {
   const TemporaryDirectory directory;
   auto messages = cloud_messages(0.1, 1.0, false, 7, false);
