@@ -1,10 +1,6 @@
-#include "files/point_files.h"
-#include "files/scan_sources.h"
 #include "hqslam/core/cloud_file.h"
-#include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/npz.h"
 #include "hqslam/core/projection.h"
-#include "hqslam/core/scan_source.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
 #include "input_file.h"
@@ -24,21 +20,12 @@ const SensorModel& small_sensor() {
   return sensor;
 }
 
-/// To images, as hqslam run reads a recording.
-void read_scans(const std::string& path) {
-  const auto source = open_scan_files(path, small_sensor());
-  while (source->next()) {
-  }
-}
-
 void read_poses(const std::string& path, bool with_stamps) {
   const TrajectoryFile file = read_trajectory_file(path);
   if (file.has_stamps == with_stamps) path_length_m(file.poses);
 }
 
 }  // namespace
-
-void npy(Bytes input) { read_scans(as_file(input, ".npy")); }
 
 void npz(Bytes input) {
   constexpr std::int64_t kLargestBytes = 1 << 20;
@@ -48,16 +35,6 @@ void npz(Bytes input) {
 void pcd(Bytes input) {
   project(read_cloud(as_whole_file(input, ".pcd"), small_sensor()), small_sensor());
 }
-
-void ply(Bytes input) { read_scans(as_file(input, ".ply")); }
-
-void kitti_bin(Bytes input) { read_scans(as_file(input, ".bin")); }
-
-void text(Bytes input) { read_scans(as_file(input, ".csv")); }
-
-void found_sensor(Bytes input) { find_sensor_of_files({as_whole_file(input, ".csv")}, {}); }
-
-void stamps(Bytes input) { read_stamps_s(as_whole_file(input, ".txt")); }
 
 void sensor_json(Bytes input) { validate(read_sensor_json(as_whole_file(input, ".json"))); }
 

@@ -37,14 +37,8 @@ struct NamedReader {
 };
 
 const std::vector<NamedReader> kReaders = {
-    {"npy", fuzz::npy, 5000},
     {"npz", fuzz::npz, 5000},
     {"pcd", fuzz::pcd, 5000},
-    {"ply", fuzz::ply, 5000},
-    {"kitti_bin", fuzz::kitti_bin, 5000},
-    {"text", fuzz::text, 5000},
-    {"found_sensor", fuzz::found_sensor},
-    {"stamps", fuzz::stamps, 5000},
     {"sensor_json", fuzz::sensor_json, 5000},
     {"tum", fuzz::tum, 5000},
     {"kitti", fuzz::kitti, 5000},
@@ -56,6 +50,12 @@ const std::vector<NamedReader> kReaders = {
     {"recipe_json", fuzz::recipe_json},
 #endif
 #ifdef HQSLAM_FUZZ_RECORDINGS
+    {"npy", fuzz::npy, 5000},
+    {"ply", fuzz::ply, 5000},
+    {"kitti_bin", fuzz::kitti_bin, 5000},
+    {"text", fuzz::text, 5000},
+    {"found_sensor", fuzz::found_sensor},
+    {"stamps", fuzz::stamps, 5000},
     {"pcap", fuzz::pcap},
     {"db3", fuzz::db3},
     {"mcap", fuzz::mcap},

@@ -48,11 +48,10 @@ void for_each_packet(Bytes input, std::size_t bytes, const Add& add) {
 
 /// What a decoder makes of packets, as images of the sensor.
 template <typename Decoder>
-void read_scans(Decoder decoder, const SensorModel& sensor, Bytes packets, std::size_t bytes) {
-  std::vector<Scan> scans;
-  for_each_packet(packets, bytes, [&](const Packet& p) { decoder.add(p, scans); });
-  decoder.finish(scans);
-  for (const Scan& scan : scans) project(scan, sensor);
+void read_scans(Decoder decoder, Bytes packets, std::size_t bytes) {
+  for_each_packet(packets, bytes, [&](const Packet& p) { decoder.add(p); });
+  decoder.finish();
+  while (decoder.next()) continue;
 }
 
 /// In the order of kVelodyneModels.
@@ -89,8 +88,7 @@ void velodyne_packets(Bytes input) {
   stream.model = model;
   const SensorModel& sensor = velodyne_sensors()[static_cast<std::size_t>(input[0] % 4U)];
   const KeptReturn kept = (input[0] & 4U) != 0 ? KeptReturn::kLast : KeptReturn::kStrongest;
-  read_scans(VelodyneDecoder(stream, sensor, {.kept_return = kept}), sensor, packets,
-             kVelodynePacketBytes);
+  read_scans(VelodyneDecoder(stream, sensor, {.kept_return = kept}), packets, kVelodynePacketBytes);
 }
 
 void hesai_packets(Bytes input) {
@@ -99,7 +97,7 @@ void hesai_packets(Bytes input) {
   SensorModel sensor = nominal_hesai(lasers);
   sensor.columns = kColumns;
   const KeptReturn kept = (input[0] & 2U) != 0 ? KeptReturn::kLast : KeptReturn::kStrongest;
-  read_scans(HesaiDecoder(sensor, {.kept_return = kept}), sensor, input.subspan(1),
+  read_scans(HesaiDecoder(sensor, {.kept_return = kept}), input.subspan(1),
              lasers == 16 ? 568 : 1080);
 }
 
@@ -109,8 +107,7 @@ void robosense_packets(Bytes input) {
   const RobosenseUnit unit = robosense_unit(settings, (input[0] & 1U) != 0, "fuzzed");
   SensorModel sensor = unit.sensor;
   sensor.columns = kColumns;
-  read_scans(RobosenseDecoder(unit, sensor), sensor, input.subspan(1 + kRobosenseBytes),
-             kRobosenseBytes);
+  read_scans(RobosenseDecoder(unit, sensor), input.subspan(1 + kRobosenseBytes), kRobosenseBytes);
 }
 
 void hesai_angles(Bytes input) { read_hesai_angles(as_whole_file(input, ".csv")); }

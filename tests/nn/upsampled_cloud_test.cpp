@@ -10,7 +10,7 @@
 #include "error_message.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/core/projection.h"
-#include "hqslam/core/scan_source.h"
+#include "hqslam/recordings/recording.h"
 
 namespace hqslam::nn {
 namespace {
@@ -223,7 +223,8 @@ TEST_CASE(
   if (!drive) return;
   const SensorModel sensor = sensor_preset("hdl-64e");
   const RowSelection rows = selection_for(64, 16);
-  const OrganizedCloud truth = open_scan_files(*drive, sensor)->next()->cloud;
+  const OrganizedCloud truth =
+      recordings::Recording::open(*drive, {.sensor = "hdl-64e"}).next()->cloud;
   const OrganizedCloud joined =
       upsampled_cloud({range_image(truth), {}}, select_rows(truth, rows), rows, sensor);
   const OrganizedCloud by_table =

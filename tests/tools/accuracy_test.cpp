@@ -8,8 +8,8 @@
 #include <string>
 
 #include "hqslam/core/projection.h"
-#include "hqslam/core/scan_source.h"
 #include "hqslam/evaluation/trajectory_error.h"
+#include "hqslam/recordings/recording.h"
 #include "hqslam/sim/drive.h"
 #include "hqslam/slam/slam.h"
 
@@ -78,9 +78,9 @@ TrackedDrive track_recorded(int rows) {
   const std::string folder = std::string(data) + "/kitti_drive_0005";
   const SensorModel sensor = sensor_preset("hdl-64e");
   const RowSelection selection = selection_for(sensor.rows(), rows);
-  const auto source = open_scan_files(folder + "/velodyne", sensor);
+  auto source = recordings::Recording::open(folder + "/velodyne", {.sensor = "hdl-64e"});
   slam::Slam slam(select_rows(sensor, selection));
-  while (const auto scan = source->next()) {
+  while (const auto scan = source.next()) {
     slam.process(select_rows(scan->cloud, selection), scan->stamp_s);
   }
   result.estimate = slam.trajectory();

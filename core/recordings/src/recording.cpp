@@ -7,10 +7,12 @@
 #include <filesystem>
 #include <optional>
 
+#include "files/scan_files.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/left_out.h"
 #include "hqslam/core/npy.h"
+#include "ordered_scans.h"
 #include "stream_scans.h"
 
 namespace hqslam::recordings {
@@ -22,6 +24,10 @@ namespace fs = std::filesystem;
 std::unique_ptr<StreamScans> open_stream(const std::string& path, const OpenOptions& options,
                                          bool with_points) {
   StreamReader reader(path, options.stream);
+  if (options.files.without_times && reader.stream().kind != StreamKind::kPointClouds) {
+    throw Error("{}: --capture does not apply to packets, which have times; leave --capture out",
+                path);
+  }
   if (with_points) reader.skip_others();
   switch (reader.stream().kind) {
     case StreamKind::kVelodynePackets:
@@ -85,23 +91,6 @@ std::optional<SensorModel> measured_rows_of(SensorModel all_rows, int rows) {
   return result.rows() == rows ? std::optional(result) : std::nullopt;
 }
 
-/// Points of few beams, taken for those of many, would lie in wrong rows: whether the beams that
-/// were found are others than the sensor's, and less than half as many between the highest and the
-/// lowest of them.
-bool has_few_beams(const SensorModel& found, const SensorModel& taken_for) {
-  constexpr double kSameBeam_rad = radians(0.15);
-  const std::vector<double>& found_rad = found.beam_elevation_rad;
-  const std::vector<double>& rows_rad = taken_for.beam_elevation_rad;
-  const auto between = std::ranges::count_if(rows_rad, [&](double row_rad) {
-    return row_rad <= found_rad.front() && row_rad >= found_rad.back();
-  });
-  const auto is_a_row = [&](double beam_rad) {
-    return std::ranges::any_of(
-        rows_rad, [&](double row_rad) { return std::abs(row_rad - beam_rad) < kSameBeam_rad; });
-  };
-  return 2 * std::ssize(found_rad) < between && !std::ranges::all_of(found_rad, is_a_row);
-}
-
 /// The sensor of images: the one that is stated or, with the rows that they have, all_rows.
 std::optional<SensorModel> sensor_of_images(const std::optional<SensorModel>& stated, int rows,
                                             const OpenOptions& options) {
@@ -115,13 +104,12 @@ std::optional<SensorModel> sensor_of_images(const std::optional<SensorModel>& st
 
 /// The sensor of points: the one that is stated, held against the beams that are found in them;
 /// else, of upsampled scans, the weights'; else the one that is found.
-std::optional<SensorModel> sensor_of_points(const std::string& path,
-                                            const std::optional<SensorModel>& stated,
-                                            const OpenOptions& options) {
-  if (!stated && !options.all_rows) return std::nullopt;  // the source finds it
-  std::optional<SensorModel> found;
+FoundSensor sensor_of_points(const std::string& path, const std::optional<SensorModel>& stated,
+                             const OpenOptions& options, const std::function<FoundSensor()>& find) {
+  if (!stated && !options.all_rows) return find();
+  std::optional<FoundSensor> found;
   try {
-    found = hqslam::open_scan_files(path, std::nullopt, options.files)->sensor();
+    found = find();
   } catch (const Error&) {
     // What is wrong with the points is said when they are read.
   }
@@ -129,18 +117,12 @@ std::optional<SensorModel> sensor_of_points(const std::string& path,
   if (found && options.all_rows) {
     SensorModel with_measured = full;
     with_measured.measured_rows = options.all_rows->measured_rows;
-    if (const auto measured = measured_rows_of(with_measured, found->rows());
-        measured && have_same_beams(*found, *measured)) {
-      return stated ? measured : found;
+    if (const auto measured = measured_rows_of(with_measured, found->sensor.rows());
+        measured && have_same_beams(found->sensor, *measured)) {
+      return {stated ? *measured : found->sensor, {}, "", false};
     }
   }
-  if (found && has_few_beams(*found, full)) {
-    throw Error(
-        "{}: expected scans of '{}' with {} rows, found beams of '{}' with {}; name the sensor "
-        "that recorded them",
-        path, full.name, full.rows(), found->name, found->rows());
-  }
-  return full;
+  return held_against_points(full, found, path);
 }
 
 /// Files of scans.
@@ -148,14 +130,14 @@ std::unique_ptr<ScanSource> open_files(const std::string& path, const OpenOption
                                        std::optional<SensorModel>& of_points) {
   const std::optional<SensorModel> stated = stated_sensor(path, options);
   const std::optional<int> rows = image_rows(path);
-  std::optional<SensorModel> sensor =
-      rows ? sensor_of_images(stated, *rows, options) : sensor_of_points(path, stated, options);
-  if (options.columns > 0) {
-    if (!sensor) sensor = hqslam::open_scan_files(path, std::nullopt, options.files)->sensor();
-    sensor->columns = options.columns;
-  }
-  if (!rows) of_points = sensor;
-  return hqslam::open_scan_files(path, sensor, options.files);
+  const auto of_images = rows ? sensor_of_images(stated, *rows, options) : stated;
+  const auto choose = [&](const std::function<FoundSensor()>& find) {
+    FoundSensor chosen = sensor_of_points(path, stated, options, find);
+    if (options.columns > 0) chosen.sensor.columns = options.columns;
+    if (!chosen.is_found || options.columns > 0) of_points = chosen.sensor;
+    return chosen;
+  };
+  return open_scan_files(path, of_images, choose, options.files);
 }
 
 /// Reads the first scans and takes from them what they tell; later ones are many.
@@ -226,7 +208,7 @@ RecordingInfo info_of_files(const std::string& path, const OpenOptions& options,
 
 RecordingInfo inspect_files(const std::string& path, const OpenOptions& options) {
   std::optional<SensorModel> of_points;  // the file's own beams are shown instead
-  const auto source = open_files(path, options, of_points);
+  const auto source = ordered(open_files(path, options, of_points));
   RecordingInfo info = info_of_files(path, options, *source);
   look_at_scans(*source, info);
   return info;
@@ -240,6 +222,7 @@ void refuse_idle_options(const std::string& path, const OpenOptions& options) {
   const bool is_stack = fs::path(path).extension() == ".npy" ||
                         (fs::is_regular_file(fs::path(path) / "scans.npy", error) &&
                          fs::is_regular_file(fs::path(path) / "sensor.json", error));
+  const bool is_capture = is_stream && fs::path(path).extension().string().starts_with(".pcap");
   struct Option {
     const char* name;
     bool is_given;
@@ -252,7 +235,7 @@ void refuse_idle_options(const std::string& path, const OpenOptions& options) {
            {"--return", options.kept_return != usual.kept_return, is_stream},
            {"--row-order", files.row_order != usual.files.row_order, is_stack},
            {"--motion-corrected", files.capture_time != usual.files.capture_time, is_stack},
-           {"--capture", files.without_times.has_value(), !is_stream && !is_stack},
+           {"--capture", files.without_times.has_value(), !is_stack && !is_capture},
            {"--stamps", !files.stamps.empty(), !is_stream}}) {
     if (!option.is_given || option.applies) continue;
     throw Error("{}: {} does not apply to {}; leave {} out", path, option.name,
@@ -273,6 +256,8 @@ Recording::Recording(std::string path, OpenOptions options)
   } else {
     source_ = open_files(path_, options_, stated_);
   }
+  // Packets are put in order, and stamped by one clock, where they become scans.
+  if (stream_ == nullptr || !stream_->has_packets()) source_ = ordered(std::move(source_));
   if (options_.imu == kNoInertialData) {
     source_ = with_imu(std::move(source_), {});
   } else if (!options_.imu.empty()) {
@@ -302,16 +287,30 @@ void Recording::use_columns(int columns) {
 }
 
 RecordingInfo Recording::info() const {
-  return stream_ != nullptr ? stream_->info() : info_of_files(path_, options_, *this);
+  if (stream_ == nullptr) return info_of_files(path_, options_, *this);
+  RecordingInfo info = stream_->info();
+  info.warnings = warnings();
+  return info;
 }
 
 RecordingInfo inspect(const std::string& path, const OpenOptions& options) {
   refuse_idle_options(path, options);
   if (!is_capture_or_bag(path)) return inspect_files(path, options);
-  const auto source = open_stream(path, options, false);
+  auto stream = open_stream(path, options, false);
+  const StreamScans& scans = *stream;
+  const auto source = scans.has_packets() ? std::unique_ptr<ScanSource>(std::move(stream))
+                                          : ordered(std::move(stream));
   LeftOut left_out;
-  while (next_usable(*source, left_out)) continue;
-  RecordingInfo info = source->info();
+  std::string end;  // why it cannot be read on
+  try {
+    while (next_usable(*source, left_out)) continue;
+  } catch (const Error& error) {
+    if (scans.info().scans == 0) throw;
+    end = error.what();
+  }
+  RecordingInfo info = scans.info();
+  info.warnings = source->warnings();
+  if (!end.empty()) info.warnings.push_back(end);
   if (left_out.scans > 0) info.warnings.push_back(left_out.text());
   return info;
 }

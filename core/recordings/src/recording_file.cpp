@@ -63,25 +63,29 @@ void recognise(Stream& stream, const Message& message) {
 
 class BagRecording : public RecordingFile {
  public:
-  BagRecording(std::vector<std::string> paths, std::string kind, OpenBagFile open)
+  /// missing: files that metadata.yaml lists and that are not there; "" or one line.
+  BagRecording(std::vector<std::string> paths, std::string kind, OpenBagFile open,
+               std::string missing)
       : paths_(std::move(paths)),
         kind_(std::move(kind)),
         open_(open),
-        file_(open(paths_.front())) {}
+        file_(open(paths_.front())),
+        missing_(std::move(missing)) {}
 
   std::string kind() const override { return kind_; }
-  std::string complaint() const override { return complaint_; }
+  std::string missing() const override { return missing_; }
 
   std::optional<Message> next() override {
     while (true) {
       if (auto message = file_->next()) {
         message->stream = stream_of(static_cast<std::uint32_t>(message->stream));
+        if (is_packed(message->bytes)) message->bytes = unpacked(message->bytes);
         Stream& stream = streams_[message->stream];
         ++stream.messages;
         recognise(stream, *message);
         return message;
       }
-      take_complaint();
+      note_cut();
       if (part_ + 1 == paths_.size()) return std::nullopt;
       file_ = open_(paths_[++part_]);
       stream_of_topic_.clear();
@@ -99,11 +103,17 @@ class BagRecording : public RecordingFile {
   }
 
  private:
-  /// Takes the complaint about the file that was read to its end.
-  void take_complaint() {
-    if (const std::string text = file_->complaint(); !text.empty()) {
-      complaint_ = paths_.size() > 1 ? fmt::format("{}: {}", paths_[part_], text) : text;
+  /// Whether the file that was read to its end should have gone on.
+  void note_cut() {
+    if (const std::string text = file_->missing(); !text.empty()) {
+      missing_ = paths_.size() > 1 ? fmt::format("{}: {}", paths_[part_], text) : text;
     }
+  }
+
+  /// The content of a message that was compressed by itself; of a damaged one nothing.
+  Bytes unpacked(Bytes packed) {
+    unpacked_ = unpacked_message(packed);
+    return unpacked_;
   }
 
   /// Topics of one name are one stream, whichever file they are in.
@@ -128,7 +138,8 @@ class BagRecording : public RecordingFile {
   std::map<std::uint32_t, std::size_t> stream_of_topic_;  ///< of the file that is open
   std::vector<std::string> topics_;                       ///< their names as the bag has them
   std::vector<std::string> kept_;
-  std::string complaint_;
+  std::string missing_;
+  std::vector<std::uint8_t> unpacked_;
 };
 
 constexpr std::size_t kVelodynePositionBytes = 512;
@@ -223,19 +234,47 @@ constexpr std::array<FileForm, 8> kForms = {{{"\xD4\xC3\xB2\xA1"},
                                              kMcap,
                                              {"#ROSBAG V2.0\n", "ROS 1 bag", open_ros1_bag}}};
 
-/// The files of a ROS 2 bag's folder, in natural order; empty if it is none.
+/// The files of a ROS 2 bag's folder, in natural order; empty if it is none. Throws Error for one
+/// of compressed files alone.
 Paths files_of_bag(const fs::path& folder) {
   Paths paths;
+  std::string packed;
   std::error_code error;
   if (!fs::is_regular_file(folder / "metadata.yaml", error)) return paths;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error)) {
     const std::string extension = entry->path().extension().string();
     if (extension == ".db3" || extension == ".mcap") paths.push_back(entry->path().string());
+    if (extension == ".zstd") packed = entry->path().string();
+  }
+  if (paths.empty() && !packed.empty()) {
+    throw Error("{}: expected .db3 or .mcap files, found compressed ones; unpack them: unzstd {}",
+                folder.string(), packed);
   }
   // name_2.db3 comes before name_10.db3: numbers are not padded.
   std::ranges::sort(paths, {}, [](const std::string& p) { return std::pair(p.size(), p); });
   return paths;
+}
+
+/// Names the files that a bag's metadata.yaml lists and that are missing; "" where none is.
+std::string missing_files(const fs::path& folder) {
+  std::string names;
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) return names;
+  std::ifstream metadata(folder / "metadata.yaml");
+  bool listed = false;
+  for (std::string line; std::getline(metadata, line);) {
+    const std::size_t dash = line.find("- ");
+    if (dash == std::string::npos) {
+      listed = line.find("relative_file_paths:") != std::string::npos;
+    } else if (const std::string name = line.substr(dash + 2);
+               listed && name.size() < kMaxNameBytes && !fs::exists(folder / name, error)) {
+      names += fmt::format(" {}", excerpt(name));
+      if (names.size() > kMaxNameBytes) break;
+    }
+  }
+  if (names.empty()) return names;
+  return fmt::format("files that metadata.yaml lists are missing:{}", names);
 }
 
 /// The form of a capture or a bag, and its files; nothing for what is none.
@@ -269,7 +308,8 @@ std::unique_ptr<RecordingFile> open_recording_file(const std::string& path) {
         path, fs::is_empty(path, error) ? "an empty file" : "a file that begins as neither");
   }
   if (form->open == nullptr) return std::make_unique<PcapRecording>(path);
-  return std::make_unique<BagRecording>(std::move(files), form->kind, form->open);
+  return std::make_unique<BagRecording>(std::move(files), form->kind, form->open,
+                                        missing_files(path));
 }
 
 bool is_capture_or_bag(const std::string& path) {

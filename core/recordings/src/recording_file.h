@@ -36,6 +36,8 @@ class RecordingFile {
   virtual double read_share() const = 0;
   /// What was left out, once all was read: "" or one line.
   virtual std::string complaint() const { return ""; }
+  /// What should follow and does not, once all was read: "" or one line.
+  virtual std::string missing() const { return ""; }
 
  protected:
   std::vector<Stream> streams_;

@@ -117,6 +117,12 @@ std::size_t StreamReader::chosen() const {
     last = i;
   }
   if (candidates.size() == 1) return last;
+  for (const Stream& stream : streams) {
+    if (!candidates.empty() || !stream.type.ends_with("/CustomMsg")) continue;
+    throw Error(
+        "{}: expected sensor_msgs/PointCloud2, found a Livox's {} in {}; record with xfer_format 0",
+        path_, stream.type, stream.name);
+  }
   if (candidates.empty() && !wanted_.empty()) {
     throw Error(
         "{}: expected scans in stream {}, found these streams: {}; name one of them that has scans",

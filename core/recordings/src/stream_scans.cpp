@@ -93,11 +93,15 @@ void StreamScans::end() {
     info_.warnings.push_back(fmt::format("{}: {}", reader_.path(), text));
   }
   if (const std::string text = reader_.passed_over(); !text.empty()) info_.warnings.push_back(text);
-  if (info_.scans > 0) return;
-  throw Error(
-      "{}: expected at least one turn of the sensor, found less than that in {} packets; record "
-      "longer",
-      reader_.path(), reader_.stream().messages);
+  if (info_.scans == 0) {
+    throw Error(
+        "{}: expected at least one turn of the sensor, found less than that in {} packets; record "
+        "longer",
+        reader_.path(), reader_.stream().messages);
+  }
+  if (const std::string text = reader_.file().missing(); !text.empty()) {
+    throw Error("{}: {}", reader_.path(), text);
+  }
 }
 
 void StreamScans::use_columns(int columns) {

@@ -26,6 +26,7 @@ class StreamScans : public ScanSource {
   std::optional<RecordedScan> next() override;
   /// As Recording::use_columns.
   void use_columns(int columns);
+  bool has_packets() const { return reader_.stream().kind != StreamKind::kPointClouds; }
   /// As Recording::info.
   RecordingInfo info() const;
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <string_view>
 
-#include "files/words.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/whole_file.h"
+#include "hqslam/core/words.h"
 
 namespace hqslam {
 

@@ -26,6 +26,23 @@ bool is_text(std::string_view bytes) {
       start, [](unsigned char c) { return std::isprint(c) != 0 || std::isspace(c) != 0; });
 }
 
+/// Whether every fifth number is a small whole one, and not all are 0: nuScenes' x y z intensity
+/// ring.
+bool has_rings(const std::string& bytes) {
+  constexpr std::size_t kBytes = 5 * sizeof(float);
+  constexpr std::size_t kFewestPoints = 100;
+  constexpr float kMostRings = 256.0F;
+  if (bytes.size() % kBytes != 0 || bytes.size() < kFewestPoints * kBytes) return false;
+  float largest = 0.0F;
+  for (std::size_t at = kBytes - sizeof(float); at < bytes.size(); at += kBytes) {
+    float ring = 0.0F;
+    std::memcpy(&ring, bytes.data() + at, sizeof(float));
+    if (!(ring >= 0.0F && ring < kMostRings) || ring != std::floor(ring)) return false;
+    largest = std::max(largest, ring);
+  }
+  return largest > 0.0F;
+}
+
 void require_points(const std::string& bytes, const std::string& path) {
   if (bytes.empty()) {
     throw Error("{}: expected a KITTI scan, found an empty file; copy it again", path);
@@ -34,6 +51,13 @@ void require_points(const std::string& bytes, const std::string& path) {
     throw Error(
         "{}: expected a KITTI scan (binary float32 x y z intensity), found text; give the original "
         ".bin file",
+        path);
+  }
+  if (has_rings(bytes)) {
+    throw Error(
+        "{}: expected a KITTI scan of 4 numbers a point (16 bytes: float32 x y z intensity), found "
+        "5 numbers a point (20 bytes), the last of them a ring, as nuScenes has; save it as .pcd "
+        "with a field ring",
         path);
   }
   if (bytes.size() % kBytesPerPoint != 0) {

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <map>
 
-#include "files/words.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
+#include "hqslam/core/words.h"
 
 namespace hqslam {
 

@@ -4,9 +4,9 @@
 
 #include "files/pcd_header.h"
 #include "files/point_files.h"
-#include "files/words.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/whole_file.h"
+#include "hqslam/core/words.h"
 
 namespace hqslam {
 

@@ -5,10 +5,10 @@
 #include <string_view>
 
 #include "files/point_files.h"
-#include "files/words.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/whole_file.h"
+#include "hqslam/core/words.h"
 
 namespace hqslam {
 

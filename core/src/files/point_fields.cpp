@@ -20,10 +20,12 @@ constexpr double kMaxScanDuration_s = 1.0;
 /// Beyond this the stamp of a message and the clock of its points' times are not one clock.
 constexpr double kMostClocksApart_s = 2.0;
 
-/// "timeStamp" and "time_stamp" are one name.
+/// "timeStamp" and "time_stamp" are one name, and so are "x" and "X (m)", "ring" and CloudCompare's
+/// "scalar_ring".
 std::string plain(std::string_view name) {
+  if (name.starts_with("scalar_")) name.remove_prefix(7);
   std::string result;
-  for (const char c : name) {
+  for (const char c : name.substr(0, name.find('('))) {
     if (std::isalnum(static_cast<unsigned char>(c)) != 0) {
       result += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     }
@@ -60,6 +62,12 @@ constexpr double kMinRingCorrelation = 0.8;
 /// A unit's beams are off its data sheet by less than this.
 constexpr double kFarthestOff_rad = 2.0 * std::numbers::pi / 180.0;
 constexpr std::size_t kFewestPointsToJudge = 1000;
+
+/// A time that so few points have, so far from those of all others, is no time of the scan: one
+/// that wrapped below 0 (ouster-ros issue 46), or of the turn before. Shares of the points, and of
+/// the time that the others last.
+constexpr double kWildShare = 0.005;
+constexpr double kWildDistance = 0.25;
 
 double elevation_rad(const Eigen::Vector3f& point_m) {
   return std::atan2(point_m.z(), point_m.head<2>().norm());
@@ -103,18 +111,72 @@ void require_rings_of(const SensorModel& sensor, const std::vector<std::uint16_t
       100.0 * static_cast<double>(off) / static_cast<double>(rows.size()));
 }
 
+/// The earliest and the latest of the times, without those that are wild.
+std::pair<double, double> usual_span(const std::vector<double>& values) {
+  const auto [first, last] = std::ranges::minmax_element(values);
+  const auto few = static_cast<std::ptrdiff_t>(kWildShare * static_cast<double>(values.size()));
+  if (few == 0) return {*first, *last};
+  std::vector<double> sorted = values;
+  std::ranges::nth_element(sorted, sorted.begin() + few);
+  const double early = sorted[few];
+  std::ranges::nth_element(sorted, sorted.end() - 1 - few);
+  const double late = *(sorted.end() - 1 - few);
+  const double farthest = kWildDistance * (late - early);
+  if (*first >= early - farthest && *last <= late + farthest) return {*first, *last};
+  std::pair span(early, late);
+  for (const double t : values) {
+    if (t < early - farthest || t > late + farthest) continue;
+    span = {std::min(span.first, t), std::max(span.second, t)};
+  }
+  return span;
+}
+
+/// In the order of preference the first in which so long a scan is one turn; nullptr: none is.
+const Unit* unit_of(const PointTimeField& field, double span, double scan_period_s) {
+  const auto& units = field.whole_numbers ? kWholeNumbers : kFractions;
+  const auto turns = [&](const Unit& candidate) { return span * candidate.s / scan_period_s; };
+  const auto* unit = std::ranges::find_if(units, [&](const Unit& candidate) {
+    return turns(candidate) > kShortestInTurns && turns(candidate) < kLongestInTurns;
+  });
+  // A handful of points, all from one moment of the turn, last less in any unit.
+  if (unit == units.end() && turns(units.front()) < kLongestInTurns) unit = units.begin();
+  return unit == units.end() ? nullptr : unit;
+}
+
+template <typename Value>
+void erase_marked(std::vector<Value>& values, const std::vector<bool>& marked) {
+  if (values.empty()) return;
+  std::size_t i = 0;
+  std::erase_if(values, [&](const Value&) { return marked[i++]; });
+}
+
+/// Those whose times are wild count as invalid.
+void leave_out_points_without_time(RawPoints& points) {
+  Scan& scan = points.scan;
+  std::vector<bool> wild;
+  for (const float offset_s : scan.time_offset_s) wild.push_back(std::isnan(offset_s));
+  const auto count = std::ranges::count(wild, true);
+  if (count == 0) return;
+  scan.invalid_points += count;
+  erase_marked(scan.points_m, wild);
+  erase_marked(scan.time_offset_s, wild);
+  erase_marked(scan.intensity, wild);
+  erase_marked(scan.confidence, wild);
+  erase_marked(points.ring, wild);
+}
+
 }  // namespace
 
 PointFields point_fields(const std::vector<PointField>& fields, const std::string& source,
                          const char* kind) {
   const PointFields found = {
-      field_of(fields, {"x"}),
-      field_of(fields, {"y"}),
-      field_of(fields, {"z"}),
-      field_of(fields, {"ring", "channel", "line", "laserid", "ringid", "beam"}),
-      field_of(fields,
-               {"t", "time", "timestamp", "offsettime", "timeoffset", "toffset", "relativetime"}),
-      field_of(fields, {"reflectivity", "intensity", "scalarintensity"}),
+      field_of(fields, {"x", "pointsmxyz0"}),  // VeloView's, of its tables
+      field_of(fields, {"y", "pointsmxyz1"}),
+      field_of(fields, {"z", "pointsmxyz2"}),
+      field_of(fields, {"ring", "channel", "line", "laserid", "ringid", "beam", "row"}),
+      field_of(fields, {"t", "time", "timestamp", "offsettime", "timeoffset", "toffset",
+                        "relativetime", "gpstime"}),
+      field_of(fields, {"reflectivity", "intensity"}),
       field_of(fields, {"confidence"})};
   if (found.x == nullptr || found.y == nullptr || found.z == nullptr) {
     std::string names;
@@ -156,11 +218,12 @@ Scan scan_of(RawPoints points, const SensorModel* sensor, const std::string& sou
     if (times->absolute && same_clock) {
       scan.stamp_s = times->middle_s;
     } else if (times->absolute) {
-      scan.stamp_s -= static_cast<double>(*std::ranges::min_element(scan.time_offset_s));
+      scan.stamp_s += times->duration_s / 2.0;
     } else if (stamp_s) {
       scan.stamp_s += times->middle_s;
     }
   }
+  leave_out_points_without_time(points);
   if (sensor != nullptr && !points.ring.empty()) {
     scan.row = rows_from_rings(points.ring, scan, *sensor, source, points.ring_name);
   }
@@ -171,32 +234,28 @@ std::optional<PointTimes> point_times(const PointTimeField& field, double scan_p
                                       const std::string& source) {
   if (field.values.empty()) return std::nullopt;
   const bool finite = std::ranges::all_of(field.values, [](double t) { return std::isfinite(t); });
-  const auto [first, last] = std::ranges::minmax_element(field.values);
-  if (finite && *first == *last) return std::nullopt;
-  const double span = *last - *first;
-  const auto& units = field.whole_numbers ? kWholeNumbers : kFractions;
-  const auto turns = [&](const Unit& candidate) { return span * candidate.s / scan_period_s; };
-  auto unit = std::ranges::find_if(units, [&](const Unit& candidate) {
-    return turns(candidate) > kShortestInTurns && turns(candidate) < kLongestInTurns;
-  });
-  // A handful of points, all from one moment of the turn, last less in any unit.
-  if (unit == units.end() && turns(units.front()) < kLongestInTurns) unit = units.begin();
-  if (!finite || unit == units.end()) {
+  const auto [first, last] = finite ? usual_span(field.values) : std::pair(0.0, 0.0);
+  if (finite && first == last) return std::nullopt;
+  const Unit* const unit = unit_of(field, last - first, scan_period_s);
+  if (!finite || unit == nullptr) {
+    const Unit& usual = (field.whole_numbers ? kWholeNumbers : kFractions).front();
     throw Error(
         "{}: field '{}': expected times of one scan, a turn of {:.4g} s, found {}; give the times "
         "in {}, a sensor file with the right scan_period_s, or leave the field out",
         source, field.name, scan_period_s,
-        finite ? fmt::format("a scan of {:.6g} s", span * units.front().s)
+        finite ? fmt::format("a scan of {:.6g} s", (last - first) * usual.s)
                : std::string("a time that is not finite"),
-        units.front().name);
+        usual.name);
   }
   PointTimes times;
-  const double middle = *first + span / 2.0;
+  const double middle = first + (last - first) / 2.0;
   times.middle_s = middle * unit->s;
+  times.duration_s = (last - first) * unit->s;
   times.absolute = field.is_of_clock || std::abs(times.middle_s) > kSmallestClock_s;
   times.offset_s.reserve(field.values.size());
   for (const double t : field.values) {
-    times.offset_s.push_back(static_cast<float>((t - middle) * unit->s));
+    const bool wild = t < first || t > last;
+    times.offset_s.push_back(wild ? NAN : static_cast<float>((t - middle) * unit->s));
   }
   return times;
 }

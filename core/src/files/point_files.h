@@ -1,10 +1,8 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "hqslam/core/point_fields.h"
-#include "hqslam/core/sensor_finder.h"
 
 namespace hqslam {
 
@@ -20,11 +18,5 @@ RawPoints read_ply_points(const std::string& path);
 
 /// A .pcd file, as read_cloud describes it. Throws Error.
 RawPoints read_pcd_points(const std::string& path);
-
-/// The sensor of a recording with one scan per file, determined from some of at least one file. The
-/// rate of turning follows from the stamps, else from the points' times. Files that cannot be read
-/// are skipped. Throws Error where the points do not determine a sensor.
-FoundSensor find_sensor_of_files(const std::vector<std::string>& paths,
-                                 const std::vector<double>& stamps_s);
 
 }  // namespace hqslam

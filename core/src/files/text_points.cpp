@@ -5,10 +5,10 @@
 #include <string_view>
 
 #include "files/point_files.h"
-#include "files/words.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/whole_file.h"
+#include "hqslam/core/words.h"
 
 namespace hqslam {
 
@@ -21,6 +21,12 @@ constexpr std::string_view kSeparators = " \t\r,;";
 std::optional<double> signed_decimal(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);
   return decimal_from(word);
+}
+
+/// Of a line of names, which may have blanks in them where commas stand between: "X (m), Y (m)".
+std::vector<std::string_view> column_names(std::string_view line) {
+  const bool has_commas = line.find_first_of(",;") != std::string_view::npos;
+  return words_of(line, has_commas ? ",;\r" : kSeparators, kMaxColumns);
 }
 
 std::vector<PointField> columns_named(const std::vector<std::string_view>& names) {
@@ -55,8 +61,8 @@ RawPoints read_text_points(const std::string& path) {
     if (words.empty()) continue;
     if (!points) {
       const bool names = !signed_decimal(words.front());
-      count = words.size();
-      columns = names ? columns_named(words) : usual_columns(count);
+      columns = names ? columns_named(column_names(line)) : usual_columns(words.size());
+      count = names ? columns.size() : words.size();
       fields = point_fields(columns, path, "columns");
       points.emplace(fields, 0);
       if (names) continue;

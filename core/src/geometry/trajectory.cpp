@@ -8,10 +8,10 @@
 #include <string_view>
 #include <utility>
 
-#include "files/words.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/whole_file.h"
+#include "hqslam/core/words.h"
 
 namespace hqslam {
 

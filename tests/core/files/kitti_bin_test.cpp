@@ -64,6 +64,12 @@ TEST_CASE("a scan written as KITTI comes back point by point") {
 
 TEST_CASE("a file that is no KITTI scan is refused with file, expected and found") {
   CHECK(one_line_with(kitti_bin_complaint(""), "0.bin", "expected a KITTI scan", "empty"));
+  std::string nuscenes;
+  for (int i = 0; i < 400; ++i) {
+    nuscenes +=
+        floats({1.5F, 0.1F * static_cast<float>(i), 2.0F, 7.0F, static_cast<float>(i % 32)});
+  }
+  CHECK(one_line_with(kitti_bin_complaint(nuscenes), "5 numbers a point (20 bytes)", "nuScenes"));
   CHECK(one_line_with(kitti_bin_complaint("1.0 2.0 3.0 0.5\n4.0 5.0"), "0.bin", "float32", "text"));
   CHECK(one_line_with(kitti_bin_complaint(floats({1, 2, 3, 0}) + "xyz"), "16 bytes per point",
                       "19 bytes", "3 too many"));

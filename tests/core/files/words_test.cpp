@@ -1,4 +1,4 @@
-#include "files/words.h"
+#include "hqslam/core/words.h"
 
 #include <doctest/doctest.h>
 

@@ -136,8 +136,14 @@ recordings::Packet as_packet(const Captured& captured);
 template <typename Turn = Scan, typename Decoder>
 std::vector<Turn> decoded(Decoder& decoder, const std::vector<Captured>& packets) {
   std::vector<Turn> turns;
-  for (const Captured& packet : packets) decoder.add(as_packet(packet), turns);
-  decoder.finish(turns);
+  if constexpr (std::is_same_v<Turn, Scan>) {
+    for (const Captured& packet : packets) decoder.add(as_packet(packet));
+    decoder.finish();
+    turns = decoder.take_scans();
+  } else {
+    for (const Captured& packet : packets) decoder.add(as_packet(packet), turns);
+    decoder.finish(turns);
+  }
   return turns;
 }
 

@@ -252,6 +252,7 @@ TEST_CASE("a simulated drive opens with the inertial data beside its scans, if t
   RangeImage image(sensor.rows(), sensor.columns);
   std::ranges::fill(image.range_m, 5.0F);
   writer.append(image);
+  image.range_m[0] = 6.0F;
   writer.append(image);
   CHECK(Recording::open(path).next()->imu.empty());
   write_file(drive.file("imu.csv"), "0.04,0,0,0,0,0,9.8\n0.06,0,0,0,0,0,9.8\n");

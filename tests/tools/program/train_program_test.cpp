@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "hqslam/core/npy.h"
-#include "hqslam/core/scan_source.h"
 #include "hqslam/nn/network_json.h"
 #include "hqslam/nn/super_resolver.h"
+#include "hqslam/recordings/recording.h"
 #include "tools/program/program.h"
 #include "tools/program/untrained_weights.h"
 
@@ -241,7 +241,7 @@ TEST_CASE("a network of two modes is trained, upsamples with a confidence, and s
   const auto upsampled_returns = [&](const std::string& out, const std::string& option) {
     succeeds("upsample '{}' --weights '{}' --out '{}' --pcd {}", drive, weights, folder.file(out),
              option);
-    const auto scan = open_scan_files(folder.file(out), sensor_preset("os1-64"))->next();
+    const auto scan = recordings::Recording::open(folder.file(out)).next();
     REQUIRE(scan);
     REQUIRE(scan->cloud.confidence.size() == 64 * 1024);
     int computed = 0;

@@ -11,8 +11,8 @@
 #include "hqslam/core/npy.h"
 #include "hqslam/core/point_fields.h"
 #include "hqslam/core/projection.h"
-#include "hqslam/core/scan_source.h"
 #include "hqslam/core/trajectory.h"
+#include "hqslam/recordings/recording.h"
 #include "tools/program/child.h"
 #include "tools/program/program.h"
 #include "tools/program/untrained_weights.h"
@@ -295,9 +295,9 @@ TEST_CASE("a recording's intensities come through upsampling into clouds and int
   }
   CHECK(computed > 1000);
   CHECK(scan_of(upsampled, &sensor, "").time_offset_s.size() == upsampled.scan.points_m.size());
-  const auto images = open_scan_files(folder.file("up"), std::nullopt);
-  images->next();
-  const std::vector<float> of_image = returns_of(images->next()->cloud).intensity;
+  auto images = recordings::Recording::open(folder.file("up"));
+  images.next();
+  const std::vector<float> of_image = returns_of(images.next()->cloud).intensity;
   CHECK(std::ranges::equal(of_image, upsampled.scan.intensity, [](float a, float b) {
     return a == b || (std::isnan(a) && std::isnan(b));
   }));

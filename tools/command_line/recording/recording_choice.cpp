@@ -157,7 +157,8 @@ recordings::OpenOptions open_options(const InputChoice& choice) {
   options.sensor = choice.sensor;
   options.stream = choice.stream;
   options.kept_return = kept_return_named(choice.kept_return);
-  if (choice.row_order == "lowest-first") options.files.row_order = RowOrder::kLowestFirst;
+  if (choice.row_order == "lowest-first")
+    options.files.row_order = recordings::RowOrder::kLowestFirst;
   if (choice.motion_corrected) options.files.capture_time = CaptureTime::kMotionCorrected;
   if (choice.capture == "rolling") options.files.without_times = CaptureTime::kRolling;
   if (choice.capture == "corrected") {

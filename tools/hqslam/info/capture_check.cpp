@@ -5,10 +5,11 @@
 #include <vector>
 
 #include "hqslam/core/median.h"
-#include "hqslam/core/scan_source.h"
+#include "hqslam/recordings/recording.h"
 #include "hqslam/slam/scan_trace.h"
 #include "hqslam/slam/slam.h"
 #include "recording/reading.h"
+#include "recording/recording_choice.h"
 
 namespace hqslam::tools {
 namespace {
@@ -39,15 +40,19 @@ std::optional<double> median_distance_m(const slam::ScanTrace& trace) {
 
 std::vector<ScanFit> fits(const std::string& input, const SensorModel& sensor,
                           CaptureTime capture_time) {
-  RecordingOptions options;
-  options.capture_time = capture_time;
-  options.without_times = capture_time;
-  const auto source = open_scan_files(input, sensor, options);
-  slam::Slam slam(source->sensor());
+  recordings::OpenOptions options;
+  options.all_rows = sensor;
+  if (input.ends_with(".npy") || !file_of_drive(input, "scans.npy").empty()) {
+    options.files.capture_time = capture_time;
+  } else {
+    options.files.without_times = capture_time;
+  }
+  auto source = recordings::Recording::open(input, options);
+  slam::Slam slam(source.sensor());
   LeftOut left_out;
   std::vector<ScanFit> result;
   while (result.size() < kMostScans) {
-    const auto scan = next_usable(*source, left_out);
+    const auto scan = next_usable(source, left_out);
     if (!scan) break;
     slam::ScanTrace trace;
     const Twist velocity = slam.process(scan->cloud, scan->stamp_s, &trace).velocity;

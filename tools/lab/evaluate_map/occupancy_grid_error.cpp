@@ -5,7 +5,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
-#include "hqslam/core/scan_source.h"
+#include "hqslam/recordings/recording.h"
 #include "hqslam/slam/sensor_path.h"
 
 namespace hqslam::tools {
@@ -120,9 +120,9 @@ ThinnedPoints visible_points(const TrueDrive& drive, double cell_m) {
 
 ThinnedPoints scanned_points(const TrueDrive& drive, double cell_m) {
   ThinnedPoints points(cell_m);
-  const auto source = open_scan_files(drive.folder, std::nullopt);
+  auto source = recordings::Recording::open(drive.folder);
   for (std::size_t scan = 0; scan < drive.truth.size(); ++scan) {
-    const auto recorded = source->next();
+    const auto recorded = source.next();
     if (!recorded) break;
     if (scan % kEvery != 0) continue;
     const slam::SensorPath path(drive.truth, scan);

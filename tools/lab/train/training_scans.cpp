@@ -11,8 +11,8 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/projection.h"
-#include "hqslam/core/scan_source.h"
 #include "hqslam/core/whole_file.h"
+#include "hqslam/recordings/recording.h"
 #include "recording/reading.h"
 
 namespace hqslam::tools {
@@ -40,10 +40,10 @@ std::string stack_of_recording(const std::string& folder, const SensorModel& sen
   if (std::filesystem::exists(path)) return path.string();
   make_result_folder(store.path);
   replace_file(path.string(), [&](const std::string& part) {
-    const auto source = open_scan_files(folder, sensor);
+    auto source = recordings::Recording::open(folder, {.all_rows = sensor});
     NpyStackWriter writer(part, sensor.rows(), sensor.columns);
     LeftOut left_out;
-    while (const auto scan = next_usable(*source, left_out)) {
+    while (const auto scan = next_usable(source, left_out)) {
       writer.append(range_image(scan->cloud));
     }
     if (left_out.scans > 0) to_stderr("hqslam-lab: {}: {}\n", folder, left_out.text());

@@ -64,9 +64,9 @@ struct PointFields {
   const PointField* confidence = nullptr;
 };
 /// ring: also channel, line, laser_id and the like; time: t, time, timestamp, offset_time and the
-/// like; intensity: reflectivity where there is one, else intensity. Capital letters and characters
-/// between words do not matter. Throws Error unless there are x, y and z. `source` stands for the
-/// file in messages, `kind` for its word for fields.
+/// like; intensity: reflectivity where there is one, else intensity. Capital letters, characters
+/// between words, units in brackets and CloudCompare's "scalar_" do not matter. Throws Error unless
+/// there are x, y and z. `source` stands for the file in messages, `kind` for its word for fields.
 PointFields point_fields(const std::vector<PointField>& fields, const std::string& source,
                          const char* kind = "fields");
 
@@ -85,8 +85,10 @@ bool times_rise(const std::vector<PointTimeField>& fields, double scan_period_s)
 
 /// The times of a scan's points in seconds.
 struct PointTimes {
-  std::vector<float> offset_s;  ///< from the middle of the times
-  double middle_s = 0.0;        ///< by the field's own zero
+  /// From the middle of the times; not a number for a time far from those of nearly all points.
+  std::vector<float> offset_s;
+  double middle_s = 0.0;  ///< by the field's own zero
+  double duration_s = 0.0;
   /// Whether that zero is a clock's rather than the scan's own: PointTimeField::is_of_clock, or
   /// times too large for one scan.
   bool absolute = false;

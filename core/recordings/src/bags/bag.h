@@ -35,7 +35,7 @@ class BagFile {
   virtual void keep_only(const std::vector<std::string>& /*topics*/) {}
   virtual double read_share() const = 0;
   /// As RecordingFile's.
-  virtual std::string complaint() const { return ""; }
+  virtual std::string missing() const { return ""; }
 
  protected:
   void add_topic(std::uint32_t id, Topic topic);
@@ -55,6 +55,12 @@ std::unique_ptr<BagFile> open_mcap(const std::string& path);
 /// ROS 1's form (version 2.0), chunks stored or compressed by bz2 or lz4. Throws Error.
 std::unique_ptr<BagFile> open_ros1_bag(const std::string& path);
 
+/// Whether a message was compressed by itself (rosbag2's compression mode "message"): no message of
+/// ROS begins as zstd's frames do.
+bool is_packed(Bytes message);
+/// Its content; empty for a damaged one.
+std::vector<std::uint8_t> unpacked_message(Bytes message);
+
 using OpenBagFile = std::unique_ptr<BagFile> (*)(const std::string& path);
 
 /// A bag's file, record by record; records may be packed in chunks.
@@ -67,7 +73,7 @@ class ScannedBag : public BagFile {
   std::optional<Message> next() override;
   double read_share() const override;
   /// Names a file that ends within a record.
-  std::string complaint() const override;
+  std::string missing() const override;
 
  protected:
   /// Sets `message` if the record is one; false at the end. Throws Error, with no file's name in

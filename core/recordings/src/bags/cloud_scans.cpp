@@ -3,185 +3,172 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <exception>
 #include <utility>
 
 #include "bags/bag.h"
 #include "bags/message_packets.h"
+#include "bags/point_cloud.h"
+#include "bags/whole_turns.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/median.h"
-#include "hqslam/core/recorded_scan.h"
-#include "hqslam/core/sensor_finder.h"
 #include "hqslam/recordings/velodyne.h"
+#include "points/azimuth_times.h"
+#include "points/recorded_scan.h"
+#include "points/ring_numbers.h"
+#include "points/sensor_finder.h"
 #include "stream_scans.h"
 
 namespace hqslam::recordings {
 
 namespace {
 
-constexpr std::size_t kMaxFields = 200;
-constexpr std::size_t kMaxPoints = 33'000'000;
-/// sensor_msgs/PointField: INT8 UINT8 INT16 UINT16 INT32 UINT32 FLOAT32 FLOAT64, from 1 on.
-constexpr std::array<StoredNumber, 8> kTypes = {
-    {{'I', 1}, {'U', 1}, {'I', 2}, {'U', 2}, {'I', 4}, {'U', 4}, {'F', 4}, {'F', 8}}};
-
-/// The layout of a message's points.
-struct Layout {
-  std::size_t height = 0, width = 0, point_step = 0, row_step = 0;
-  std::vector<PointField> fields;
-  Bytes data;
-};
-
-Layout read_layout(MessageReader& reader) {
-  Layout layout;
-  layout.height = reader.u32();
-  layout.width = reader.u32();
-  const std::uint32_t fields = reader.u32();
-  if (fields > kMaxFields) {
-    throw Error("expected at most {} fields of a point, found {}", kMaxFields, fields);
-  }
-  for (std::uint32_t i = 0; i < fields; ++i) {
-    PointField field;
-    field.name = reader.words();
-    field.offset = reader.u32();
-    const std::uint8_t type = reader.u8();
-    reader.u32();  // how many: of the fields that matter, one
-    if (type < 1 || type > kTypes.size()) continue;
-    field.stored = kTypes[type - 1];
-    layout.fields.push_back(std::move(field));
-  }
-  const bool big_endian = reader.u8() != 0;
-  layout.point_step = reader.u32();
-  layout.row_step = reader.u32();
-  layout.data = reader.byte_list();
-  if (big_endian) throw Error("expected points in little-endian order, found big-endian ones");
-  return layout;
-}
-
-void check(const Layout& layout) {
-  const bool fits =
-      layout.height == 0 || layout.width == 0 ||
-      (layout.point_step > 0 && layout.width <= layout.data.size() / layout.point_step &&
-       layout.row_step >= layout.width * layout.point_step &&
-       layout.height <= layout.data.size() / layout.row_step &&
-       layout.height <= kMaxPoints / layout.width);
-  if (!fits) {
-    throw Error("expected {} x {} points of {} bytes, found {} bytes in all", layout.height,
-                layout.width, layout.point_step, layout.data.size());
-  }
-  for (const PointField& field : layout.fields) {
-    if (field.offset + field.stored.bytes > layout.point_step) {
-      throw Error("field '{}': expected it within the {} bytes of a point, found it at {}",
-                  excerpt(field.name, kNameCharacters), layout.point_step, field.offset);
-    }
-  }
-}
-
-/// The stamp of the header alone. Throws Error.
-double point_cloud_stamp_s(const Message& message) {
-  return 1e-9 * static_cast<double>(MessageReader(message).header().time_ns);
-}
-
-/// The points of a sensor_msgs/PointCloud2. Fields as point_fields() finds them, of any of the
-/// eight types, in any order. `source` stands for the message in messages. Throws Error for a
-/// message that is damaged or has no coordinates.
-RawPoints read_point_cloud(const Message& message, const std::string& source) {
-  MessageReader reader(message);
-  reader.header();
-  const Layout layout = read_layout(reader);
-  check(layout);
-  // Rows without a column may be announced by the thousand million.
-  const std::size_t rows = layout.width == 0 ? 0 : layout.height;
-  const PointFields fields = point_fields(layout.fields, source);
-  RawPoints points(fields, rows * layout.width);
-  for (std::size_t row = 0; row < rows; ++row) {
-    for (std::size_t column = 0; column < layout.width; ++column) {
-      const std::uint8_t* const point =
-          layout.data.data() + row * layout.row_step + column * layout.point_step;
-      points.add(fields, [&](const PointField& field) {
-        return number_at(point + field.offset, field.stored);
-      });
-    }
-  }
-  return points;
-}
-
+/// No sensor turns faster.
+constexpr double kShortestTurn_s = 0.01;
 /// The rate of turning is determined from the stamps of these.
 constexpr std::size_t kProbedClouds = 50;
 /// The sensor is determined from the points of these.
 constexpr std::size_t kCloudsToLearnFrom = 10;
+/// A packet of few channels is a message at most as short.
+constexpr double kMostInTurn = 200.0;
 /// Whether times are a clock's is determined from these.
 constexpr std::size_t kTimedClouds = 5;
+
+/// What is known of a topic's clouds before the first scan.
+struct CloudForm {
+  RingNumbers ring_numbers;
+  bool has_clock = false;                         ///< times of points are those of a clock
+  double message_s = 0.0;                         ///< from message to message
+  std::optional<double> turn_s = {};              ///< where a message is not one turn
+  std::optional<CaptureTime> without_times = {};  ///< as RecordingOptions has it
+  bool with_points = true;                        ///< otherwise scans are timed alone
+};
 
 /// Scans of a topic of point clouds.
 class CloudScans : public StreamScans {
  public:
-  /// has_clock: times of points are those of a clock. Not with_points: scans are timed alone.
-  CloudScans(StreamReader reader, RecordingInfo info, bool has_clock, bool with_points)
+  CloudScans(StreamReader reader, RecordingInfo info, CloudForm form)
       : StreamScans(std::move(reader), std::move(info)),
-        has_clock_(has_clock),
-        with_points_(with_points) {}
+        form_(form),
+        turns_(form.turn_s.value_or(0.0)),
+        azimuth_times_(info_.sensor.scan_period_s) {}
 
  private:
   std::optional<RecordedScan> read() override {
+    std::optional<RecordedScan> scan = form_.turn_s ? read_turn() : read_message();
+    if (scan && form_.with_points && !std::exchange(any_read_, true)) {
+      if (std::string text = crowding_warning(*scan); !text.empty()) {
+        info_.warnings.push_back(std::move(text));
+      }
+    }
+    return scan;
+  }
+
+  std::string name() { return fmt::format("{}[{}]", reader_.path(), index_++); }
+
+  std::optional<RecordedScan> read_message() {
     const auto message = reader_.next();
     if (!message) return std::nullopt;
-    const std::string name = fmt::format("{}[{}]", reader_.path(), index_++);
+    if (index_ == 0) warn_of_missing_stamp(*message);
+    return named(name(), [&](const std::string& name) {
+      if (form_.with_points)
+        return recorded_scan(scan_of_message(*message, name), info_.sensor, name);
+      RecordedScan timed;
+      timed.stamp_s = point_cloud_stamp_s(*message);
+      return timed;
+    });
+  }
+
+  void warn_of_missing_stamp(const Message& message) {
     try {
-      RecordedScan scan = scan_of_message(*message, name);
-      if (!std::exchange(any_read_, true)) {
-        if (std::string text = crowding_warning(scan); !text.empty()) {
-          info_.warnings.push_back(std::move(text));
-        }
+      if (MessageReader(message).header().time_ns != 0) return;
+    } catch (const Error&) {
+      return;  // said with its scan
+    }
+    info_.warnings.push_back(
+        fmt::format("{}: clouds without stamps are stamped by the time at which they were recorded",
+                    reader_.path()));
+  }
+
+  std::optional<RecordedScan> read_turn() {
+    while (true) {
+      if (const auto scan = turns_.next()) {
+        return named(name(), [&](const std::string& name) {
+          return recorded_scan(*scan, info_.sensor, name);
+        });
       }
-      return scan;
+      const auto message = reader_.next();
+      if (!message && std::exchange(is_finished_, true)) return std::nullopt;
+      if (!message) {
+        turns_.finish();
+        continue;
+      }
+      named(reader_.path(), [&](const std::string& name) {
+        turns_.add(scan_of_message(*message, name));
+        return RecordedScan();
+      });
+    }
+  }
+
+  /// make(name), whose Error is a ScanError that begins with the name.
+  template <typename Make>
+  static RecordedScan named(const std::string& name, const Make& make) {
+    try {
+      return make(name);
     } catch (const Error& error) {
       const std::string text = error.what();
       throw ScanError(text.starts_with(name) ? text : fmt::format("{}: {}", name, text));
     }
   }
 
-  RecordedScan scan_of_message(const Message& message, const std::string& name) const {
-    const double stamp_s = point_cloud_stamp_s(message);
-    if (!with_points_) {
-      RecordedScan timed;
-      timed.stamp_s = stamp_s;
-      return timed;
-    }
+  Scan scan_of_message(const Message& message, const std::string& name) {
     RawPoints points = read_point_cloud(message, name);
-    points.time.is_of_clock = has_clock_;
-    Scan scan = scan_of(std::move(points), &info_.sensor, name, stamp_s);
-    set_rows_by_order(scan, info_.sensor, name);
-    return recorded_scan(scan, info_.sensor, name);
+    points.time.is_of_clock = form_.has_clock;
+    form_.ring_numbers.count_from_0(points.ring);
+    SensorModel sensor = info_.sensor;
+    sensor.scan_period_s = form_.message_s;
+    Scan scan = scan_of(std::move(points), &sensor, name, point_cloud_stamp_s(message));
+    if (!form_.turn_s) set_rows_by_order(scan, info_.sensor, name);
+    if (scan.time_offset_s.empty() && form_.without_times == CaptureTime::kRolling) {
+      const double stamp_s = scan.stamp_s;  // the message's remains
+      azimuth_times_.set(scan, info_.sensor, static_cast<std::size_t>(index_));
+      scan.stamp_s = stamp_s;
+    }
+    return scan;
   }
 
   void sensor_changed() override {}
   void complete(RecordingInfo& /*info*/) override {}
 
-  bool has_clock_;
-  bool with_points_;
+  CloudForm form_;
+  WholeTurns turns_;
+  AzimuthTimes azimuth_times_;
   bool any_read_ = false;
+  bool is_finished_ = false;
   std::int64_t index_ = 0;
 };
 
 /// read(message) of the next messages, this many of them; damaged ones, which are reported when
-/// their turn comes, are passed over.
+/// their turn comes, are passed over. Throws Error where all are.
 template <typename Read>
 auto read_ahead(StreamReader& reader, std::size_t messages, const Read& read) {
   std::vector<decltype(read(Message()))> results;
+  std::exception_ptr damage;
   for (std::size_t i = 0; i < messages; ++i) {
     const auto message = reader.ahead(i);
     if (!message) break;
     try {
       results.push_back(read(*message));
     } catch (const Error&) {
-      continue;
+      damage = std::current_exception();
     }
   }
+  if (results.empty() && damage) std::rethrow_exception(damage);
   return results;
 }
 
-/// The time from scan to scan: most gaps are one turn. Nothing with fewer than two stamps.
+/// The time from message to message: most gaps are one turn. Nothing with fewer than two stamps.
 std::optional<double> period_s(StreamReader& reader) {
   std::vector<double> stamps = read_ahead(reader, kProbedClouds, point_cloud_stamp_s);
   std::ranges::sort(stamps);
@@ -189,31 +176,47 @@ std::optional<double> period_s(StreamReader& reader) {
   for (std::size_t i = 1; i < stamps.size(); ++i) steps.push_back(stamps[i] - stamps[i - 1]);
   if (steps.empty()) return std::nullopt;
   const double middle = median(std::move(steps));
-  if (!(middle > 0.01 && middle < 1.0)) return std::nullopt;
-  return std::round(1e4 * middle) * 1e-4;
+  if (!(middle > 0.0005 && middle < 1.0)) return std::nullopt;
+  return std::round(1e5 * middle) * 1e-5;
 }
 
-std::vector<RawPoints> first_clouds(StreamReader& reader) {
-  return read_ahead(reader, kCloudsToLearnFrom, [&](const Message& message) {
+std::vector<RawPoints> first_clouds(StreamReader& reader, std::size_t clouds) {
+  return read_ahead(reader, clouds, [&](const Message& message) {
     return read_point_cloud(message, reader.path());
   });
 }
 
-bool has_clock(StreamReader& reader, double scan_period_s) {
-  const auto times = read_ahead(reader, kTimedClouds, [&](const Message& message) {
-    return read_point_cloud(message, reader.path()).time;
-  });
+/// Points and rings of a turn's parts together; one of them may have too few to tell a beam.
+std::vector<RawPoints> joined(const std::vector<RawPoints>& parts) {
+  RawPoints whole = parts.front();
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    const auto& points_m = parts[i].scan.points_m;
+    whole.scan.points_m.insert(whole.scan.points_m.end(), points_m.begin(), points_m.end());
+    whole.ring.insert(whole.ring.end(), parts[i].ring.begin(), parts[i].ring.end());
+  }
+  return {whole};
+}
+
+bool has_clock(const std::vector<RawPoints>& clouds, double scan_period_s) {
+  std::vector<PointTimeField> times;
+  for (std::size_t i = 0; i < std::min(kTimedClouds, clouds.size()); ++i) {
+    times.push_back(clouds[i].time);
+  }
   return times_rise(times, scan_period_s);
 }
 
-bool has_point_times(StreamReader& reader, std::vector<std::string>& warnings) {
+/// The one that is named, else that of the points.
+FoundSensor sensor_of_clouds(const std::vector<RawPoints>& clouds, std::optional<double> period_s,
+                             const std::string& name, const std::string& path) {
+  if (name.empty()) return find_sensor(clouds, period_s, path);
+  const SensorModel stated = load_sensor(name);
+  std::optional<FoundSensor> found;
   try {
-    const auto first = reader.ahead(0);
-    return first && !read_point_cloud(*first, "PointCloud2").time.name.empty();
-  } catch (const Error& error) {
-    warnings.push_back(fmt::format("{}: its first scan: {}", reader.path(), error.what()));
-    return false;
+    found = find_sensor(clouds, period_s, path);
+  } catch (const Error&) {
+    // The clouds are of whatever was named.
   }
+  return held_against_points(stated, found, path);
 }
 
 }  // namespace
@@ -221,23 +224,38 @@ bool has_point_times(StreamReader& reader, std::vector<std::string>& warnings) {
 std::unique_ptr<StreamScans> open_clouds(StreamReader reader, const OpenOptions& options,
                                          bool with_points) {
   RecordingInfo info;
-  const auto period = period_s(reader);
-  if (options.sensor.empty()) {
-    FoundSensor found = find_sensor(first_clouds(reader), period, reader.path());
-    info.sensor = std::move(found.sensor);
-    info.sensor_known = true;
-    info.warnings.push_back(fmt::format("{}: {}", reader.path(), found.note));
-  } else {
-    info.sensor = load_sensor(options.sensor);
+  const std::vector<RawPoints> first = first_clouds(reader, kCloudsToLearnFrom);
+  std::vector<RawPoints> turns = first;
+  auto period = period_s(reader);
+  CloudForm form;
+  if (period) form.turn_s = turn_of_parts_s(first, *period);
+  if (form.turn_s) {
+    const double in_turn = std::clamp(*form.turn_s / *period, 1.0, kMostInTurn);
+    turns = joined(first_clouds(reader, static_cast<std::size_t>(std::ceil(in_turn))));
+    info.warnings.push_back(fmt::format(
+        "{}: a message holds {:.2g} turns of {:.4g} s: scans are cut by the times of the points",
+        reader.path(), *period / *form.turn_s, *form.turn_s));
   }
-  const bool named = period && !options.sensor.empty();
-  if (named) info.sensor.scan_period_s = *period;
+  if (!form.turn_s && period && *period < kShortestTurn_s) period.reset();
+  const auto turn = form.turn_s ? form.turn_s : period;
+  FoundSensor chosen = sensor_of_clouds(turns, turn, options.sensor, reader.path());
+  info.sensor = std::move(chosen.sensor);
+  info.sensor_known = chosen.is_found;
+  if (!chosen.note.empty()) {
+    info.warnings.push_back(fmt::format("{}: {}", reader.path(), chosen.note));
+  }
+  const bool named = turn && !options.sensor.empty();
+  if (named) info.sensor.scan_period_s = *turn;
   set_columns(info.sensor, options.columns,
               named && velodyne_model(info.sensor.name) && !options.sensor.ends_with(".json"));
-  info.has_point_times = has_point_times(reader, info.warnings);
+  info.has_point_times = !first.empty() && !first.front().time.name.empty();
   info.format = info.has_point_times ? "point clouds with times" : "point clouds without times";
-  const bool clock = with_points && has_clock(reader, info.sensor.scan_period_s);
-  return std::make_unique<CloudScans>(std::move(reader), std::move(info), clock, with_points);
+  form.message_s = form.turn_s ? *period : info.sensor.scan_period_s;
+  form.with_points = with_points || form.turn_s;
+  form.has_clock = form.with_points && has_clock(first, form.message_s);
+  form.ring_numbers = ring_numbers(turns, info.sensor);
+  form.without_times = options.files.without_times;
+  return std::make_unique<CloudScans>(std::move(reader), std::move(info), form);
 }
 
 }  // namespace hqslam::recordings

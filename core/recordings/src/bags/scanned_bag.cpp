@@ -3,6 +3,8 @@
 #include <lz4frame.h>
 #include <zstd.h>
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
 #include <memory>
 
@@ -155,7 +157,20 @@ void BagFile::add_topic(std::uint32_t id, Topic topic) {
   if (topics_.size() < kMaxTopics) topics_[id] = std::move(topic);
 }
 
-std::string ScannedBag::complaint() const {
+bool is_packed(Bytes message) {
+  constexpr std::array<std::uint8_t, 4> kZstd = {0x28, 0xB5, 0x2F, 0xFD};
+  return message.size() >= kZstd.size() && std::ranges::equal(message.first(kZstd.size()), kZstd);
+}
+
+std::vector<std::uint8_t> unpacked_message(Bytes message) {
+  const unsigned long long size = ZSTD_getFrameContentSize(message.data(), message.size());
+  if (size > kMaxChunkBytes || size > kMaxRatio * message.size()) return {};
+  std::vector<std::uint8_t> result(size);
+  if (!from_zstd(message, result)) result.clear();
+  return result;
+}
+
+std::string ScannedBag::missing() const {
   return is_cut_off_ ? fmt::format(
                            "the file ends within a record: it was cut off, and what was "
                            "recorded last is missing; {}",

@@ -49,8 +49,8 @@ bool is_settings(Bytes payload) {
 double scan_period_of(Bytes settings) { return period_at(big_endian_16(settings, kSpeedAt)); }
 
 BlockDecoder::BlockDecoder(const BlockUnit& unit, const SensorModel& sensor,
-                           const TurnDecoderOptions& options)
-    : TurnDecoder(0, 360.0, options),
+                           const TurnDecoderOptions& options, std::string name)
+    : TurnDecoder(sensor, std::move(name), 0, 360.0, options),
       unit_(unit),
       channels_(static_cast<int>(unit.row_of_channel.size())) {
   if (sensor.rows() != channels_) {
@@ -64,19 +64,17 @@ BlockDecoder::BlockDecoder(const BlockUnit& unit, const SensorModel& sensor,
   }
 }
 
-bool BlockDecoder::add_blocks(const Packet& packet, std::int64_t sensor_ns,
-                              std::vector<Scan>& completed) {
-  if (!take_time(sensor_ns, packet.capture_time_ns, unit_.scan_period_s, completed)) return false;
+bool BlockDecoder::add_blocks(const Packet& packet, std::int64_t sensor_ns) {
+  if (!take_time(sensor_ns, packet.capture_time_ns, unit_.scan_period_s)) return false;
   ++counts_.used;
   const std::vector<Firing> firings = firings_of(packet.payload);
   const double packet_s = 1e-6 * unit_.format.firing_us * static_cast<double>(firings.size());
   if (passed_s_ > 0.0) counts_.lost += std::max(0LL, std::llround(passed_s_ / packet_s) - 1);
-  const std::int64_t packet_ns = recorded_ns(sensor_ns, packet.capture_time_ns, completed);
+  const std::int64_t packet_ns = recorded_ns(sensor_ns, packet.capture_time_ns);
   for (const Firing& firing : firings) {
     const std::int64_t firing_ns =
         packet_ns + std::llround(1e3 * (unit_.format.first_us + firing.time_us));
-    const double start_s =
-        fire(static_cast<int>(std::lround(firing.azimuth)) % kTurn, firing_ns, completed);
+    const double start_s = fire(static_cast<int>(std::lround(firing.azimuth)) % kTurn, firing_ns);
     if (options_.with_points) add_points(packet.payload, firing, start_s);
   }
   return true;

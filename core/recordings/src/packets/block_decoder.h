@@ -58,10 +58,11 @@ class BlockDecoder : public TurnDecoder {
  protected:
   /// sensor: of as many rows as the unit's, whose elevations and azimuth offsets are taken. Throws
   /// Error for another.
-  BlockDecoder(const BlockUnit& unit, const SensorModel& sensor, const TurnDecoderOptions& options);
+  BlockDecoder(const BlockUnit& unit, const SensorModel& sensor, const TurnDecoderOptions& options,
+               std::string name);
 
   /// Takes in the next packet, of this time by the sensor's clock; false if it is late.
-  bool add_blocks(const Packet& packet, std::int64_t sensor_ns, std::vector<Scan>& completed);
+  bool add_blocks(const Packet& packet, std::int64_t sensor_ns);
 
   BlockUnit unit_;
 

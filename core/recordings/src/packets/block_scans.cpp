@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "hqslam/core/error.h"
-#include "packets/point_assembler.h"
 #include "packets/robosense_decoder.h"
 #include "stream_scans.h"
 
@@ -45,7 +44,7 @@ std::unique_ptr<StreamScans> open_robosense(StreamReader reader, const OpenOptio
   warn_of_other_beams(info.sensor, unit.sensor, path, info.warnings);
   const TurnDecoderOptions decoding = {options.kept_return, with_points};
   return packet_scans(std::move(reader), std::move(info), [=](const SensorModel& sensor) {
-    return point_assembler(sensor, path, RobosenseDecoder(unit, sensor, decoding));
+    return std::make_unique<RobosenseDecoder>(unit, sensor, decoding, path);
   });
 }
 

@@ -61,8 +61,9 @@ std::optional<HesaiPacket> hesai_packet(Bytes payload) {
   return said;
 }
 
-HesaiDecoder::HesaiDecoder(const SensorModel& sensor, const TurnDecoderOptions& options)
-    : TurnDecoder(0, 360.0, options) {
+HesaiDecoder::HesaiDecoder(const SensorModel& sensor, const TurnDecoderOptions& options,
+                           std::string name)
+    : TurnDecoder(sensor, std::move(name), 0, 360.0, options) {
   const int lasers = sensor.rows();
   if (lasers != 16 && lasers != 32) {
     throw Error(
@@ -77,27 +78,27 @@ HesaiDecoder::HesaiDecoder(const SensorModel& sensor, const TurnDecoderOptions& 
   }
 }
 
-void HesaiDecoder::add(const Packet& packet, std::vector<Scan>& completed) {
+void HesaiDecoder::add(const Packet& packet) {
   const auto said = hesai_packet(packet.payload);
   if (!said || said->lasers != static_cast<int>(lasers_.size())) {
     ++counts_.foreign;
     return;
   }
-  if (!take_time(said->time_ns, packet.capture_time_ns, said->scan_period_s, completed)) return;
+  if (!take_time(said->time_ns, packet.capture_time_ns, said->scan_period_s)) return;
   if (said->number && last_number_) {
     const std::uint32_t missing = *said->number - *last_number_ - 1;
     if (missing < kMostLost) counts_.lost += missing;
   }
   last_number_ = said->number;
   ++counts_.used;
-  const std::int64_t packet_ns = recorded_ns(said->time_ns, packet.capture_time_ns, completed);
+  const std::int64_t packet_ns = recorded_ns(said->time_ns, packet.capture_time_ns);
   const int step = said->dual_return ? 2 : 1;
   for (int block = 0; block < kHesaiBlocks; block += step) {
     const int later = (kHesaiBlocks - 1 - block) / step;
     const std::int64_t block_ns =
         packet_ns + std::llround(1e3 * (kFirstFiring_us - kBlock_us * later));
     const int azimuth = azimuth_of(packet.payload, said->lasers, block);
-    const double start_s = fire(azimuth % kTurn, block_ns, completed);
+    const double start_s = fire(azimuth % kTurn, block_ns);
     if (options_.with_points) add_points(packet.payload, block, said->dual_return, start_s);
   }
 }

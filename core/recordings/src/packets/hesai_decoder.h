@@ -42,10 +42,10 @@ SensorModel nominal_hesai(int lasers);
 class HesaiDecoder : public TurnDecoder {
  public:
   /// `sensor` gives elevation and azimuth offset of each laser, 16 or 32. Throws Error for others.
-  HesaiDecoder(const SensorModel& sensor, const TurnDecoderOptions& options = {});
+  HesaiDecoder(const SensorModel& sensor, const TurnDecoderOptions& options = {},
+               std::string name = "");
 
-  /// Takes the next packet in and appends the scans that it completes.
-  void add(const Packet& packet, std::vector<Scan>& completed);
+  void add(const Packet& packet) override;
 
  private:
   struct Laser {

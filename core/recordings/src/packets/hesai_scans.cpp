@@ -11,7 +11,6 @@
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/whole_file.h"
 #include "packets/hesai_decoder.h"
-#include "packets/point_assembler.h"
 #include "stream_scans.h"
 
 namespace hqslam::recordings {
@@ -125,7 +124,7 @@ std::unique_ptr<StreamScans> open_hesai(StreamReader reader, const OpenOptions& 
                             said.dual_return ? "dual" : "single");
   const TurnDecoderOptions decoding = {options.kept_return, with_points};
   return packet_scans(std::move(reader), std::move(info), [=](const SensorModel& sensor) {
-    return point_assembler(sensor, path, HesaiDecoder(sensor, decoding));
+    return std::make_unique<HesaiDecoder>(sensor, decoding, path);
   });
 }
 

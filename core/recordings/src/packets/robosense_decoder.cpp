@@ -150,10 +150,10 @@ RobosenseUnit robosense_unit(Bytes settings, bool helios, const std::string& pat
   return unit;
 }
 
-void RobosenseDecoder::add(const Packet& packet, std::vector<Scan>& completed) {
+void RobosenseDecoder::add(const Packet& packet) {
   const auto said = robosense_packet(packet.payload);
   if (said && said->helios == helios_) {
-    add_blocks(packet, said->time_ns, completed);
+    add_blocks(packet, said->time_ns);
   } else {
     ++counts_.foreign;
   }

@@ -34,11 +34,10 @@ RobosenseUnit robosense_unit(Bytes settings, bool helios, const std::string& pat
 class RobosenseDecoder : public BlockDecoder {
  public:
   RobosenseDecoder(const RobosenseUnit& unit, const SensorModel& sensor,
-                   const TurnDecoderOptions& options = {})
-      : BlockDecoder(unit, sensor, options), helios_(unit.helios) {}
+                   const TurnDecoderOptions& options = {}, std::string name = "")
+      : BlockDecoder(unit, sensor, options, std::move(name)), helios_(unit.helios) {}
 
-  /// Takes the next packet in and appends the scans that it completes.
-  void add(const Packet& packet, std::vector<Scan>& completed);
+  void add(const Packet& packet) override;
 
  private:
   bool helios_;

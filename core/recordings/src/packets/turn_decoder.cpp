@@ -1,9 +1,13 @@
 #include "packets/turn_decoder.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <utility>
+
+#include "hqslam/core/projection.h"
 
 namespace hqslam::recordings {
 
@@ -36,8 +40,7 @@ double period_at(int turns_per_minute) {
   return 60.0 / (10.0 * std::round(turns_per_minute / 10.0));  // 599 or 601 are 600
 }
 
-bool TurnDecoder::take_time(std::int64_t sensor_ns, std::int64_t capture_ns, double scan_period_s,
-                            std::vector<Scan>& completed) {
+bool TurnDecoder::take_time(std::int64_t sensor_ns, std::int64_t capture_ns, double scan_period_s) {
   passed_s_ = 0.0;
   if (last_sensor_ns_) {
     const std::int64_t passed_ns = sensor_ns - *last_sensor_ns_;
@@ -54,26 +57,25 @@ bool TurnDecoder::take_time(std::int64_t sensor_ns, std::int64_t capture_ns, dou
     if (turned && !clock_was_set) {
       lost_scans_ += std::max<std::int64_t>(0, std::llround(passed_s / scan_period_s) - 1);
     }
-    if (turned || passed_s < 0.0) finish(completed);
+    if (turned || passed_s < 0.0) finish();
   }
   last_sensor_ns_ = sensor_ns;
   last_capture_ns_ = capture_ns;
   return true;
 }
 
-std::int64_t TurnDecoder::recorded_ns(std::int64_t sensor_ns, std::int64_t capture_ns,
-                                      std::vector<Scan>& completed) {
+std::int64_t TurnDecoder::recorded_ns(std::int64_t sensor_ns, std::int64_t capture_ns) {
   constexpr std::int64_t kFarthest_ns = 9'000'000'000 * kSecond_ns;  // a damaged file may say more
   const std::int64_t time_ns =
       clock_.recorded_ns(sensor_ns, std::clamp(capture_ns, -kFarthest_ns, kFarthest_ns));
-  if (clock_.was_set()) finish(completed);
+  if (clock_.was_set()) finish();
   return time_ns;
 }
 
-double TurnDecoder::fire(int azimuth, std::int64_t time_ns, std::vector<Scan>& completed) {
+double TurnDecoder::fire(int azimuth, std::int64_t time_ns) {
   const int turned = modulo_turn(azimuth - cut_);
   if (!empty_ && turned < last_turned_ - kSmallestFall) {
-    complete(completed);
+    complete();
     began_with_cut_ = true;
   } else if (!empty_ && time_ns - first_ns_ > kSecond_ns) {
     ++partial_scans_;  // the head stands still: no turn takes so long
@@ -92,7 +94,7 @@ double TurnDecoder::fire(int azimuth, std::int64_t time_ns, std::vector<Scan>& c
 }
 
 /// Ends the scan. What began in the middle of a turn is one only if little of it is missing.
-void TurnDecoder::complete(std::vector<Scan>& completed) {
+void TurnDecoder::complete() {
   if (empty_) return;
   const std::size_t points = scan_.points_m.size();  // the next scan will have about as many
   const double seen_deg = 0.01 * (last_turned_ - first_turned_);
@@ -103,7 +105,7 @@ void TurnDecoder::complete(std::vector<Scan>& completed) {
     const auto middle_s = static_cast<float>(1e-9 * static_cast<double>(middle_ns));
     for (float& offset_s : scan_.time_offset_s) offset_s -= middle_s;
     scan_.stamp_s = 1e-9 * static_cast<double>(first_ns_ + middle_ns);
-    completed.push_back(std::move(scan_));
+    completed_.push_back(std::move(scan_));
   }
   scan_ = std::exchange(spare_, {});
   scan_.points_m.reserve(points);
@@ -113,18 +115,27 @@ void TurnDecoder::complete(std::vector<Scan>& completed) {
   empty_ = true;
 }
 
-void TurnDecoder::reuse(Scan scan) {
-  scan.stamp_s = 0.0;
-  scan.points_m.clear();
+std::optional<RecordedScan> TurnDecoder::next() {
+  if (completed_.empty()) return std::nullopt;
+  Scan scan = std::move(completed_.front());
+  completed_.erase(completed_.begin());
+  ProjectedScan projected = project(scan, sensor_);
+  RecordedScan result;
+  result.name = fmt::format("{}[{}]", name_, taken_++);
+  result.stamp_s = scan.stamp_s;
+  result.cloud = std::move(projected.cloud);
+  result.counts = projected.counts;
+  scan.points_m.clear();  // its memory serves the next one
   scan.row.clear();
   scan.time_offset_s.clear();
   scan.intensity.clear();
   spare_ = std::move(scan);
+  return result;
 }
 
-void TurnDecoder::finish(std::vector<Scan>& completed) {
+void TurnDecoder::finish() {
   began_with_cut_ = false;
-  complete(completed);
+  complete();
 }
 
 }  // namespace hqslam::recordings

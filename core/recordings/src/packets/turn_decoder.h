@@ -2,10 +2,13 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "byte_reader.h"
 #include "hqslam/core/scan.h"
+#include "hqslam/recordings/scan_assembler.h"
 #include "hqslam/recordings/velodyne.h"
 #include "packets/sensor_clock.h"
 
@@ -39,34 +42,38 @@ double period_at(int turns_per_minute);
 ///
 /// What began in the middle of a turn is a scan only if it has three quarters of the field of view.
 /// A scan's stamp is the middle between its first and its last firing.
-class TurnDecoder {
+class TurnDecoder : public ScanAssembler {
  public:
-  /// Nothing follows, or much later: appends what is left, if it is nearly a scan.
-  void finish(std::vector<Scan>& completed);
-  /// Takes a scan back that is not needed any more: its memory serves the next one.
-  void reuse(Scan scan);
-  const PacketCounts& counts() const { return counts_; }
-  /// Whole turns of which no packet came.
-  std::int64_t lost_scans() const { return lost_scans_; }
-  /// Turns that were cut short by the beginning or the end of the recording, or by a long gap.
-  std::int64_t partial_scans() const { return partial_scans_; }
+  const SensorModel& sensor() const override { return sensor_; }
+  /// Nothing follows, or much later: what is left becomes a scan if it is nearly one.
+  void finish() override;
+  std::optional<RecordedScan> next() override;
+  /// The scans that are complete, as points.
+  std::vector<Scan> take_scans() { return std::exchange(completed_, {}); }
+  const PacketCounts& counts() const override { return counts_; }
+  std::int64_t lost_scans() const override { return lost_scans_; }
+  std::int64_t partial_scans() const override { return partial_scans_; }
 
  protected:
-  TurnDecoder(int cut, double field_of_view_deg, const TurnDecoderOptions& options)
-      : options_(options), cut_(cut), field_of_view_deg_(field_of_view_deg) {}
+  TurnDecoder(const SensorModel& sensor, std::string name, int cut, double field_of_view_deg,
+              const TurnDecoderOptions& options)
+      : sensor_(sensor),
+        options_(options),
+        cut_(cut),
+        field_of_view_deg_(field_of_view_deg),
+        name_(std::move(name)) {}
 
   /// A packet has this time by the sensor's clock: false if it is left out, as late. Where nothing
   /// came for a turn, or that clock was set back, the scan ends.
-  bool take_time(std::int64_t sensor_ns, std::int64_t capture_ns, double scan_period_s,
-                 std::vector<Scan>& completed);
+  bool take_time(std::int64_t sensor_ns, std::int64_t capture_ns, double scan_period_s);
   /// The time of a packet by the clock of stamps. Where the recorder's clock was set, the scan
   /// ends.
-  std::int64_t recorded_ns(std::int64_t sensor_ns, std::int64_t capture_ns,
-                           std::vector<Scan>& completed);
-  /// The head fires here, at this time by the clock of stamps: what is before the cut goes to
-  /// `completed`. The time since the first firing of the turn, which this one may be, seconds.
-  double fire(int azimuth, std::int64_t time_ns, std::vector<Scan>& completed);
+  std::int64_t recorded_ns(std::int64_t sensor_ns, std::int64_t capture_ns);
+  /// The head fires here, at this time by the clock of stamps: what is before the cut is a scan.
+  /// The time since the first firing of the turn, which this one may be, seconds.
+  double fire(int azimuth, std::int64_t time_ns);
 
+  SensorModel sensor_;
   TurnDecoderOptions options_;
   int cut_;
   double field_of_view_deg_;
@@ -78,8 +85,11 @@ class TurnDecoder {
   std::int64_t lost_scans_ = 0;
 
  private:
-  void complete(std::vector<Scan>& completed);
+  void complete();
 
+  std::string name_;  ///< of the scans, with their numbers
+  std::vector<Scan> completed_;
+  std::int64_t taken_ = 0;
   Scan spare_;  ///< empty, with memory
   SensorClock clock_;
   std::optional<std::int64_t> last_sensor_ns_;

@@ -59,8 +59,9 @@ PulseReturn kept(PulseReturn last, PulseReturn other, KeptReturn which) {
 }  // namespace
 
 VelodyneDecoder::VelodyneDecoder(const VelodyneStream& stream, const SensorModel& sensor,
-                                 const TurnDecoderOptions& options)
-    : TurnDecoder(modulo_turn(static_cast<int>(std::lround(100.0 * stream.cut_azimuth_deg))),
+                                 const TurnDecoderOptions& options, std::string name)
+    : TurnDecoder(sensor, std::move(name),
+                  modulo_turn(static_cast<int>(std::lround(100.0 * stream.cut_azimuth_deg))),
                   stream.field_of_view_deg, options),
       stream_(stream),
       timing_(timing(stream.model)),
@@ -90,7 +91,7 @@ std::int64_t VelodyneDecoder::passed_us(std::int64_t now_us, std::int64_t captur
 
 /// The time of a packet; false if the packet is left out. A time a turn or more behind the last one
 /// is a gap, one far from it a clock that was set: the scan ends there.
-bool VelodyneDecoder::take_time(const Packet& packet, std::vector<Scan>& completed) {
+bool VelodyneDecoder::take_time(const Packet& packet) {
   const std::int64_t now_us = little_endian<std::uint32_t>(packet.payload, kTimeAt);
   if (!last_us_) {
     sensor_us_ = now_us;
@@ -106,7 +107,7 @@ bool VelodyneDecoder::take_time(const Packet& packet, std::vector<Scan>& complet
   }
   if (!clock_was_set) count_lost(passed, block_azimuth(packet.payload, 0));
   if (passed < 0 || static_cast<double>(passed) >= kWholeTurn * 1e6 * stream_.scan_period_s) {
-    finish(completed);
+    finish();
   }
   last_us_ = now_us;
   last_capture_ns_ = packet.capture_time_ns;
@@ -188,18 +189,18 @@ void VelodyneDecoder::set_rates() {
   }
 }
 
-void VelodyneDecoder::add(const Packet& packet, std::vector<Scan>& completed) {
+void VelodyneDecoder::add(const Packet& packet) {
   if (!is_velodyne_packet(packet.payload)) {
     ++counts_.foreign;
     return;
   }
-  if (!take_time(packet, completed)) return;
+  if (!take_time(packet)) return;
   ++counts_.used;
-  const std::int64_t packet_ns = recorded_ns(1000 * sensor_us_, packet.capture_time_ns, completed);
+  const std::int64_t packet_ns = recorded_ns(1000 * sensor_us_, packet.capture_time_ns);
   read_firings(packet.payload);
   for (const Firing& firing : firings_) {
     const std::int64_t firing_ns = packet_ns + std::llround(1e3 * firing.time_us);
-    const double start_s = fire(firing.azimuth, firing_ns, completed);
+    const double start_s = fire(firing.azimuth, firing_ns);
     if (options_.with_points) add_points(firing, packet.payload, start_s);
   }
   last_packet_azimuth_ = block_azimuth(packet.payload, 0);

@@ -26,10 +26,9 @@ class VelodyneDecoder : public TurnDecoder {
   /// `sensor` gives elevation and azimuth offset of each row; as many rows as the model has lasers.
   /// Throws Error if it has not.
   VelodyneDecoder(const VelodyneStream& stream, const SensorModel& sensor,
-                  const TurnDecoderOptions& options = {});
+                  const TurnDecoderOptions& options = {}, std::string name = "");
 
-  /// Takes the next packet in and appends the scans that it completes.
-  void add(const Packet& packet, std::vector<Scan>& completed);
+  void add(const Packet& packet) override;
 
  private:
   /// One firing of 32 channels (or the 16 of a VLP-16, twice).
@@ -40,7 +39,7 @@ class VelodyneDecoder : public TurnDecoder {
     double time_us = 0.0;  ///< after the time of the packet
     double rate = 0.0;     ///< hundredths of a degree in a microsecond
   };
-  bool take_time(const Packet& packet, std::vector<Scan>& completed);
+  bool take_time(const Packet& packet);
   std::int64_t passed_us(std::int64_t now_us, std::int64_t capture_ns, bool& clock_was_set) const;
   void count_lost(std::int64_t passed_us, int azimuth);
   void read_firings(Bytes payload);

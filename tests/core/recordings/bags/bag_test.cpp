@@ -1,6 +1,7 @@
 #include "bags/bag.h"
 
 #include <doctest/doctest.h>
+#include <zstd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -75,23 +76,79 @@ TEST_CASE("every kind of bag carries the same packets") {
   }
 }
 
-TEST_CASE("a bag that was cut off gives the scans before the cut, and a warning that names it") {
+TEST_CASE("a bag that was cut off gives the scans before the cut, and then says so") {
   const TemporaryDirectory directory;
   const std::vector<BagMessage> messages = velodyne_messages(false);
   const std::string whole = mcap_bytes(messages, "");
   // A chunk of all messages, and one behind it of which a half is there.
   const std::string chunk = whole.substr(0, whole.size() - 8 - 2 * 9 - 4 - 20);
-  const std::string cut = chunk + whole.substr(8, whole.size() / 2);
   const std::string path = directory.file("a.mcap");
-  for (const auto& [bytes, complaints] : {std::pair(whole, 0), std::pair(cut, 1)}) {
-    write_file(path, bytes);
-    auto source = Recording::open(path);
-    CHECK(all_scans(source).size() == 4);
-    REQUIRE(std::ssize(source.warnings()) == complaints);
+  write_file(path, chunk + whole.substr(8, whole.size() / 2));
+  auto source = Recording::open(path);
+  for (int i = 0; i < 4; ++i) CHECK(source.next());
+  CHECK(refused_with([&] { source.next(); }, "cut off", "mcap recover"));
+  CHECK_FALSE(source.next());
+  CHECK(inspect(path).scans == 4);
+  CHECK(inspect(path).warnings.at(0).find("cut off") != std::string::npos);
+}
+
+TEST_CASE("a bag of which a file is missing gives the others, and then says so") {
+  const TemporaryDirectory directory;
+  write_db3(cloud_messages(0.1, 1.0, false, 7, false), directory.file("a_0.db3"));
+  write_file(directory.file("metadata.yaml"),
+             "rosbag2_bagfile_information:\n  topics:\n    - name\n  relative_file_paths:\n"
+             "    - a_0.db3\n    - a_1.db3\n");
+  auto source = Recording::open(directory.path().string());
+  for (int i = 0; i < 4; ++i) CHECK(source.next());
+  CHECK(refused_with([&] { source.next(); }, "missing: a_1.db3"));
+  std::filesystem::rename(directory.file("a_0.db3"), directory.file("a_0.db3.zstd"));
+  CHECK(refused_with([&] { Recording::open(directory.path().string()); }, "unzstd"));
+}
+
+TEST_CASE("messages that were compressed by themselves are read") {
+  const TemporaryDirectory directory;
+  auto messages = cloud_messages(0.1, 1.0, false, 7, false);
+  for (BagMessage& message : messages) {
+    Payload packed(ZSTD_compressBound(message.bytes.size()));
+    packed.resize(
+        ZSTD_compress(packed.data(), packed.size(), message.bytes.data(), message.bytes.size(), 1));
+    message.bytes = packed;
   }
-  const std::string warning = inspect(path).warnings.at(0);
-  CHECK(warning.find("cut off") != std::string::npos);
-  CHECK(warning.find("mcap recover") != std::string::npos);
+  write_db3(messages, directory.file("a.db3"));
+  CHECK(all_scans(Recording::open(directory.file("a.db3"))).size() == 4);
+}
+
+TEST_CASE("clouds that say that they are big-endian are read, be they so or not") {
+  const TemporaryDirectory directory;
+  const auto whole = cloud_messages(0.1, 1.0, false, 7, false);
+  constexpr std::size_t kStep = 26;
+  const std::size_t kData = 16 * 360 * kStep;
+  for (const bool is_so : {false, true}) {
+    CAPTURE(is_so);
+    auto messages = whole;
+    for (BagMessage& message : messages) {
+      const std::size_t data = message.bytes.size() - kData - 1;
+      message.bytes[data - 16] = 1;  // before point_step, row_step and the number of bytes
+      for (std::size_t at = data; is_so && at + kStep < message.bytes.size(); at += kStep) {
+        for (const auto& [first, count] : {std::pair(0, 4), {4, 4}, {8, 4}, {12, 2}, {18, 4}}) {
+          const auto field = message.bytes.begin() + static_cast<std::ptrdiff_t>(at) + first;
+          std::reverse(field, field + count);
+        }
+      }
+    }
+    write_file(directory.file("a.mcap"), mcap_bytes(messages, ""));
+    const auto scans = all_scans(Recording::open(directory.file("a.mcap")));
+    REQUIRE(scans.size() == 4);
+    CHECK(scans[1].counts.kept + scans[1].counts.hidden_by_nearer == 16 * 360);
+  }
+}
+
+TEST_CASE("a Livox's own messages are named") {
+  const TemporaryDirectory directory;
+  write_file(directory.file("a.mcap"),
+             mcap_bytes({{"/livox/lidar", "livox_ros_driver2/msg/CustomMsg", 1, Payload(8)}}, ""));
+  CHECK(refused_with([&] { Recording::open(directory.file("a.mcap")); }, "CustomMsg", "PointCloud2",
+                     "xfer_format"));
 }
 
 TEST_CASE(
@@ -282,6 +339,75 @@ TEST_CASE("clouds of every unit and origin of times get the recording's stamps")
   }
 }
 
+TEST_CASE("messages of half a turn, of a twentieth and of two turns are scans of one turn") {
+  const TemporaryDirectory directory;
+  const auto bag_of = [&](double message_s) {
+    std::vector<CloudPoint> all;  // six turns
+    for (int turn = 0; turn < 6; ++turn) {
+      auto of_turn = round_cloud(0.1, 1.0, 0.1 * turn);
+      for (CloudPoint& point : of_turn) point.x *= 1.0F + 1e-4F * static_cast<float>(turn);
+      all.insert(all.end(), of_turn.begin(), of_turn.end());
+    }
+    std::vector<BagMessage> messages;
+    const auto each =
+        static_cast<std::size_t>(std::lround(message_s / 0.6 * static_cast<double>(all.size())));
+    for (std::size_t at = 0; at < all.size(); at += each) {
+      std::vector<CloudPoint> points(all.begin() + static_cast<std::ptrdiff_t>(at),
+                                     all.begin() + static_cast<std::ptrdiff_t>(at + each));
+      const double begin_s = points.front().time;
+      for (CloudPoint& point : points) point.time -= begin_s;
+      const auto stamp_ns = 1'600'000'000'000'000'000 + std::llround(1e9 * begin_s);
+      messages.push_back(
+          {"/points", kCloudType, stamp_ns, cloud_message(stamp_ns, points, false, 7)});
+    }
+    write_file(directory.file("a.mcap"), mcap_bytes(messages, ""));
+    return directory.file("a.mcap");
+  };
+  for (const double message_s : {0.1, 0.05, 0.005, 0.2}) {
+    CAPTURE(message_s);
+    for (const std::string sensor : {"", "vlp-16"}) {
+      auto source = Recording::open(bag_of(message_s), {.sensor = sensor});
+      CHECK(source.sensor().scan_period_s == doctest::Approx(0.1).epsilon(0.01));
+      const auto scans = all_scans(source);
+      REQUIRE(scans.size() == 6);
+      CHECK(scans[5].stamp_s - scans[0].stamp_s == doctest::Approx(0.5).epsilon(0.01));
+      for (const RecordedScan& scan : scans) {
+        CHECK(scan.counts.kept + scan.counts.hidden_by_nearer > 5700);
+      }
+    }
+    CHECK(inspect(bag_of(message_s)).scans == 6);
+  }
+}
+
+TEST_CASE("clouds whose stamps were never set have those of their recording, and a note") {
+  const TemporaryDirectory directory;
+  auto messages = cloud_messages(0.1, 1.0, false, 7, false);
+  for (BagMessage& message : messages) {
+    message.bytes = cloud_message(0, round_cloud(0.1), false, 7);
+  }
+  write_file(directory.file("a.mcap"), mcap_bytes(messages, ""));
+  auto source = Recording::open(directory.file("a.mcap"), {.sensor = "vlp-16"});
+  CHECK(source.next()->stamp_s == doctest::Approx(1.6e9 + 0.055).epsilon(1e-12));
+  REQUIRE(source.warnings().size() == 1);
+  CHECK(source.warnings()[0].find("without stamps") != std::string::npos);
+}
+
+TEST_CASE("clouds without times are said to be as captured by the option, packets are not") {
+  const TemporaryDirectory directory;
+  auto messages = cloud_messages(0.1, 1.0, false, 7, false);
+  messages[0].bytes = cloud_message(1'600'000'000'000'000'000, round_cloud(0.0), false, 7);
+  write_file(directory.file("a.mcap"), mcap_bytes({messages[0]}, ""));
+  OpenOptions options = {.sensor = "vlp-16"};
+  CHECK(Recording::open(directory.file("a.mcap"), options).next()->cloud.time_offset_s.empty());
+  options.files.without_times = CaptureTime::kRolling;
+  const auto scan = Recording::open(directory.file("a.mcap"), options).next();
+  CHECK_FALSE(scan->cloud.time_offset_s.empty());
+  CHECK(scan->stamp_s == doctest::Approx(1.6e9).epsilon(1e-15));
+  write_file(directory.file("b.mcap"), mcap_bytes(velodyne_messages(false), ""));
+  CHECK(refused_with([&] { Recording::open(directory.file("b.mcap"), options); }, "--capture",
+                     "leave"));
+}
+
 TEST_CASE("times of a clock that is not the messages' are counted from each message's stamp") {
   const TemporaryDirectory directory;
   std::vector<BagMessage> messages;
@@ -358,15 +484,17 @@ TEST_CASE("times that contradict the rate are refused in one line, scan by scan"
 TEST_CASE("clouds of four thousand million rows without a column are read at once") {
   const TemporaryDirectory directory;
   auto messages = cloud_messages(0.1, 1.0, false, 7, false);
-  BagMessage empty = messages[1];
-  empty.bytes = cloud_message(1'600'000'000'100'000'000, {}, false, 7);
   const Payload one_row_of_none_with_five_fields = {1, 0, 0, 0, 0, 0, 0, 0, 5, 0, 0, 0};
-  const auto height =
-      std::search(empty.bytes.begin(), empty.bytes.end(), one_row_of_none_with_five_fields.begin(),
-                  one_row_of_none_with_five_fields.end());
-  REQUIRE(height != empty.bytes.end());
-  std::fill(height, height + 4, std::uint8_t{0xFF});
-  messages.insert(messages.begin() + 1, 30, empty);
+  for (int i = 0; i < 30; ++i) {
+    BagMessage empty = messages[1];
+    empty.bytes = cloud_message(1'600'000'000'050'000'000 + i * 1'000'000, {}, false, 7);
+    const auto height = std::search(empty.bytes.begin(), empty.bytes.end(),
+                                    one_row_of_none_with_five_fields.begin(),
+                                    one_row_of_none_with_five_fields.end());
+    REQUIRE(height != empty.bytes.end());
+    std::fill(height, height + 4, std::uint8_t{0xFF});
+    messages.insert(messages.begin() + 1 + i, empty);
+  }
   write_file(directory.file("a.mcap"), mcap_bytes(messages, ""));
   const std::clock_t begin = std::clock();
   auto source = Recording::open(directory.file("a.mcap"), {.sensor = "vlp-16"});

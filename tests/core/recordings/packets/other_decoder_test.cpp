@@ -86,10 +86,10 @@ std::vector<OurPoint> our_points(const std::string& path, VelodyneModel expected
   CHECK(found->dual_return == dual);
   VelodyneStream whole = *found;
   whole.field_of_view_deg = 1.0;  // what the bag cuts off counts too
-  std::vector<Scan> scans;
   VelodyneDecoder decoder(whole, sensor_preset(name(found->model)));
-  for_each_packet([&](const Packet& packet) { decoder.add(packet, scans); });
-  decoder.finish(scans);
+  for_each_packet([&](const Packet& packet) { decoder.add(packet); });
+  decoder.finish();
+  const std::vector<Scan> scans = decoder.take_scans();
   CHECK(decoder.counts().late + decoder.counts().foreign == 0);
   std::vector<OurPoint> points;
   for (std::size_t s = first; s < scans.size(); ++s) {
@@ -234,16 +234,16 @@ TEST_CASE("points of a real XT16 and a real XT32 are those of another decoder") 
     StreamReader reader(*bag, "");
     REQUIRE(reader.stream().kind == StreamKind::kHesaiPackets);
     MessagePackets packets(reader.stream(), [&] { return reader.next(); });
-    std::vector<Scan> scans;
     while (const auto packet = packets.next()) {
       // They keep both returns, we one: as packets of one return all blocks give points.
       Payload single(packet->payload.begin(), packet->payload.end());
       CHECK(std::exchange(single[single.size() - 18], std::uint8_t{0x37}) == 0x39);
       Packet copy = *packet;
       copy.payload = single;
-      decoder.add(copy, scans);
+      decoder.add(copy);
     }
-    decoder.finish(scans);
+    decoder.finish();
+    const std::vector<Scan> scans = decoder.take_scans();
     CHECK(decoder.counts().late + decoder.counts().foreign + decoder.counts().lost == 0);
     std::vector<OurPoint> ours;
     for (const Scan& scan : scans) {

@@ -10,6 +10,7 @@
 #include "core/real_data.h"
 #include "error_message.h"
 #include "file_contents.h"
+#include "files/scan_files.h"
 #include "hqslam/recordings/recording.h"
 #include "imu_queue.h"
 #include "near.h"

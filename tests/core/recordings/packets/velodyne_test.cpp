@@ -98,14 +98,14 @@ TEST_CASE("a point of a VLP-16 is where and when its laser fired") {
   auto packet = velodyne_packet(1000, azimuths(9000, 40), 0);
   set_measurement(packet, 5, 16 + 3, 5000);  // 10 m
   VelodyneDecoder decoder(VelodyneStream{}, sensor_preset("vlp-16"));
-  std::vector<Scan> scans;
   // A turn before and behind it, so that the scan is whole.
   for (const Captured& captured :
        {Captured{0, 2368, velodyne_packet(0, azimuths(35700, 40), 0)},
         Captured{1'000'000, 2368, packet},
         Captured{90'000'000, 2368, velodyne_packet(90000, azimuths(35900, 40), 0)}}) {
-    decoder.add(as_packet(captured), scans);
+    decoder.add(as_packet(captured));
   }
+  const std::vector<Scan> scans = decoder.take_scans();
   REQUIRE(scans.size() == 1);
   const Scan& scan = scans[0];
   REQUIRE(scan.points_m.size() == 1);

@@ -9,7 +9,7 @@
 #include "file_contents.h"
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/projection.h"
-#include "hqslam/core/scan_source.h"
+#include "hqslam/recordings/recording.h"
 #include "temporary_directory.h"
 #include "tools/parts_of_text.h"
 
@@ -64,8 +64,8 @@ TEST_CASE("intensities have a stack of their own, where a scan has none they are
   output.append(image, cloud, 0.1);
   cloud.intensity.clear();
   output.append(image, cloud, 0.2);
-  const auto upsampled = open_scan_files(folder.file("out"), std::nullopt);
-  const auto intensity = [&] { return returns_of(upsampled->next()->cloud).intensity; };
+  auto upsampled = recordings::Recording::open(folder.file("out"));
+  const auto intensity = [&] { return returns_of(upsampled.next()->cloud).intensity; };
   CHECK(std::isnan(intensity().at(0)));
   CHECK(intensity() == std::vector{300.5F});
   CHECK(std::isnan(intensity().at(0)));
@@ -79,18 +79,20 @@ TEST_CASE("a sensor that begins its turns anywhere has the times of its scans in
   for (float& range_m : image.range_m) range_m = 10.0F;
   std::vector<OrganizedCloud> clouds;
   for (const int first : {0, 700, 3}) {
+    image.range_m[0] += 1.0F;  // no two scans of a real sensor are the same
     clouds.push_back(unproject(image, sensor, CaptureTime::kRolling, first));
     output.append(image, clouds.back(), 0.1);
   }
   CHECK(file_contents(folder.file("out/first_columns.txt")) == "0\n700\n3\n");
-  const auto source = open_scan_files(folder.file("out"), sensor);
+  auto source = recordings::Recording::open(folder.file("out"));
   for (const OrganizedCloud& cloud : clouds) {
-    CHECK(source->next()->cloud.time_offset_s == cloud.time_offset_s);
+    CHECK(source.next()->cloud.time_offset_s == cloud.time_offset_s);
   }
 
   for (const char* wrong : {"0\n1\n", "0\n1\n1024\n", "0\n-1\n2\n", "0\n1\nsecond\n"}) {
     write_file(folder.file("out/first_columns.txt"), wrong);
-    CHECK(refused_with([&] { open_scan_files(folder.file("out"), sensor); }, "first_columns.txt"));
+    CHECK(refused_with([&] { recordings::Recording::open(folder.file("out")); },
+                       "first_columns.txt"));
   }
 }
 

@@ -10,8 +10,8 @@
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/npy.h"
-#include "hqslam/core/scan_source.h"
 #include "hqslam/core/trajectory.h"
+#include "hqslam/recordings/recording.h"
 #include "small_city.h"
 #include "temporary_directory.h"
 
@@ -34,7 +34,7 @@ TEST_CASE("a drive that is written part of the way reads back as what was simula
 
   // The writer is still open, as if the run had been cut off here.
   NpyStackReader stack(out + "/scans.npy");
-  const auto recording = open_scan_files(out, std::nullopt);
+  auto recording = recordings::Recording::open(out);
   const Trajectory tum = read_tum(out + "/truth.tum");
   const Trajectory kitti = read_kitti_poses(out + "/truth.kitti");
   REQUIRE(stack.images() == 3);
@@ -53,7 +53,7 @@ TEST_CASE("a drive that is written part of the way reads back as what was simula
     const Scan pcd = read_cloud(out + "/pcd/" + number + ".pcd");
     CHECK(bin.points_m.size() == static_cast<std::size_t>(returns));
     CHECK(pcd.points_m.size() == static_cast<std::size_t>(returns));
-    const OrganizedCloud cloud = recording->next()->cloud;
+    const OrganizedCloud cloud = recording.next()->cloud;
     CHECK(std::ranges::equal(cloud.intensity, scans[k].intensity));
     CHECK(std::ranges::count_if(cloud.intensity, [](float value) { return value > 0; }) == returns);
     CHECK(returns_of(cloud).intensity == bin.intensity);

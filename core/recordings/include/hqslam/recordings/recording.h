@@ -12,6 +12,27 @@
 
 namespace hqslam::recordings {
 
+/// Where row 0 of the images in an .npy stack looks.
+enum class RowOrder { kHighestFirst, kLowestFirst };
+
+struct RecordingOptions {
+  RowOrder row_order = RowOrder::kHighestFirst;
+  /// Whether a stack's scans were captured rolling or were corrected for motion already; they are
+  /// taken as corrected too if the sensor's model says so.
+  CaptureTime capture_time = CaptureTime::kRolling;
+  /// How points of files that have no times were captured: rolling gives each the time of its
+  /// azimuth, for points in the order of their firing or ring after ring, and a scan without a
+  /// stamp the middle of these as its stamp, counted on from scan to scan. Nothing: they are taken
+  /// as corrected for motion, and a warning says so.
+  std::optional<CaptureTime> without_times = std::nullopt;
+  /// A file with the stamp of each scan (seconds, or dates as in KITTI's timestamps.txt), or
+  /// kStampsFromNames for the number in each file's name. Empty: what the recording says.
+  std::string stamps = {};
+};
+
+/// For RecordingOptions::stamps.
+inline constexpr const char* kStampsFromNames = "names";
+
 /// What a stream of a capture or a bag holds.
 enum class StreamKind {
   kVelodynePackets,
@@ -112,7 +133,8 @@ class Recording final : public ScanSource {
   double read_share() const override { return source_->read_share(); }
   bool has_stamps() const override { return source_->has_stamps(); }
   std::vector<std::string> warnings() const override { return source_->warnings(); }
-  /// Throws Error also at the end, where there was not one whole scan.
+  /// Throws Error also at the end, where there was not one whole scan, or where more should follow:
+  /// a bag that was cut off, or of which files are missing.
   std::optional<RecordedScan> next() override { return source_->next(); }
 
   /// What is known so far: of a capture or a bag the number of scans, their duration and what was

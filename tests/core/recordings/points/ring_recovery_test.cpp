@@ -1,7 +1,8 @@
-#include "hqslam/core/ring_recovery.h"
+#include "points/ring_recovery.h"
 
 #include <doctest/doctest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -12,6 +13,7 @@
 #include "hqslam/core/kitti_bin.h"
 
 using namespace hqslam;
+using namespace hqslam::recordings;
 using namespace hqslam::test;
 
 namespace {
@@ -346,16 +348,31 @@ TEST_CASE("points stored column after column or at random are told from rings an
                      "expected points stored ring after ring", "jumps"));
 }
 
+TEST_CASE("things 0.9 m away, which lasers beside the axis see ahead of far ones, begin no ring") {
+  const SensorModel sensor = sensor_preset("hdl-64e");
+  const auto beside_axis_rad = [](double level_m) { return std::atan2(0.13, level_m); };
+  KnownScan known = a_square(sensor, {});
+  for (std::size_t i = 0; i < known.row.size(); ++i) {
+    Eigen::Vector3f& point_m = known.scan.points_m[i];
+    const bool near = known.angle_rad[i] > 1.0 && known.angle_rad[i] < 2.5 && i * 7919 % 5 < 2;
+    if (near) point_m *= 0.9F / point_m.head<2>().norm();
+    const double ahead_rad = beside_axis_rad(point_m.head<2>().norm());
+    const Eigen::Rotation2Df turn(static_cast<float>(ahead_rad));
+    if (known.angle_rad[i] + ahead_rad < kTwoPi) point_m.head<2>() = turn * point_m.head<2>();
+  }
+  CHECK(recovered(known, sensor).spurious_wraps == 0);
+}
+
 TEST_CASE("an azimuth that jumps to and fro is refused at once") {
   const SensorModel sensor = sensor_preset("os1-64");
   Scan scan;
   for (int i = 0; i < 20'000; ++i) {
-    const double azimuth_rad = i % 2 == 0 ? 1.0 : 1.045;
+    const double azimuth_rad = i % 2 == 0 ? 1.0 : 1.45;
     scan.points_m.emplace_back(static_cast<float>(10.0 * std::cos(azimuth_rad)),
                                static_cast<float>(10.0 * std::sin(azimuth_rad)), 0.0F);
   }
   CHECK(refused_with([&] { recover_rings(scan, sensor); }, "expected points stored ring after ring",
-                     "jumps", "in one turn"));
+                     "jumps"));
 }
 
 TEST_CASE("a turn with as many gaps as fit into it is one ring") {

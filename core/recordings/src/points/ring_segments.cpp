@@ -1,12 +1,12 @@
-#include "scan/ring_segments.h"
+#include "points/ring_segments.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <utility>
 
-#include "hqslam/core/error.h"
 #include "hqslam/core/median.h"
 
 // The azimuth of the points, counted in the direction of rotation from the seam where rings begin,
@@ -23,13 +23,15 @@
 // is uncertain by the parallax of lasers that far apart (kLaserApart_m / distance); heights of
 // other rings at those azimuths take precedence over it.
 
-namespace hqslam {
+namespace hqslam::recordings {
 
 namespace {
 
 constexpr float kCircle_rad = 2.0F * std::numbers::pi_v<float>;
-/// Azimuth falls back by more than this only where a ring begins; jitter is a hundred times less.
-constexpr float kWrap_rad = 0.05F;
+/// Azimuth falls back by more than this only where a ring begins. Within a ring it falls back from
+/// what is near to what is far, as lasers sit beside the axis of rotation: an HDL-64E's, 0.13 m
+/// beside it, by up to 0.14 rad (8 degrees) for what is 0.9 m away, its shortest range.
+constexpr float kWrap_rad = 0.3F;
 /// A gap is a step of the azimuth of more than this, and of several columns.
 constexpr double kGap_rad = 0.035;
 constexpr double kGapColumns = 4.0;
@@ -39,8 +41,6 @@ constexpr double kFallAcrossGap = 0.4;
 constexpr double kLaserApart_m = 0.25;
 /// A part of a ring smaller than this is no evidence of a ring of its own.
 constexpr double kMinRingShareAfterGap = 0.03;
-/// More than the gaps that fit into a turn; bounds the time, which grows with their square.
-constexpr std::size_t kMaxPiecesPerTurn = 256;
 constexpr int kMinPointsPerBin = 3;
 
 /// A run of points without a wrap or a gap inside.
@@ -125,30 +125,20 @@ std::vector<float> angles_from_ring_begin_rad(const std::vector<float>& azimuth_
   return back ? from_back : from_front;
 }
 
+/// Of a turn, which only gaps cut, no more than fit into it.
 std::vector<Piece> cut_into_pieces(const std::vector<float>& angle_rad, float gap_rad) {
   std::vector<Piece> pieces(1);
+  float farthest_rad = angle_rad.front();  // of the turn: near things are ahead of far ones
   for (std::size_t i = 1; i < angle_rad.size(); ++i) {
-    const float step_rad = angle_rad[i] - angle_rad[i - 1];
-    const bool wrap = step_rad < -kWrap_rad;
-    if (!wrap && step_rad < gap_rad) continue;
+    const bool wrap = angle_rad[i] - angle_rad[i - 1] < -kWrap_rad;
+    const bool gap = angle_rad[i] - farthest_rad >= gap_rad;
+    farthest_rad = wrap ? angle_rad[i] : std::max(farthest_rad, angle_rad[i]);
+    if (!wrap && !gap) continue;
     pieces.back().end = i;
     pieces.push_back({i, i, wrap});
   }
   pieces.back().end = angle_rad.size();
   return pieces;
-}
-
-void require_few_pieces_per_turn(const std::vector<Piece>& pieces, std::size_t points) {
-  std::size_t in_turn = 0;
-  for (const Piece& piece : pieces) {
-    in_turn = piece.begins_with_wrap ? 1 : in_turn + 1;
-    if (in_turn <= kMaxPiecesPerTurn) continue;
-    throw Error(
-        "expected points stored ring after ring, each once around in azimuth, found {} jumps of "
-        "the azimuth in {} points, more than {} of them in one turn; give scans as the sensor "
-        "wrote them",
-        pieces.size() - 1, points, kMaxPiecesPerTurn - 1);
-  }
 }
 
 /// Follows the height of the rings through the scan and cuts it into segments.
@@ -383,9 +373,7 @@ std::vector<RingSegment> ring_segments(const Scan& scan, const SensorModel& sens
   const std::vector<float> nearness = nearness_per_m(scan);
   HeightTracker tracker(angle_rad, tangent, nearness, median_beam_spacing_rad(sensor),
                         points_per_row);
-  const std::vector<Piece> pieces = cut_into_pieces(angle_rad, gap_rad);
-  require_few_pieces_per_turn(pieces, scan.points_m.size());
-  return tracker.segments(pieces);
+  return tracker.segments(cut_into_pieces(angle_rad, gap_rad));
 }
 
-}  // namespace hqslam
+}  // namespace hqslam::recordings

@@ -1,4 +1,4 @@
-#include "hqslam/core/ring_recovery.h"
+#include "points/ring_recovery.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/median.h"
-#include "scan/ring_segments.h"
+#include "points/ring_segments.h"
 
 // Rings of a scan whose points are stored ring after ring, top ring first.
 //
@@ -29,7 +29,7 @@
 // is one beam spacing off. The elevations weigh so little that they decide only what the heights
 // leave open: with which row the scan begins.
 
-namespace hqslam {
+namespace hqslam::recordings {
 
 namespace {
 
@@ -196,4 +196,4 @@ RingRecovery recover_rings(const Scan& scan, const SensorModel& sensor) {
   return recovery_from(segments, assignment.solve(), assignment, sensor.rows());
 }
 
-}  // namespace hqslam
+}  // namespace hqslam::recordings

@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "core/real_data.h"
-#include "hqslam/core/sensor_finder.h"
 #include "hqslam/recordings/recording.h"
+#include "points/sensor_finder.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

@@ -7,7 +7,7 @@
 #include "hqslam/core/scan.h"
 #include "hqslam/core/sensor_model.h"
 
-namespace hqslam {
+namespace hqslam::recordings {
 
 /// Bins of azimuth, 5 degrees each.
 inline constexpr int kAzimuthBins = 72;
@@ -26,7 +26,7 @@ struct RingSegment {
 
 /// Cuts a scan into segments at each wrap of the azimuth, and at a large gap of the azimuth (the
 /// only place where a wrap can hide) if all that follows up to the next wrap lies lower. At least
-/// one point. Throws Error where the azimuth jumps more often than gaps fit into a turn.
+/// one point.
 std::vector<RingSegment> ring_segments(const Scan& scan, const SensorModel& sensor);
 
 /// Where the azimuth begins anew, from front or back; without beginnings of less than 3 % of the
@@ -40,4 +40,4 @@ std::vector<float> elevation_tangents(const Scan& scan);
 std::vector<double> beam_spacing_rad(const SensorModel& sensor);
 double median_beam_spacing_rad(const SensorModel& sensor);
 
-}  // namespace hqslam
+}  // namespace hqslam::recordings

@@ -7,13 +7,13 @@
 #include <optional>
 #include <string_view>
 
-#include "files/scan_sources.h"
-#include "files/words.h"
+#include "files/scan_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/whole_file.h"
+#include "hqslam/core/words.h"
 
-namespace hqslam {
+namespace hqslam::recordings {
 
 namespace {
 
@@ -108,4 +108,4 @@ std::vector<double> stamps_from_names_s(const std::vector<std::string>& paths) {
   return stamps_s;
 }
 
-}  // namespace hqslam
+}  // namespace hqslam::recordings

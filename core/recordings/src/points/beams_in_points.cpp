@@ -1,4 +1,4 @@
-#include "sensor/beams_in_points.h"
+#include "points/beams_in_points.h"
 
 #include <algorithm>
 #include <map>
@@ -7,7 +7,8 @@
 
 #include "hqslam/core/angles.h"
 #include "hqslam/core/median.h"
-#include "scan/ring_segments.h"
+#include "points/ring_numbers.h"
+#include "points/ring_segments.h"
 
 // Points are assigned to beams by their rings, else by their order where each scan holds beam after
 // beam (KITTI), else by the elevation: beams are the peaks of its histogram over all
@@ -22,7 +23,7 @@
 // kFarthest_m: so it does not depend on what stands around the sensor, and comes near the medians
 // of many scans.
 
-namespace hqslam {
+namespace hqslam::recordings {
 
 namespace {
 
@@ -177,8 +178,13 @@ Beams beams_by_rings(const std::vector<RawPoints>& scans) {
       if (is_far(points_m[i])) groups[static_cast<int>(ring)].push_back(sight_of(points_m[i], s));
     }
   }
+  std::vector<int> numbers;
+  for (const auto& [ring, sights] : groups) numbers.push_back(ring);
   Beams result = beams_of(groups);
-  if (!groups.empty()) result.rings = groups.rbegin()->first + 1;
+  if (numbers.empty()) return result;
+  const auto [first, step] = RingNumbers::of(numbers);
+  // Rings from 2 on are those of a sensor that has others, of which nothing came back.
+  result.rings = (numbers.back() - (step == 1 && first > 1 ? 0 : first)) / step + 1;
   return result;
 }
 
@@ -239,4 +245,4 @@ Beams beams_by_elevation(const std::vector<RawPoints>& scans) {
   return result;
 }
 
-}  // namespace hqslam
+}  // namespace hqslam::recordings

@@ -6,11 +6,12 @@
 
 #include "error_message.h"
 #include "file_contents.h"
-#include "hqslam/core/scan_source.h"
+#include "files/scan_files.h"
 #include "made_scans.h"
 #include "temporary_directory.h"
 
 using namespace hqslam;
+using namespace hqslam::recordings;
 using namespace hqslam::test;
 
 namespace {

@@ -3,17 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <set>
 #include <utility>
 
-#include "files/scan_sources.h"
-#include "files/words.h"
+#include "files/scan_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/npy.h"
-#include "hqslam/core/recorded_scan.h"
 #include "hqslam/core/whole_file.h"
+#include "hqslam/core/words.h"
+#include "points/recorded_scan.h"
+#include "points/ring_numbers.h"
 
-namespace hqslam {
+namespace hqslam::recordings {
 
 namespace {
 
@@ -68,6 +70,7 @@ class ImageStackSource : public ScanSource {
       throw Error("{}: expected at least one image, found none; record again", path);
     }
     complete_stamps(!options.stamps.empty());
+    leave_out_empty_rows();
     if (!of_folder) return;
     confidence_ = beside("confidence.npy", false);
     intensity_ = beside("intensity.npy", true);
@@ -89,10 +92,13 @@ class ImageStackSource : public ScanSource {
   }
   bool has_stamps() const override { return !stamps_s_.empty(); }
   std::vector<std::string> warnings() const override {
-    if (too_far_ == 0) return {};
-    return {
+    std::vector<std::string> warnings;
+    if (!note_.empty()) warnings.push_back(note_);
+    if (too_far_ == 0) return warnings;
+    warnings.push_back(
         fmt::format("{}: {} pixels hold ranges beyond the {} m of sensor '{}': taken as no return",
-                    path_, too_far_, sensor_.max_range_m, sensor_.name)};
+                    path_, too_far_, sensor_.max_range_m, sensor_.name));
+    return warnings;
   }
 
   std::optional<RecordedScan> next() override {
@@ -102,11 +108,10 @@ class ImageStackSource : public ScanSource {
     result.name = fmt::format("{}[{}]", path_, index);
     result.stamp_s = stamps_s_.empty() ? static_cast<double>(index) * sensor_.scan_period_s
                                        : stamps_s_[static_cast<std::size_t>(index)];
-    RangeImage image = reader_.read(index);
+    RangeImage image = image_of(reader_, index);
     remove_bad_pixels(image, result);
     require_ranges_of_sensor(result, index);
     any_used_ = true;
-    if (row_order_ == RowOrder::kLowestFirst) flip_rows(image);
     const int first = first_columns_.empty() ? 0 : first_columns_[static_cast<std::size_t>(index)];
     result.cloud = unproject(image, sensor_, capture_time_, first);
     if (intensity_) result.cloud.intensity = values_of(*intensity_, image, index);
@@ -138,12 +143,47 @@ class ImageStackSource : public ScanSource {
 
   /// The values of an image's pixels; 0 where there is no return.
   std::vector<float> values_of(NpyStackReader& stack, const RangeImage& image, std::int64_t index) {
-    RangeImage values = stack.read(index);
-    if (row_order_ == RowOrder::kLowestFirst) flip_rows(values);
+    RangeImage values = image_of(stack, index);
     for (std::size_t i = 0; i < values.range_m.size(); ++i) {
       if (image.range_m[i] <= 0.0F) values.range_m[i] = 0.0F;
     }
     return std::move(values.range_m);
+  }
+
+  RangeImage image_of(NpyStackReader& stack, std::int64_t index) const {
+    RangeImage image = stack.read(index);
+    if (row_order_ == RowOrder::kLowestFirst) flip_rows(image);
+    return filled_ ? select_rows(image, *filled_) : image;
+  }
+
+  /// Where beams were deleted, or the sensor has fewer than its images have rows.
+  void leave_out_empty_rows() {
+    constexpr std::int64_t kImages = 5;
+    std::set<int> rows;
+    for (std::int64_t i = 0; i < std::min(kImages, reader_.images()); ++i) {
+      const RangeImage image = image_of(reader_, i);
+      for (int row = 0; row < image.rows; ++row) {
+        const auto begin = image.range_m.begin() + row * image.columns;
+        if (std::any_of(begin, begin + image.columns, [](float r) { return r > 0.0F; })) {
+          rows.insert(row);
+        }
+      }
+    }
+    filled_ = selection_of({rows.begin(), rows.end()});
+    if (!filled_) return note_holes(rows);
+    note_ = fmt::format("{}: {}", path_, selection_text(sensor_.rows(), *filled_));
+    sensor_ = select_rows(sensor_, *filled_);
+  }
+
+  /// Rows without a return between others that have some, where they are a quarter of these or
+  /// more: SLAM misses them, and no even choice of rows does without.
+  void note_holes(const std::set<int>& filled) {
+    if (filled.empty()) return;
+    const int between = *filled.rbegin() - *filled.begin() + 1;
+    const int holes = between - static_cast<int>(filled.size());
+    if (4 * holes < between) return;
+    note_ = fmt::format("{}: {} of the {} rows {} to {} hold nothing; give images of the others",
+                        path_, holes, between, *filled.begin(), *filled.rbegin());
   }
 
   /// Stamps that lie in the folder may be more than the images: upsampling was interrupted. They
@@ -197,6 +237,8 @@ class ImageStackSource : public ScanSource {
   RowOrder row_order_;
   CaptureTime capture_time_;
   std::vector<double> stamps_s_;
+  std::optional<RowSelection> filled_;  ///< the rows that hold anything; nothing: all
+  std::string note_;
   std::vector<int> first_columns_;  ///< empty: all begin at 0
   NpyStackReader reader_;
   std::optional<NpyStackReader> confidence_;
@@ -215,4 +257,4 @@ std::unique_ptr<ScanSource> make_image_stack_source(const std::string& path,
   return std::make_unique<ImageStackSource>(path, sensor, options, std::move(stamps_s), of_folder);
 }
 
-}  // namespace hqslam
+}  // namespace hqslam::recordings

@@ -1,4 +1,4 @@
-#include "hqslam/core/recorded_scan.h"
+#include "points/recorded_scan.h"
 
 #include <fmt/format.h>
 
@@ -6,9 +6,9 @@
 
 #include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
-#include "hqslam/core/ring_recovery.h"
+#include "points/ring_recovery.h"
 
-namespace hqslam {
+namespace hqslam::recordings {
 
 namespace {
 
@@ -93,4 +93,4 @@ std::string crowding_warning(const RecordedScan& scan) {
       scan.name, scan.counts.kept, in_pixels, scan.cloud.rows, scan.cloud.columns);
 }
 
-}  // namespace hqslam
+}  // namespace hqslam::recordings

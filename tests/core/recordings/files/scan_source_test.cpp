@@ -1,5 +1,3 @@
-#include "hqslam/core/scan_source.h"
-
 #include <doctest/doctest.h>
 #include <sys/stat.h>
 
@@ -10,6 +8,7 @@
 #include "core/real_data.h"
 #include "error_message.h"
 #include "file_contents.h"
+#include "files/scan_files.h"
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/trajectory.h"
@@ -18,6 +17,7 @@
 #include "temporary_directory.h"
 
 using namespace hqslam;
+using namespace hqslam::recordings;
 using namespace hqslam::test;
 
 namespace {

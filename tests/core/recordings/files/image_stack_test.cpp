@@ -6,13 +6,14 @@
 
 #include "error_message.h"
 #include "file_contents.h"
+#include "files/scan_files.h"
 #include "hqslam/core/npy.h"
-#include "hqslam/core/scan_source.h"
 #include "hqslam/core/trajectory.h"
 #include "recording_complaint.h"
 #include "temporary_directory.h"
 
 using namespace hqslam;
+using namespace hqslam::recordings;
 using namespace hqslam::test;
 
 namespace {
@@ -133,4 +134,32 @@ TEST_CASE("images have the stamps that they are given, which go before those in 
   }
   CHECK(refused_with([&] { second_stamp_s(folder, kStampsFromNames); }, "numbers in their names",
                      "a file with a stamp per image"));
+}
+
+TEST_CASE("rows that hold nothing in the images of a stack are left out, and named") {
+  const TemporaryDirectory directory;
+  const SensorModel sensor = sensor_preset("os1-64");
+  {
+    NpyStackWriter writer(directory.file("a.npy"), 64, sensor.columns);
+    RangeImage image(64, sensor.columns);
+    for (int row = 3; row < 64; row += 4) {
+      for (int column = 0; column < sensor.columns; ++column)
+        image.at(row, column) = 10.0F + static_cast<float>(row);
+    }
+    writer.append(image);
+  }
+  const auto source = open_scan_files(directory.file("a.npy"), sensor);
+  CHECK(source->sensor().beam_elevation_rad == sensor_preset("os1-16").beam_elevation_rad);
+  CHECK(source->warnings().at(0).find("only rows 3, 7, ... 63 of 64") != std::string::npos);
+  const auto scan = source->next();
+  REQUIRE(scan);
+  CHECK(scan->cloud.range_m[scan->cloud.index(1, 0)] == 17.0F);
+
+  NpyStackWriter uneven(directory.file("b.npy"), 64, sensor.columns);
+  RangeImage image(64, sensor.columns);
+  for (const int row : {3, 4, 8, 20, 21, 33, 40}) image.at(row, 7) = 10.0F;
+  uneven.append(image);
+  const auto with_holes = open_scan_files(directory.file("b.npy"), sensor);
+  CHECK(with_holes->sensor().rows() == 64);
+  CHECK(with_holes->warnings().at(0).find("31 of the 38 rows 3 to 40") != std::string::npos);
 }

@@ -3,15 +3,15 @@
 #include <string>
 
 #include "error_message.h"
+#include "files/scan_files.h"
 #include "hqslam/core/error.h"
-#include "hqslam/core/scan_source.h"
 
 namespace hqslam::test {
 
 /// What is wrong with a recording, read to its end.
 inline std::string recording_complaint(const std::string& path, const SensorModel& sensor) {
   return error_message([&] {
-    const auto source = open_scan_files(path, sensor);
+    const auto source = recordings::open_scan_files(path, sensor);
     while (source->next()) {
     }
   });

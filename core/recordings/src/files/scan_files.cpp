@@ -1,4 +1,4 @@
-#include "hqslam/core/scan_source.h"
+#include "files/scan_files.h"
 
 #include <fmt/format.h>
 
@@ -8,13 +8,13 @@
 #include <filesystem>
 #include <utility>
 
-#include "files/scan_sources.h"
-#include "files/words.h"
+#include "files/scan_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/point_fields.h"
 #include "hqslam/core/trajectory.h"
+#include "hqslam/core/words.h"
 
-namespace hqslam {
+namespace hqslam::recordings {
 
 namespace {
 
@@ -154,6 +154,7 @@ std::vector<std::string> files_of_one_kind(const fs::path& folder,
 
 std::unique_ptr<ScanSource> open_folder(const fs::path& folder,
                                         const std::optional<SensorModel>& sensor,
+                                        const ChooseSensor& choose,
                                         const RecordingOptions& options) {
   std::error_code error;
   if (fs::exists(folder / "scans.npy", error) && fs::exists(folder / "sensor.json", error)) {
@@ -163,15 +164,15 @@ std::unique_ptr<ScanSource> open_folder(const fs::path& folder,
   }
   refuse_row_order(folder, options);
   std::vector<std::string> paths = files_of_one_kind(folder, kBinaryPoints);
-  if (!paths.empty()) return make_file_scan_source(std::move(paths), sensor, options);
+  if (!paths.empty()) return make_file_scan_source(std::move(paths), choose, options);
   // KITTI keeps the scans of a drive in folders of these names.
   for (const char* below : {"velodyne", "velodyne_points/data"}) {
     if (fs::is_directory(folder / below, error))
-      return open_folder(folder / below, sensor, options);
+      return open_folder(folder / below, sensor, choose, options);
   }
   // Last, because texts lie beside recordings of every kind.
   if (files_in(folder, ".npy").empty()) paths = files_of_one_kind(folder, kTextPoints);
-  if (!paths.empty()) return make_file_scan_source(std::move(paths), sensor, options);
+  if (!paths.empty()) return make_file_scan_source(std::move(paths), choose, options);
   fail_for_folder_without_scans(folder);
 }
 
@@ -229,9 +230,19 @@ std::unique_ptr<ScanSource> open_scan_files(const std::string& path,
                                             const std::optional<SensorModel>& sensor,
                                             const RecordingOptions& options) {
   if (sensor) validate(*sensor);
+  const auto choose = [&](const std::function<FoundSensor()>& find) {
+    return sensor ? FoundSensor{*sensor, {}, "", false} : find();
+  };
+  return open_scan_files(path, sensor, choose, options);
+}
+
+std::unique_ptr<ScanSource> open_scan_files(const std::string& path,
+                                            const std::optional<SensorModel>& sensor,
+                                            const ChooseSensor& choose,
+                                            const RecordingOptions& options) {
   const fs::path recording(path);
   std::error_code error;
-  if (fs::is_directory(recording, error)) return open_folder(recording, sensor, options);
+  if (fs::is_directory(recording, error)) return open_folder(recording, sensor, choose, options);
   if (!fs::is_regular_file(recording, error)) {
     throw Error("{}: expected a recording, found no such file or folder; give {}", path,
                 kKnownRecordings);
@@ -251,7 +262,7 @@ std::unique_ptr<ScanSource> open_scan_files(const std::string& path,
   };
   if (is_one_of(kBinaryPoints) || is_one_of(kTextPoints)) {
     refuse_row_order(recording, options);
-    return make_file_scan_source({path}, sensor, options);
+    return make_file_scan_source({path}, choose, options);
   }
   throw Error("{}: expected a recording, found a file named '{}'; give {}", path,
               extension.string(), kKnownRecordings);
@@ -262,4 +273,4 @@ std::unique_ptr<ScanSource> with_imu(std::unique_ptr<ScanSource> source,
   return std::make_unique<SourceWithImu>(std::move(source), std::move(samples), name);
 }
 
-}  // namespace hqslam
+}  // namespace hqslam::recordings

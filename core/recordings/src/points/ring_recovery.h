@@ -6,7 +6,7 @@
 #include "hqslam/core/scan.h"
 #include "hqslam/core/sensor_model.h"
 
-namespace hqslam {
+namespace hqslam::recordings {
 
 struct RingRecovery {
   std::vector<std::uint16_t> row;  ///< per point, 0 the highest beam
@@ -28,4 +28,4 @@ bool stored_ring_after_ring(const Scan& scan, const SensorModel& sensor);
 /// Throws Error if the points are in no such order.
 RingRecovery recover_rings(const Scan& scan, const SensorModel& sensor);
 
-}  // namespace hqslam
+}  // namespace hqslam::recordings

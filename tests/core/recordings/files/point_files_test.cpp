@@ -1,21 +1,25 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <numbers>
 
 #include "error_message.h"
 #include "file_contents.h"
+#include "files/scan_files.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/left_out.h"
 #include "hqslam/core/point_fields.h"
-#include "hqslam/core/scan_source.h"
 #include "recording_complaint.h"
 #include "temporary_directory.h"
 
 using namespace hqslam;
+using namespace hqslam::recordings;
 using namespace hqslam::test;
 
 // Point files beyond .bin and .pcd, stamps and times that come from elsewhere, and units of a
@@ -76,6 +80,39 @@ TEST_CASE("a .csv file with names and a .txt file without give the same scan") {
   const int column = sensor.column_of_azimuth(0.0);
   CHECK(csv.cloud.range_m[csv.cloud.index(0, column)] > 5.0F);  // ring 15 is the highest beam
   CHECK(csv.cloud.time_offset_s[csv.cloud.index(0, column)] == doctest::Approx(0.045));
+}
+
+TEST_CASE("the names that the makers' programs give to columns are understood") {
+  const TemporaryDirectory directory;
+  const std::string points = ",0,5\n0.05,1,-1.1507,0,5\n0.09,15,1.33975,0,5\n";
+  for (const char* names :
+       {"t,ring,z,y,x\n", "TIMESTAMP (s), ROW, Z (m), Y (m), X (m)\n",
+        "\"timestamp\",\"laser_id\",\"Points_m_XYZ:2\",\"Points_m_XYZ:1\",\"Points_m_XYZ:0\"\n",
+        "scalar_GpsTime,scalar_ring,z,y,x\n"}) {
+    CAPTURE(names);
+    write_file(directory.file("a.csv"), names + ("0,9,0.2616" + points));
+    const RecordedScan scan = only_scan(directory.file("a.csv"), sensor_preset("vlp-16"));
+    CHECK(scan.counts.kept == 3);
+    CHECK_FALSE(scan.cloud.time_offset_s.empty());
+  }
+}
+
+TEST_CASE("points whose time is far from that of nearly all others are left out of the scan") {
+  const TemporaryDirectory directory;
+  for (const double wild_s : {4.294966295, -0.04}) {
+    CAPTURE(wild_s);
+    std::string text = fmt::format("x y z t\n5 0 0 {}\n", wild_s);
+    for (int i = 0; i < 1000; ++i) {
+      text +=
+          fmt::format("{} {} 0 {}\n", 5 * std::cos(6e-3 * i), -5 * std::sin(6e-3 * i), 1e-4 * i);
+    }
+    write_file(directory.file("a.txt"), text);
+    const Scan scan = read_cloud(directory.file("a.txt"));
+    CHECK(scan.points_m.size() == 1000);
+    CHECK(scan.invalid_points == 1);
+    const auto [first_s, last_s] = std::ranges::minmax_element(scan.time_offset_s);
+    CHECK(*last_s - *first_s == doctest::Approx(0.0999));
+  }
 }
 
 TEST_CASE(".ply files of both forms are read") {
@@ -271,6 +308,70 @@ TEST_CASE("a unit whose beams are off the table by a degree is read with its own
   const TemporaryDirectory other;
   write_file(other.file("0.txt"), firing_order(0.0, 360.0, 0.01));
   CHECK(open_scan_files(other.path().string(), sensor)->sensor() == sensor);
+}
+
+/// Four scans of a VLP-16 whose rings are numbered so, 0 the lowest; beams under these stay out.
+void write_numbered(const TemporaryDirectory& folder, const std::function<int(int)>& number,
+                    const SensorModel& sensor = sensor_preset("vlp-16"), int every = 1) {
+  for (int scan = 0; scan < 4; ++scan) {
+    std::string text = "x y z ring\n";
+    for (int step = 0; step < 900; ++step) {
+      for (int ring = 0; ring < sensor.rows(); ring += every) {
+        const double elevation_rad = sensor.beam_elevation_rad[sensor.rows() - 1 - ring];
+        const Eigen::Vector3d p =
+            (5.0 + 0.1 * scan) * direction_of(-(step + 0.5) * kTurn_rad / 900, elevation_rad);
+        text += fmt::format("{} {} {} {}\n", p.x(), p.y(), p.z(), number(ring));
+      }
+    }
+    write_file(folder.file(std::to_string(scan) + ".txt"), text);
+  }
+}
+
+TEST_CASE("rings that are numbered from 1, or in steps, are those of the sensor in their order") {
+  for (const auto& [first, step] : {std::pair(1, 1), {0, 2}, {3, 4}}) {
+    CAPTURE(first);
+    const TemporaryDirectory folder;
+    write_numbered(folder, [=](int ring) { return first + step * ring; });
+    for (const std::string name : {"", "vlp-16"}) {
+      auto recording = Recording::open(folder.path().string(), {.sensor = name});
+      CHECK(recording.sensor().rows() == 16);
+      const auto scan = recording.next();
+      REQUIRE(scan);
+      CHECK(scan->counts.kept > 16 * 800);
+      CHECK(scan->cloud.points_m[scan->cloud.index(0, 450)].z() > 1.0F);
+    }
+  }
+}
+
+TEST_CASE("of a sensor of which only every fourth beam has points only those rows are read") {
+  const TemporaryDirectory folder;
+  write_numbered(
+      folder, [](int ring) { return ring; }, sensor_preset("os1-64"), 4);
+  auto recording = Recording::open(folder.path().string(), {.sensor = "os1-64"});
+  CHECK(recording.sensor().rows() == 16);
+  CHECK(recording.warnings().at(0).find("only rows 3, 7, ... 63 of 64") != std::string::npos);
+  CHECK(recording.next()->counts.kept > 16 * 800);
+}
+
+TEST_CASE("a named sensor whose beams are those of another one is refused") {
+  const TemporaryDirectory folder;
+  write_numbered(folder, [](int ring) { return ring; });
+  CHECK(refused_with([&] { Recording::open(folder.path().string(), {.sensor = "os1-16"}); },
+                     "os1-16", "vlp-16", "name the sensor"));
+}
+
+TEST_CASE("one file of another kind among the scans is left out") {
+  const TemporaryDirectory folder;
+  write_numbered(folder, [](int ring) { return ring; });
+  std::string odd = "x y z\n";
+  for (int i = 0; i < 3000; ++i) odd += fmt::format("{} {} {}\n", i % 60, i % 7, i % 50 - 10);
+  write_file(folder.file("00.txt"), odd);
+  auto recording = Recording::open(folder.path().string());
+  CHECK(recording.sensor().name == "vlp-16");
+  LeftOut left_out;
+  while (next_usable(recording, left_out)) continue;
+  CHECK(left_out.scans == 1);
+  CHECK(left_out.first.find("00.txt") != std::string::npos);
 }
 
 TEST_CASE("a sensor with too few columns for its points is named once") {

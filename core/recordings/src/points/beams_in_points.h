@@ -6,7 +6,7 @@
 
 #include "hqslam/core/point_fields.h"
 
-namespace hqslam {
+namespace hqslam::recordings {
 
 /// No sensor has more beams.
 inline constexpr int kMostBeams = 256;
@@ -43,7 +43,8 @@ struct Beams {
   std::vector<Beam> beams;
   double strays = 0.0;   ///< number of points that belong to no beam
   double nearest = 0.5;  ///< share of a beam's spacing within which points belong to it
-  int rings = 0;         ///< number of rings by their largest number; 0: unknown
+  /// How many rings their numbers are for, from the smallest to the largest; 0: unknown.
+  int rings = 0;
 };
 
 /// Beams from the numbers of the rings; none where not all points have one.
@@ -53,4 +54,4 @@ Beams beams_by_order(const std::vector<RawPoints>& scans);
 /// Beams from the elevations alone.
 Beams beams_by_elevation(const std::vector<RawPoints>& scans);
 
-}  // namespace hqslam
+}  // namespace hqslam::recordings

@@ -1,4 +1,4 @@
-#include "hqslam/core/sensor_finder.h"
+#include "points/sensor_finder.h"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,8 @@
 #include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/median.h"
-#include "sensor/beams_in_points.h"
+#include "points/beams_in_points.h"
+#include "points/ring_numbers.h"
 
 // The beams of a sensor, found in the points of some of its scans.
 //
@@ -21,7 +22,7 @@
 // A sensor is accepted if hardly any point is nearer to another beam than to its own, and if each
 // scan alone gives the same beams.
 
-namespace hqslam {
+namespace hqslam::recordings {
 
 namespace {
 
@@ -152,11 +153,34 @@ constexpr std::array<Way, 3> kWays = {{{"rings", beams_by_rings},
                                        {"the order of points", beams_by_order},
                                        {"elevations", beams_by_elevation}}};
 
-}  // namespace
+/// Points of few beams, taken for those of many, would lie in wrong rows: whether the beams that
+/// were found are others than the sensor's, and less than half as many between the highest and the
+/// lowest of them.
+bool has_few_beams(const SensorModel& found, const SensorModel& taken_for) {
+  const std::vector<double>& found_rad = found.beam_elevation_rad;
+  const std::vector<double>& rows_rad = taken_for.beam_elevation_rad;
+  const auto between = std::ranges::count_if(rows_rad, [&](double row_rad) {
+    return row_rad <= found_rad.front() && row_rad >= found_rad.back();
+  });
+  const auto is_a_row = [&](double beam_rad) {
+    return std::ranges::any_of(
+        rows_rad, [&](double row_rad) { return std::abs(row_rad - beam_rad) < kSameBeam_rad; });
+  };
+  return 2 * std::ssize(found_rad) < between && !std::ranges::all_of(found_rad, is_a_row);
+}
 
-FoundSensor find_sensor(const std::vector<RawPoints>& scans, std::optional<double> scan_period_s,
-                        const std::string& source) {
-  std::string wrong = "found no points";
+/// Without scans that have numbers of rings where most have none, or the other way round.
+std::vector<RawPoints> of_one_kind(std::vector<RawPoints> scans) {
+  const auto has_rings = [](const RawPoints& raw) { return !raw.ring.empty(); };
+  const bool most = 2 * std::ranges::count_if(scans, has_rings) >= std::ssize(scans);
+  std::erase_if(scans, [&](const RawPoints& raw) { return has_rings(raw) != most; });
+  return scans;
+}
+
+/// Nothing where the points do not determine a sensor: `wrong` says why.
+std::optional<FoundSensor> sensor_in(const std::vector<RawPoints>& scans,
+                                     std::optional<double> scan_period_s, std::string& wrong) {
+  wrong = "found no points";
   for (const Way& way : kWays) {
     if (scans.empty()) break;
     const Beams told = way.find(scans);
@@ -181,10 +205,48 @@ FoundSensor find_sensor(const std::vector<RawPoints>& scans, std::optional<doubl
         scans.size() == 1 ? "" : "s", found.note);
     return found;
   }
+  return std::nullopt;
+}
+
+}  // namespace
+
+FoundSensor find_sensor(const std::vector<RawPoints>& all, std::optional<double> scan_period_s,
+                        const std::string& source) {
+  constexpr std::size_t kFewestScans = 4;
+  std::vector<RawPoints> scans = of_one_kind(all);
+  std::string wrong, ignored;
+  auto found = sensor_in(scans, scan_period_s, wrong);
+  for (std::size_t odd = 0; !found && scans.size() >= kFewestScans && odd < scans.size(); ++odd) {
+    std::vector<RawPoints> others = scans;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(odd));
+    found = sensor_in(others, scan_period_s, ignored);
+  }
+  if (found) return std::move(*found);
   throw Error(
       "{}: cannot determine the sensor from the recording or its points: {}; give --sensor NAME or "
       "--sensor FILE.json",
       source, wrong);
 }
 
-}  // namespace hqslam
+FoundSensor held_against_points(const SensorModel& stated, const std::optional<FoundSensor>& found,
+                                const std::string& source) {
+  FoundSensor result{stated, {}, "", false};
+  if (!found) return result;
+  const SensorModel& other = found->sensor;
+  const auto presets = sensor_preset_names();
+  const bool is_other_preset = std::ranges::find(presets, other.name) != presets.end() &&
+                               other.rows() == stated.rows() && !have_same_beams(other, stated);
+  if (is_other_preset || has_few_beams(other, stated)) {
+    throw Error(
+        "{}: expected scans of '{}' with {} rows, found beams of '{}' with {}; name the sensor "
+        "that recorded them",
+        source, stated.name, stated.rows(), other.name, other.rows());
+  }
+  if (const auto rows = rows_with_beams(stated, found->beam_elevation_rad)) {
+    result.sensor = select_rows(stated, *rows);
+    result.note = selection_text(stated.rows(), *rows);
+  }
+  return result;
+}
+
+}  // namespace hqslam::recordings

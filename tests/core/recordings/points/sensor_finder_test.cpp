@@ -1,4 +1,4 @@
-#include "hqslam/core/sensor_finder.h"
+#include "points/sensor_finder.h"
 
 #include <doctest/doctest.h>
 
@@ -10,15 +10,15 @@
 
 #include "core/real_data.h"
 #include "error_message.h"
-#include "files/point_files.h"
+#include "files/scan_files.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/projection.h"
-#include "hqslam/core/scan_source.h"
 #include "points_file.h"
 #include "temporary_directory.h"
 
 using namespace hqslam;
+using namespace hqslam::recordings;
 using namespace hqslam::test;
 
 namespace {

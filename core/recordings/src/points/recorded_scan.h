@@ -5,7 +5,7 @@
 #include "hqslam/core/point_fields.h"
 #include "hqslam/core/scan_source.h"
 
-namespace hqslam {
+namespace hqslam::recordings {
 
 /// Where a larger share of points or rows fits no pixel, the scan is from another sensor.
 inline constexpr double kMaxForeignShare = 0.5;
@@ -27,4 +27,4 @@ RecordedScan recorded_scan(const Scan& scan, const SensorModel& sensor, std::str
 /// points share a pixel with a nearer one.
 std::string crowding_warning(const RecordedScan& scan);
 
-}  // namespace hqslam
+}  // namespace hqslam::recordings

@@ -8,88 +8,19 @@
 #include <utility>
 #include <vector>
 
-#include "files/point_files.h"
-#include "files/scan_sources.h"
+#include "files/scan_files.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/median.h"
 #include "hqslam/core/point_fields.h"
-#include "hqslam/core/recorded_scan.h"
+#include "points/azimuth_times.h"
+#include "points/recorded_scan.h"
+#include "points/ring_numbers.h"
+#include "points/sensor_finder.h"
 
-namespace hqslam {
+namespace hqslam::recordings {
 
 namespace {
-
-/// A scan in the order of firing turns about once; one stored ring after ring once per ring.
-constexpr double kMostTurns = 1.5;
-
-/// Within half a turn of 0.
-double wrapped(double angle_rad) { return angle_rad - kTwoPi * std::round(angle_rad / kTwoPi); }
-
-/// Where the head stood, clockwise from the front.
-double head_rad(const Scan& scan, std::size_t i, const SensorModel& sensor) {
-  const double offset_rad = scan.row.empty() ? 0.0 : sensor.beam_azimuth_offset_rad[scan.row[i]];
-  return offset_rad - std::atan2(scan.points_m[i].y(), scan.points_m[i].x());
-}
-
-/// Times of points that were recorded without any, from the azimuth at which they were measured.
-///
-/// In:  scans as captured while the head turned, points in the order of their firing; a turn takes
-///      scan_period_s. `index`, of the scan in its recording, rises; scans may be missing.
-/// Out: time offset = (turns of the head up to the point) x scan_period_s, from the middle of the
-///      scan's times. The turns are counted on from scan to scan, so a scan of 364 degrees takes
-///      that much longer than one of 360, and stamp_s is the middle of its times since the first
-///      point of the first scan. Points that are stored ring after ring turn many times within a
-///      scan: such a scan begins at the back, as an image does, and lasts one turn.
-class AzimuthTimes {
- public:
-  explicit AzimuthTimes(double scan_period_s) : scan_period_s_(scan_period_s) {}
-
-  void set(Scan& scan, const SensorModel& sensor, std::size_t index) {
-    if (!first_index_) first_index_ = index;
-    const auto scans_before = static_cast<double>(index - *first_index_);
-    scan.time_offset_s.clear();
-    if (scan.points_m.empty()) {
-      scan.stamp_s = (scans_before + 0.5) * scan_period_s_;
-      return;
-    }
-    std::vector<double> turned_rad;
-    turned_rad.reserve(scan.points_m.size());
-    // The head turned on while scans were missing.
-    double turned = last_index_
-                        ? turned_rad_ + kTwoPi * static_cast<double>(index - *last_index_ - 1)
-                        : head_rad(scan, 0, sensor) + kTwoPi * scans_before;
-    for (std::size_t i = 0; i < scan.points_m.size(); ++i) {
-      turned += wrapped(head_rad(scan, i, sensor) - turned);
-      turned_rad.push_back(turned);
-    }
-    const auto [least, most] = std::ranges::minmax_element(turned_rad);
-    if (*most - *least > kMostTurns * kTwoPi) {
-      for (std::size_t i = 0; i < turned_rad.size(); ++i) {
-        const double from_back = wrapped(head_rad(scan, i, sensor)) / kTwoPi;  // -1/2 .. 1/2
-        scan.time_offset_s.push_back(static_cast<float>(from_back * scan_period_s_));
-      }
-      scan.stamp_s = (scans_before + 0.5) * scan_period_s_;
-      return;
-    }
-    if (!last_index_) first_turned_rad_ = head_rad(scan, 0, sensor);
-    last_index_ = index;
-    turned_rad_ = turned;
-    const double middle_rad = (*least + *most) / 2.0;
-    const double s_per_rad = scan_period_s_ / kTwoPi;
-    for (const double t : turned_rad) {
-      scan.time_offset_s.push_back(static_cast<float>((t - middle_rad) * s_per_rad));
-    }
-    scan.stamp_s = (middle_rad - first_turned_rad_) * s_per_rad;
-  }
-
- private:
-  double scan_period_s_;
-  std::optional<std::size_t> first_index_;
-  std::optional<std::size_t> last_index_;  ///< up to which turns were counted
-  double turned_rad_ = 0.0;                ///< clockwise, since azimuth 0
-  double first_turned_rad_ = 0.0;
-};
 
 constexpr double kFits_rad = 0.1 * kDegree_rad;
 constexpr double kFarthest_rad = 1.5 * kDegree_rad;
@@ -160,13 +91,18 @@ constexpr std::size_t kScansToLearnFrom = 5;
 
 class FileScanSource : public ScanSource {
  public:
-  FileScanSource(std::vector<std::string> paths, const std::optional<SensorModel>& sensor,
+  FileScanSource(std::vector<std::string> paths, const ChooseSensor& choose,
                  const RecordingOptions& options)
       : paths_(std::move(paths)), without_times_(options.without_times) {
     read_stamps(options.stamps);
-    sensor_ = sensor ? *sensor : found_sensor();
+    FoundSensor chosen = choose([&] { return find_sensor_of_files(paths_, stamps_s_); });
+    sensor_ = std::move(chosen.sensor);
+    validate(sensor_);
+    if (!chosen.note.empty()) {
+      warnings_.push_back(fmt::format("{}: {}", paths_.front(), chosen.note));
+    }
     azimuth_times_ = AzimuthTimes(sensor_.scan_period_s);
-    look_at_first_scans(sensor.has_value());
+    look_at_first_scans(!chosen.is_found);
   }
 
   const SensorModel& sensor() const override { return sensor_; }
@@ -220,12 +156,6 @@ class FileScanSource : public ScanSource {
     }
   }
 
-  SensorModel found_sensor() {
-    FoundSensor found = find_sensor_of_files(paths_, stamps_s_);
-    warnings_.push_back(fmt::format("{}: {}", paths_.front(), found.note));
-    return std::move(found.sensor);
-  }
-
   /// Reads the first scans, whose points are kept until their turn. may_be_off: whether the beams
   /// may be others than the sensor's.
   void look_at_first_scans(bool may_be_off) {
@@ -240,12 +170,19 @@ class FileScanSource : public ScanSource {
       }
     }
     has_clock_ = times_rise(times, sensor_.scan_period_s);
+    std::vector<RawPoints> readable;
+    for (const auto& points : first_points_) {
+      if (points && !points->ring.empty()) readable.push_back(*points);
+    }
+    ring_numbers_ = ring_numbers(readable, sensor_);
     std::vector<Scan> scans;
     for (std::size_t i = 0; i < first_points_.size(); ++i) {
       if (!first_points_[i]) continue;
       try {
-        first_points_[i]->time.is_of_clock = has_clock_;
-        scans.push_back(scan_of(*first_points_[i], &sensor_, paths_[i]));
+        RawPoints& points = *first_points_[i];
+        points.time.is_of_clock = has_clock_;
+        ring_numbers_.count_from_0(points.ring);
+        scans.push_back(scan_of(points, &sensor_, paths_[i]));
         has_stamps_ = has_stamps_ || scans.back().stamp_s != 0.0;
         set_rows(scans.back(), paths_[i], false);
       } catch (const Error&) {
@@ -270,8 +207,12 @@ class FileScanSource : public ScanSource {
   RawPoints points_of(std::size_t index) {
     const bool is_kept = index < first_points_.size() && first_points_[index].has_value();
     RawPoints points = is_kept ? std::move(*first_points_[index]) : read_point_file(paths_[index]);
-    if (is_kept) first_points_[index].reset();
-    points.time.is_of_clock = has_clock_;
+    if (is_kept) {
+      first_points_[index].reset();
+    } else {
+      ring_numbers_.count_from_0(points.ring);
+      points.time.is_of_clock = has_clock_;
+    }
     return points;
   }
 
@@ -279,16 +220,18 @@ class FileScanSource : public ScanSource {
     const std::string& path = paths_[index];
     Scan scan = scan_of(points_of(index), &sensor_, path);
     set_rows(scan, path, true);
-    if (scan.time_offset_s.empty()) {
-      if (!without_times_) warn_of_missing_times();
-      if (without_times_ == CaptureTime::kRolling) azimuth_times_.set(scan, sensor_, index);
+    const bool has_times = !scan.time_offset_s.empty();
+    if (!has_times && without_times_ == CaptureTime::kRolling) {
+      azimuth_times_.set(scan, sensor_, index);
     }
     if (!stamps_s_.empty()) {
       scan.stamp_s = stamps_s_[index];
     } else if (scan.stamp_s == 0.0) {
       scan.stamp_s = static_cast<double>(index) * sensor_.scan_period_s;
     }
-    return recorded_scan(scan, sensor_, path);
+    RecordedScan result = recorded_scan(scan, sensor_, path);
+    if (!has_times && !without_times_) warn_of_missing_times();
+    return result;
   }
 
   /// Once, and not of a single scan, which fits nothing else.
@@ -307,6 +250,7 @@ class FileScanSource : public ScanSource {
   std::optional<CaptureTime> without_times_;
   AzimuthTimes azimuth_times_{0.0};
   std::array<std::optional<RawPoints>, kScansToLearnFrom> first_points_;
+  RingNumbers ring_numbers_;
   bool has_stamps_ = false;
   bool has_clock_ = false;  ///< times of points are those of a clock
   std::size_t next_ = 0;
@@ -317,9 +261,9 @@ class FileScanSource : public ScanSource {
 }  // namespace
 
 std::unique_ptr<ScanSource> make_file_scan_source(std::vector<std::string> paths,
-                                                  const std::optional<SensorModel>& sensor,
+                                                  const ChooseSensor& choose,
                                                   const RecordingOptions& options) {
-  return std::make_unique<FileScanSource>(std::move(paths), sensor, options);
+  return std::make_unique<FileScanSource>(std::move(paths), choose, options);
 }
 
-}  // namespace hqslam
+}  // namespace hqslam::recordings

@@ -1,0 +1,73 @@
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <set>
+
+#include "hqslam/core/error.h"
+#include "hqslam/core/median.h"
+#include "points/sensor_finder.h"
+
+namespace hqslam::recordings {
+
+namespace {
+
+/// Places in a recording from which two scans each are read.
+constexpr std::size_t kPlaces = 5;
+/// More points than ten scans of any LiDAR have, as in a map.
+constexpr std::size_t kMostPoints = 5'000'000;
+/// Longer than a turn of any LiDAR.
+constexpr double kLongestTurn_s = 1.0;
+
+std::set<std::size_t> scans_to_look_at(std::size_t scans) {
+  std::set<std::size_t> indices;
+  for (std::size_t place = 0; place < kPlaces; ++place) {
+    const std::size_t first = place * (scans - 1) / kPlaces;
+    indices.insert({first, std::min(first + 1, scans - 1)});
+  }
+  return indices;
+}
+
+std::optional<PointTimes> times_of(const RawPoints& points, const std::string& path) {
+  try {
+    return point_times(points.time, kLongestTurn_s, path);
+  } catch (const Error&) {
+    return std::nullopt;  // reported with its scan
+  }
+}
+
+/// Most steps from stamp to stamp are one turn, and so is the time from a scan's first point to its
+/// last.
+std::optional<double> period_of(std::vector<double> turns_s) {
+  std::erase_if(turns_s, [](double turn_s) { return !(turn_s > 0.01 && turn_s < kLongestTurn_s); });
+  if (turns_s.empty()) return std::nullopt;
+  return std::round(1e4 * median(turns_s)) * 1e-4;
+}
+
+}  // namespace
+
+FoundSensor find_sensor_of_files(const std::vector<std::string>& paths,
+                                 const std::vector<double>& stamps_s) {
+  std::vector<RawPoints> scans;
+  std::vector<double> stamp_steps_s, lasted_s;
+  std::exception_ptr unreadable;
+  std::size_t points = 0;
+  for (const std::size_t i : scans_to_look_at(paths.size())) {
+    try {
+      scans.push_back(read_point_file(paths[i]));
+    } catch (const Error&) {
+      unreadable = std::current_exception();
+      continue;
+    }
+    points += scans.back().scan.points_m.size();
+    if (points > kMostPoints) break;
+    const auto times = times_of(scans.back(), paths[i]);
+    if (times) lasted_s.push_back(times->duration_s);
+  }
+  for (std::size_t i = 1; i < stamps_s.size(); ++i) {
+    stamp_steps_s.push_back(stamps_s[i] - stamps_s[i - 1]);
+  }
+  if (scans.empty() && unreadable) std::rethrow_exception(unreadable);
+  return find_sensor(scans, period_of(stamps_s.empty() ? lasted_s : stamp_steps_s), paths.front());
+}
+
+}  // namespace hqslam::recordings

@@ -1,0 +1,139 @@
+#include "ordered_scans.h"
+
+#include <fmt/format.h>
+
+#include <deque>
+#include <exception>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hqslam/core/error.h"
+
+namespace hqslam::recordings {
+
+namespace {
+
+/// Two real scans of fewer returns may be the same by chance.
+constexpr std::int64_t kFewestReturns = 500;
+/// Scans are exchanged within so many periods: messages are late by less than two.
+constexpr double kMostExchanged = 2.5;
+/// The scan that follows, and one more, to tell a scan that is late from a clock that was set back.
+constexpr std::size_t kAhead = 3;
+
+/// A scan that was read ahead, or why it cannot be understood.
+struct Ahead {
+  std::optional<RecordedScan> scan;
+  std::string complaint = {};
+};
+
+class OrderedScans : public ScanSource {
+ public:
+  explicit OrderedScans(std::unique_ptr<ScanSource> source) : source_(std::move(source)) {}
+
+  const SensorModel& sensor() const override { return source_->sensor(); }
+  std::optional<std::int64_t> size() const override { return source_->size(); }
+  double read_share() const override { return source_->read_share(); }
+  bool has_stamps() const override { return source_->has_stamps(); }
+
+  std::vector<std::string> warnings() const override {
+    std::vector<std::string> warnings = source_->warnings();
+    if (exchanged_ > 0) {
+      warnings.push_back(
+          fmt::format("{} recorded after a later one: read in the order of their stamps",
+                      exchanged_ == 1 ? "1 scan was" : fmt::format("{} scans were", exchanged_)));
+    }
+    if (counted_on_ > 0) {
+      warnings.push_back(fmt::format(
+          "{}: stamps stand or fall back from here on, at {} scan{}: counted on by {} s",
+          first_counted_on_, counted_on_, counted_on_ == 1 ? "" : "s", sensor().scan_period_s));
+    }
+    return warnings;
+  }
+
+  std::optional<RecordedScan> next() override {
+    read_ahead();
+    if (ahead_.empty()) {
+      if (broken_) std::rethrow_exception(std::exchange(broken_, nullptr));
+      return std::nullopt;
+    }
+    if (is_exchanged()) {
+      std::swap(ahead_[0], ahead_[1]);
+      ++exchanged_;
+    }
+    Ahead first = std::move(ahead_.front());
+    ahead_.pop_front();
+    if (!first.scan) throw ScanError(first.complaint);
+    RecordedScan& scan = *first.scan;
+    if (is_repeated(scan)) {
+      throw ScanError(fmt::format("{}: has the very ranges of the scan before", scan.name));
+    }
+    set_stamp(scan);
+    last_range_m_ = scan.cloud.range_m;
+    return std::move(first.scan);
+  }
+
+ private:
+  void read_ahead() {
+    while (ahead_.size() < kAhead && !ended_) {
+      try {
+        std::optional<RecordedScan> scan = source_->next();
+        ended_ = !scan;
+        if (scan) ahead_.push_back({std::move(scan)});
+      } catch (const ScanError& error) {
+        ahead_.push_back({std::nullopt, error.what()});
+      } catch (const Error&) {
+        ended_ = true;
+        broken_ = std::current_exception();
+      }
+    }
+  }
+
+  double stamp_s(const RecordedScan& scan) const { return scan.stamp_s + counted_on_s_; }
+
+  bool is_exchanged() const {
+    if (ahead_.size() < 2 || !ahead_[0].scan || !ahead_[1].scan) return false;
+    const double stamp_0_s = stamp_s(*ahead_[0].scan);
+    const double stamp_1_s = stamp_s(*ahead_[1].scan);
+    return stamp_1_s < stamp_0_s && (!last_s_ || stamp_1_s > *last_s_) &&
+           stamp_0_s - stamp_1_s < kMostExchanged * sensor().scan_period_s;
+  }
+
+  bool is_repeated(const RecordedScan& scan) const {
+    return scan.counts.kept >= kFewestReturns && scan.cloud.range_m == last_range_m_;
+  }
+
+  void set_stamp(RecordedScan& scan) {
+    if (last_s_ && !(stamp_s(scan) > *last_s_)) {
+      const bool is_late =
+          !ahead_.empty() && ahead_.front().scan && stamp_s(*ahead_.front().scan) > *last_s_;
+      if (is_late) {
+        throw ScanError(fmt::format("{}: stamped {:.6f} s, not after the scan before ({:.6f} s)",
+                                    scan.name, scan.stamp_s, *last_s_ - counted_on_s_));
+      }
+      if (counted_on_++ == 0) first_counted_on_ = scan.name;
+      counted_on_s_ += *last_s_ + sensor().scan_period_s - stamp_s(scan);
+    }
+    scan.stamp_s = stamp_s(scan);
+    last_s_ = scan.stamp_s;
+  }
+
+  std::unique_ptr<ScanSource> source_;
+  std::deque<Ahead> ahead_;
+  bool ended_ = false;
+  std::exception_ptr broken_;  ///< why the source cannot be read on
+  std::optional<double> last_s_;
+  std::vector<float> last_range_m_;
+  double counted_on_s_ = 0.0;  ///< what is added to the source's stamps
+  std::int64_t counted_on_ = 0;
+  std::string first_counted_on_;
+  std::int64_t exchanged_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<ScanSource> ordered(std::unique_ptr<ScanSource> source) {
+  return std::make_unique<OrderedScans>(std::move(source));
+}
+
+}  // namespace hqslam::recordings

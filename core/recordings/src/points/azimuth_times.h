@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "hqslam/core/scan.h"
+#include "hqslam/core/sensor_model.h"
+
+namespace hqslam::recordings {
+
+/// Times of points that were recorded without any, from the azimuth at which they were measured.
+///
+/// In:  scans as captured while the head turned, points in the order of their firing; a turn takes
+///      scan_period_s. `index`, of the scan in its recording, rises; scans may be missing.
+/// Out: time offset = (turns of the head up to the point) x scan_period_s, from the middle of the
+///      scan's times. The turns are counted on from scan to scan, so a scan of 364 degrees takes
+///      that much longer than one of 360, and stamp_s is the middle of its times since the first
+///      point of the first scan. Points that are stored ring after ring turn many times within a
+///      scan: such a scan begins at the back, as an image does, and lasts one turn.
+class AzimuthTimes {
+ public:
+  explicit AzimuthTimes(double scan_period_s) : scan_period_s_(scan_period_s) {}
+
+  void set(Scan& scan, const SensorModel& sensor, std::size_t index);
+
+ private:
+  double scan_period_s_;
+  std::optional<std::size_t> first_index_;
+  std::optional<std::size_t> last_index_;  ///< up to which turns were counted
+  double turned_rad_ = 0.0;                ///< clockwise, since azimuth 0
+  double first_turned_rad_ = 0.0;
+};
+
+}  // namespace hqslam::recordings

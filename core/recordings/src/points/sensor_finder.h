@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hqslam/core/point_fields.h"
+#include "hqslam/core/sensor_model.h"
+
+namespace hqslam::recordings {
+
+struct FoundSensor {
+  SensorModel sensor;  ///< a preset where all beams are one's, else without azimuth offsets
+  std::vector<double> beam_elevation_rad;  ///< measured in the points, highest first
+  std::string note;      ///< how it was found and how well it fits, for one line; or ""
+  bool is_found = true;  ///< in the points; otherwise stated
+};
+
+/// Determines the sensor of a recording from the points of its scans; sensor_finder.cpp has the
+/// method. One scan that is of another kind than the others may be among four and more.
+/// scan_period_s: the recording's, 0.1 s where unknown. Throws Error where beams are not
+/// clearly apart or scans contradict each other; `source` stands for the recording in messages.
+FoundSensor find_sensor(const std::vector<RawPoints>& scans, std::optional<double> scan_period_s,
+                        const std::string& source);
+
+/// A sensor that was stated, held against the beams in the points where they could be found: with
+/// the rows alone that have points, where these are evenly spaced ones. Throws Error for fewer or
+/// other beams, as those of another preset.
+FoundSensor held_against_points(const SensorModel& stated, const std::optional<FoundSensor>& found,
+                                const std::string& source);
+
+/// The sensor of a recording with one scan per file, determined from some of at least one file. The
+/// rate of turning follows from the stamps, else from the points' times. Files that cannot be read
+/// are skipped. Throws Error where the points do not determine a sensor.
+FoundSensor find_sensor_of_files(const std::vector<std::string>& paths,
+                                 const std::vector<double>& stamps_s);
+
+}  // namespace hqslam::recordings

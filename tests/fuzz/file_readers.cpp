@@ -1,0 +1,36 @@
+#include "files/scan_files.h"
+#include "hqslam/core/sensor_model.h"
+#include "input_file.h"
+#include "points/sensor_finder.h"
+#include "readers.h"
+
+namespace hqslam::fuzz {
+
+namespace {
+
+/// To images, as hqslam run reads a recording.
+void read_scans(const std::string& path) {
+  SensorModel sensor = sensor_preset("vlp-16");
+  sensor.columns = 32;  // few: the readers are to be fed, not the projection
+  const auto source = recordings::open_scan_files(path, sensor);
+  while (source->next()) {
+  }
+}
+
+}  // namespace
+
+void npy(Bytes input) { read_scans(as_file(input, ".npy")); }
+
+void ply(Bytes input) { read_scans(as_file(input, ".ply")); }
+
+void kitti_bin(Bytes input) { read_scans(as_file(input, ".bin")); }
+
+void text(Bytes input) { read_scans(as_file(input, ".csv")); }
+
+void found_sensor(Bytes input) {
+  recordings::find_sensor_of_files({as_whole_file(input, ".csv")}, {});
+}
+
+void stamps(Bytes input) { recordings::read_stamps_s(as_whole_file(input, ".txt")); }
+
+}  // namespace hqslam::fuzz
