@@ -10,7 +10,9 @@ namespace hqslam::slam {
 struct ScanInformation {
   Matrix6 information = Matrix6::Zero();
   Vector6 gradient = Vector6::Zero();
-  int degenerate_directions = 0;
+  /// What of the information errors of normals do not explain: of this the covariance is made.
+  Matrix6 known = Matrix6::Zero();
+  int degenerate_directions = 0;  ///< Observability, of all parameters
   /// 1 / sigma^2 [1/m^2] of the least known direction in (x, y, kLever_m yaw), the others held.
   double least_in_plane = 0.0;
 };
@@ -18,13 +20,13 @@ struct ScanInformation {
 /// In: constraints in axes of the map with the sensor as origin, weight = 1 / sigma [1/m], the
 /// sensor's orientation in the map. Out: the sums over constraints of J J^T and r J with
 ///   r = weight (n . p - offset),  J = weight (n, p x n),
-/// turned into the sensor's frame, without the information that errors of the normals feign: along
-/// a tunnel each normal leans at random, and many of them make a direction look known. With
+/// turned into the sensor's frame.
+///
+/// Along a tunnel each normal leans at random, and many of them make a direction look known. With
 ///   N = sum of J_t J_t^T,  J_t = weight (t, p x t),  t: the normal's tilt,
 /// the expected part of it, a direction u of information a = u^T (sum J J^T) u is known above
 ///   b = 2 u^T N u + kMinObservableShare sum of weight^2
-/// and keeps the share (a / b - 1) / 2, between 0 and 1, of its information and gradient: none up to
-/// b, where it is degenerate, all from 3 b on.
+/// and has the share (a / b - 1) / 5, between 0 and 1, of its information in `known`.
 ScanInformation scan_information(const std::vector<PlaneConstraint>& constraints,
                                  const Eigen::Matrix3d& R_map_sensor);
 
@@ -36,7 +38,8 @@ class ExpectedState {
   /// A Gauss-Newton step from `state` towards the most likely state:
   ///   minimise  e^T P^-1 e / 2  of the error e against the expected state
   ///             plus the information of the scan about the change of the pose.
-  /// The velocity follows by its correlation with the pose.
+  /// The velocity follows by its correlation with the pose. The covariance is that with
+  /// ScanInformation::known: poses use all information, since what is feigned is usually little.
   MotionState improved(const MotionState& state, const ScanInformation& scan) const;
 
   /// The expected state given the pose, with the velocity that leads there.

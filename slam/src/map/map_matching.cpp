@@ -15,7 +15,8 @@ constexpr double kMinLineElongation = 10.0;
 /// through which any plane goes.
 constexpr double kMinPlaneWidthShare = 0.1;
 
-/// Standard deviation of the map's points, which are means in voxels, beside what five of them show.
+/// Standard deviation of the map's points, which are means in voxels, beside what five of them
+/// show.
 constexpr double kPointSigma_m = 0.01;
 
 /// Standard deviation of the slope of a fit through points of variance `along`, which are away from

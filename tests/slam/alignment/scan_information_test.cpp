@@ -116,3 +116,30 @@ TEST_CASE("the velocity that leads to the pose is found with it") {
   CHECK(found.velocity.linear.y() == doctest::Approx(0.0));
   CHECK(prior.given(found.T_map_sensor).velocity.linear.x() == doctest::Approx(5.0).epsilon(1e-3));
 }
+
+TEST_CASE("along a tunnel whose normals lean at random nothing is known, across it all is") {
+  constexpr double kTilt = 0.05;
+  std::mt19937 generator(9);
+  std::normal_distribution<double> lean(0.0, kTilt);
+  std::vector<PlaneConstraint> tunnel;
+  for (int i = 0; i < 1200; ++i) {
+    const double along_m = 40.0 * test::random_unit(generator);
+    const Eigen::Vector3d across = i % 2 == 0 ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ();
+    const Eigen::Vector3d normal =
+        (across + lean(generator) * Eigen::Vector3d::UnitX()).normalized();
+    const Eigen::Vector3d point_m =
+        along_m * Eigen::Vector3d::UnitX() +
+        2.5 * (test::random_unit(generator) * Eigen::Vector3d(0, 1, 1) + across);
+    tunnel.push_back(
+        {point_m, normal, normal.dot(point_m), 1.0 / kSigma_m, kTilt * Eigen::Vector3d::UnitX()});
+  }
+  const ScanInformation found = slam::scan_information(tunnel, Eigen::Matrix3d::Identity());
+  CHECK(1.0 / std::sqrt(found.information(0, 0)) < 0.02);  // feigned: centimetres
+  CHECK(found.known(0, 0) < 0.01 * found.information(0, 0));
+  CHECK(found.known(1, 1) > 0.99 * found.information(1, 1));
+  CHECK(found.known(2, 2) > 0.99 * found.information(2, 2));
+  const ExpectedState prior(standing(0.5, 1.0));
+  const MotionState state = prior.improved(standing(0.5, 1.0), found);
+  CHECK(std::sqrt(state.covariance(0, 0)) > 0.45);  // as before the scan
+  CHECK(std::sqrt(state.covariance(1, 1)) < 0.01);
+}
