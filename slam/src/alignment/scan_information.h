@@ -25,7 +25,7 @@ struct ScanInformation {
 /// Along a tunnel each normal leans at random, and many of them make a direction look known. With
 ///   N = sum of J_t J_t^T,  J_t = weight (t, p x t),  t: the normal's tilt,
 /// the expected part of it, a direction u of information a = u^T (sum J J^T) u is known above
-///   b = 2 u^T N u + kMinObservableShare sum of weight^2
+///   b = 2 u^T N u + kMismatchedShare sum of weight^2
 /// and has the share (a / b - 1) / 5, between 0 and 1, of its information in `known`.
 ScanInformation scan_information(const std::vector<PlaneConstraint>& constraints,
                                  const Eigen::Matrix3d& R_map_sensor);
