@@ -354,7 +354,8 @@ Slam::Implementation::Registered Slam::Implementation::first_registered(Tracking
   alone_last.reference.target = {alone_last.first_keyframe->features, Twist()};
   put_first_keyframe(alone_last, Twist());
   const Registered by_scan = in_corrected_map(alone_last, alone, alone_notes);
-  if (!by_scan.is_registered || (found.is_registered && by_scan.close_ratio <= found.close_ratio)) {
+  if (!by_scan.is_registered ||
+      (found.is_registered && by_scan.close_ratio <= kFitsBetter * found.close_ratio)) {
     mapping = std::move(mapping_by_imu);
     return found;
   }

@@ -104,6 +104,7 @@ inline const std::vector<Command>& commands() {
        true,
        false},
       {"info {drive}/scans.npy --sensor os1-16", {"info {pcap}"}},
+      {"replay {pcap}", {"replay {pcap}"}, {}, false, false},
       {"demo --out {out}", {}, {"/demo.html"}, true, false, false},
       {"simulate --drive block --sensor os1-16 --scans 3 --bin --out {out}",
        {"simulate --drive block --scans 2 --sensor {json} --out {out}"},

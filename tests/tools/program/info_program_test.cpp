@@ -95,8 +95,10 @@ TEST_CASE("info counts the scans that cannot be read, and says what is wrong wit
   NpyStackWriter stack(path, 16, 1024);
   RangeImage image(16, 1024);
   for (const float range_m : {10.0F, std::numeric_limits<float>::quiet_NaN()}) {
-    image.range_m.assign(image.range_m.size(), range_m);
-    for (int i = 0; i < 60; ++i) stack.append(image);
+    for (int i = 0; i < 60; ++i) {
+      image.range_m.assign(image.range_m.size(), range_m + 0.01F * static_cast<float>(i));
+      stack.append(image);
+    }
   }
   CHECK(missing(succeeds("info '{}' --sensor os1-16", path).out,
                 {"40 scans were left out, the first of them: " + path + "[60]",

@@ -19,12 +19,12 @@ namespace {
 
 nlohmann::json timings(const TemporaryDirectory& out) { return json_of(out.file("timings.json")); }
 
-/// A folder of .bin files: `count` names for the drive's first file.
+/// A folder of .bin files: `count` names for the drive's first two files in turn.
 void make_long_recording(const fs::path& folder, int count) {
-  const fs::path first = simulated_drive() + "/bin/000000.bin";
   fs::create_directory(folder);
   for (int i = 0; i < count; ++i) {
-    fs::create_symlink(first, folder / fmt::format("{:06}.bin", i));
+    fs::create_symlink(fmt::format("{}/bin/{:06}.bin", simulated_drive(), i % 2),
+                       folder / fmt::format("{:06}.bin", i));
   }
 }
 

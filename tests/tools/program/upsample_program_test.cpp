@@ -335,7 +335,7 @@ TEST_CASE("Ctrl-C stops upsampling with status 130 and a valid stack") {
   const TemporaryDirectory folder;
   fs::create_directory(folder.file("pcd"));
   for (int i = 0; i < 3000; ++i) {
-    fs::create_symlink(material().drive + "/pcd/000000.pcd",
+    fs::create_symlink(fmt::format("{}/pcd/{:06}.pcd", material().drive, i % 2),
                        folder.file(fmt::format("pcd/{:06}.pcd", i)));
   }
   const std::string input = folder.file("pcd");

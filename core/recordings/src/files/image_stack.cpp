@@ -158,6 +158,7 @@ class ImageStackSource : public ScanSource {
 
   /// Where beams were deleted, or the sensor has fewer than its images have rows.
   void leave_out_empty_rows() {
+    if (sensor_.measured_rows) return;  // computed rows may be empty
     constexpr std::int64_t kImages = 5;
     std::set<int> rows;
     for (std::int64_t i = 0; i < std::min(kImages, reader_.images()); ++i) {

@@ -35,13 +35,11 @@ nn::NetworkDescription network_for(const SensorModel& sensor, bool with_memory =
       "test");
 }
 
-/// A file with the points of a scan all of whose ranges are 5 m; returns its path.
-std::string sensor_pcd(const TemporaryDirectory& folder, const SensorModel& sensor) {
+/// A file with the points of a scan all of whose ranges are alike.
+void write_sensor_pcd(const std::string& path, const SensorModel& sensor, float range_m) {
   RangeImage image(sensor.rows(), sensor.columns);
-  for (float& range_m : image.range_m) range_m = 5.0F;
-  const std::string path = folder.file("scan.pcd");
+  image.range_m.assign(image.range_m.size(), range_m);
   test::write_points(points_of(unproject(image, sensor, CaptureTime::kMotionCorrected)), path);
-  return path;
 }
 
 /// A stack whose pixels all hold 10 * number + i in image i; returns its path.
@@ -180,7 +178,6 @@ TEST_CASE("a drive that looks ahead gets what every scan recalls of those around
 TEST_CASE("a recording's folder is what is in it now, without the scans that are no scans") {
   const TemporaryDirectory folder;
   SensorModel sensor = sensor_preset("os1-16");
-  const std::string file = sensor_pcd(folder, sensor);
   std::filesystem::create_directory(folder.file("scans"));
   const InterruptGuard interrupt;
   Ranks alone;
@@ -191,8 +188,9 @@ TEST_CASE("a recording's folder is what is in it now, without the scans that are
                         interrupt)
         ->size();
   };
-  for (const char* name : {"0.pcd", "1.pcd", "2.pcd"}) {
-    std::filesystem::copy(file, folder.path() / "scans" / name);
+  for (int i = 0; i < 3; ++i) {
+    write_sensor_pcd(folder.file(fmt::format("scans/{}.pcd", i)), sensor,
+                     5.0F + static_cast<float>(i));
   }
   CHECK(scans_now() == 3);
   std::filesystem::remove(folder.path() / "scans/2.pcd");
