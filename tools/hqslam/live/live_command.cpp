@@ -116,7 +116,8 @@ int exit_status_of(const SlamRun& run, const live::LiveCounts& counts, const Map
   return kWrongInput;
 }
 
-/// After the results, or what of them could be written: maps and the summary. Returns an ExitStatus.
+/// After the results, or what of them could be written: maps and the summary. Returns an
+/// ExitStatus.
 int finish(const LiveOptions& options, const live::LiveCounts& counts, const std::string& failure,
            RunOutput& output, SlamRun& run) {
   if (failure.empty()) add_maps_of_capture(options, output, run);
