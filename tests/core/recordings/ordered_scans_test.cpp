@@ -13,14 +13,14 @@ using namespace hqslam::test;
 
 namespace {
 
-struct Read {
+struct ReadScans {
   std::vector<double> stamps_s;
   LeftOut left_out;
   std::vector<std::string> warnings;
 };
 
 /// Scans of the rooms of these widths, read with these stamps.
-Read read(const std::vector<double>& stamps_s, std::vector<float> widths_m = {}) {
+ReadScans read(const std::vector<double>& stamps_s, std::vector<float> widths_m = {}) {
   for (std::size_t i = widths_m.size(); i < stamps_s.size(); ++i) {
     widths_m.push_back(static_cast<float>(i));
   }
@@ -32,7 +32,7 @@ Read read(const std::vector<double>& stamps_s, std::vector<float> widths_m = {})
     scan.counts.kept = 1600;
     return scan;
   }));
-  Read result;
+  ReadScans result;
   while (const auto scan = next_usable(*source, result.left_out)) {
     result.stamps_s.push_back(std::round(1e6 * scan->stamp_s) / 1e6);
   }
@@ -45,7 +45,7 @@ using Stamps = std::vector<double>;
 }  // namespace
 
 TEST_CASE("scans that are in order are read as they are") {
-  const Read result = read({0.1, 0.2, 0.4});
+  const ReadScans result = read({0.1, 0.2, 0.4});
   CHECK(result.stamps_s == Stamps{0.1, 0.2, 0.4});
   CHECK(result.left_out.scans == 0);
   CHECK(result.warnings.empty());
@@ -53,28 +53,28 @@ TEST_CASE("scans that are in order are read as they are") {
 
 TEST_CASE("a scan that was recorded twice, with its stamp or another, is left out and counted") {
   for (const double second_s : {0.1, 0.15}) {
-    const Read result = read({0.1, second_s, 0.2, 0.3}, {5.0F, 5.0F, 6.0F, 7.0F});
+    const ReadScans result = read({0.1, second_s, 0.2, 0.3}, {5.0F, 5.0F, 6.0F, 7.0F});
     CHECK(result.stamps_s == Stamps{0.1, 0.2, 0.3});
     CHECK(result.left_out.scans == 1);
   }
 }
 
 TEST_CASE("scans that changed places are read in the order of their stamps, which is said") {
-  const Read result = read({0.1, 0.3, 0.2, 0.4});
+  const ReadScans result = read({0.1, 0.3, 0.2, 0.4});
   CHECK(result.stamps_s == Stamps{0.1, 0.2, 0.3, 0.4});
   REQUIRE(result.warnings.size() == 1);
   CHECK(result.warnings[0].starts_with("1 scan was recorded after a later one"));
 }
 
 TEST_CASE("a single scan that is stamped long before the one before is left out") {
-  const Read result = read({1.1, 1.2, 0.3, 1.4});
+  const ReadScans result = read({1.1, 1.2, 0.3, 1.4});
   CHECK(result.stamps_s == Stamps{1.1, 1.2, 1.4});
   CHECK(result.left_out.first.find("stamped 0.300000 s") != std::string::npos);
 }
 
 TEST_CASE("stamps that fall back and stay there, or stand, are counted on and rise") {
   CHECK(read({5.1, 5.2, 2.3, 2.4, 2.6}).stamps_s == Stamps{5.1, 5.2, 5.3, 5.4, 5.6});
-  const Read standing = read({0.0, 0.0, 0.0, 0.0});
+  const ReadScans standing = read({0.0, 0.0, 0.0, 0.0});
   CHECK(standing.stamps_s == Stamps{0.0, 0.1, 0.2, 0.3});
   REQUIRE(standing.warnings.size() == 1);
   CHECK(standing.warnings[0].find("3 scans") != std::string::npos);

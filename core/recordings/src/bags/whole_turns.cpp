@@ -20,15 +20,15 @@ constexpr double kOneTurn = 0.1;
 /// Messages last as long as the time from one to the next, and turns are as long as one another.
 constexpr double kSameTime = 0.2;
 constexpr double kSameTurn = 0.05;
-constexpr std::size_t kFewestPoints = 100;
+constexpr std::size_t kFewestPointsOfTurn = 100;
 /// More than in a turn of any LiDAR: the stamps stand.
-constexpr std::size_t kMostPoints = 2'000'000;
+constexpr std::size_t kMostPointsOfTurn = 2'000'000;
 
 /// By how much the azimuth goes on from the first to the last point in time, over the time; nothing
 /// for points without times.
 std::optional<double> turn_s(const RawPoints& message, double period_s) {
   const auto times = point_times(message.time, period_s, "");
-  if (!times || message.scan.points_m.size() < kFewestPoints) return std::nullopt;
+  if (!times || message.scan.points_m.size() < kFewestPointsOfTurn) return std::nullopt;
   if (std::abs(times->duration_s / period_s - 1.0) > kSameTime) return std::nullopt;
   std::vector<std::size_t> order(times->offset_s.size());
   std::iota(order.begin(), order.end(), 0);
@@ -81,7 +81,7 @@ void WholeTurns::add(const Scan& part) {
   const double first_s = part.stamp_s + *first;
   const double end_s = part.stamp_s + *last;
   const bool is_gap = std::abs(first_s - last_s_) > turn_s_;
-  if (open_.points_m.empty() || is_gap || open_.points_m.size() > kMostPoints) {
+  if (open_.points_m.empty() || is_gap || open_.points_m.size() > kMostPointsOfTurn) {
     finish();
     begin_s_ = first_s;
   }

@@ -24,7 +24,7 @@ namespace {
 
 constexpr double kFits_rad = 0.1 * kDegree_rad;
 constexpr double kFarthest_rad = 1.5 * kDegree_rad;
-constexpr std::size_t kFewestPoints = 100;
+constexpr std::size_t kFewestPointsOfRow = 100;
 
 /// How far each row is from the table, where it has points enough.
 std::vector<std::optional<double>> deviations_rad(const SensorModel& sensor,
@@ -41,7 +41,7 @@ std::vector<std::optional<double>> deviations_rad(const SensorModel& sensor,
   }
   std::vector<std::optional<double>> result(elevations.size());
   for (std::size_t row = 0; row < elevations.size(); ++row) {
-    if (elevations[row].size() < kFewestPoints) continue;
+    if (elevations[row].size() < kFewestPointsOfRow) continue;
     result[row] = median(elevations[row]) - sensor.beam_elevation_rad[row];
   }
   return result;

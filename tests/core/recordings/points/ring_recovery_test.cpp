@@ -10,6 +10,7 @@
 
 #include "core/real_data.h"
 #include "error_message.h"
+#include "hqslam/core/angles.h"
 #include "hqslam/core/kitti_bin.h"
 
 using namespace hqslam;
@@ -17,8 +18,6 @@ using namespace hqslam::recordings;
 using namespace hqslam::test;
 
 namespace {
-
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 /// A scan and, per point, the row that it was made with or is known to have.
 struct KnownScan {
