@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "golden_folder.h"
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/trajectory.h"
 #include "hqslam/evaluation/trajectory_error.h"
@@ -137,6 +138,28 @@ TEST_CASE("a recording of which nothing can be used leaves the results of an ear
   CHECK(holds(last_line(refused(arguments).error), ".bin"));
   CHECK(file_contents(folder.file("out/trajectory.tum")) == before);
   CHECK(fs::exists(folder.file("out/report.html")));
+}
+
+TEST_CASE("LeGO-LOAM follows a drive of 16 rows and of 64 upsampled ones, and says what it lacks") {
+  const TemporaryDirectory folder;
+  const Trajectory truth = read_tum(simulated_drive() + "/truth.tum");
+  const std::string weights = golden_folder() + "/../../weights/du-mix_os1_16to64.npz";
+  for (const std::string& upsampling : {std::string(), "--upsample '" + weights + "'"}) {
+    CAPTURE(upsampling);
+    succeeds("run '{}' --slam lego-loam {} --out '{}'", simulated_drive(), upsampling,
+             folder.file("out"));
+    const Trajectory found = read_tum(folder.file("out/trajectory.tum"));
+    REQUIRE(found.size() == truth.size());
+    const Pose motion = found.front().T_map_sensor.inverse() * found.back().T_map_sensor;
+    const Pose true_motion = truth.front().T_map_sensor.inverse() * truth.back().T_map_sensor;
+    CHECK((motion.translation() - true_motion.translation()).norm() <
+          0.1 * true_motion.translation().norm());
+  }
+  for (const char* option : {"--save-map", "--set mapping.max_iterations=12"}) {
+    const ProgramResult result = refused("run '{}' --slam lego-loam {} --out '{}'",
+                                         simulated_drive(), option, folder.file("out"));
+    CHECK(holds(result.error, "--slam lego-loam"));
+  }
 }
 
 TEST_CASE("Ctrl-C stops a run with status 130 and valid results") {
