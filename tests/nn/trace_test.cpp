@@ -103,40 +103,21 @@ TEST_CASE("DU-Mix chooses the likelier mode and shows no range where nothing was
   }
 }
 
-TEST_CASE("the terms of the objective are those of the images that the trace shows") {
+TEST_CASE("the penalty is what was learned, and Y is Z where the filter rejects H") {
   for (const HqsPlan& plan : {shallow_du_or(), small_simple_du()}) {
     const Trace trace = traced_run(plan).trace;
-    const RangeImage scene = small_scene();
     for (int k = 0; k < plan.layers; ++k) {
       const std::string prefix = "layers." + std::to_string(k) + ".";
-      const double penalty = trace.tensor(prefix + "penalty").values(0, 0, 0);
-      CHECK(penalty == doctest::Approx(plan.simple() ? 0.5 / 10.99 : 0.1));
+      CHECK(trace.tensor(prefix + "penalty").values(0, 0, 0) ==
+            doctest::Approx(plan.simple() ? 0.5 / 10.99 : 0.1));
+      if (plan.simple()) continue;
       const RangeImage h = trace.image(prefix + "h");
       const RangeImage z = trace.image(prefix + "z");
-      const RangeImage y = plan.simple() ? h : trace.image(prefix + "y");
-      double data_m2 = 0.0;
-      double z_gap_m2 = 0.0;
-      double y_gap_m2 = 0.0;
-      std::int64_t rejected = 0;
-      for (int row = 0; row < scene.rows; ++row) {
-        for (int column = 0; column < scene.columns; ++column) {
-          const double gap_m = scene.at(row, column) - h.at(row, column);
-          if (plan.measured_rows.contains(row)) data_m2 += 0.5 * gap_m * gap_m;
-          const double z_gap_m = z.at(row, column) - h.at(row, column);
-          const double y_gap_m = y.at(row, column) - h.at(row, column);
-          z_gap_m2 += 0.5 * penalty * z_gap_m * z_gap_m;
-          y_gap_m2 += 0.5 * penalty * y_gap_m * y_gap_m;
-          if (plan.simple()) continue;
-          const bool taken = trace.image(prefix + "rejected").at(row, column) != 0.0F;
-          rejected += taken ? 1 : 0;
-          REQUIRE(y.at(row, column) == (taken ? z : h).at(row, column));
-        }
+      const RangeImage y = trace.image(prefix + "y");
+      const RangeImage rejected = trace.image(prefix + "rejected");
+      for (std::size_t i = 0; i < y.range_m.size(); ++i) {
+        REQUIRE(y.range_m[i] == (rejected.range_m[i] != 0.0F ? z : h).range_m[i]);
       }
-      const ObjectiveTerms terms = objective_terms(trace, k, plan.measured_rows);
-      CHECK(terms.data_m2 == doctest::Approx(data_m2).epsilon(1e-5));
-      CHECK(terms.denoiser_gap_m2 == doctest::Approx(z_gap_m2).epsilon(1e-5));
-      CHECK(terms.filter_gap_m2 == doctest::Approx(y_gap_m2).epsilon(1e-5));
-      CHECK(terms.rejected == rejected);
     }
   }
 }

@@ -29,7 +29,7 @@ inline SlamRun example_run(int scans) {
     run.map_points_m.emplace_back(static_cast<float>(i), 5.0F, 1.0F);
   }
   run.end = ReadingEnd::kComplete;
-  run.part_of_scan.resize(run.scans.size());
+  run.submap_of_scan.resize(run.scans.size());
   run.segment_of_scan.resize(run.scans.size());
   return run;
 }

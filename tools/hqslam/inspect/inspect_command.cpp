@@ -114,8 +114,8 @@ int inspect_slam(const InspectOptions& options) {
 void declare(CLI::App& app, InspectOptions& options) {
   Command command = add_command(
       app, "inspect", "Show what each layer of a network, or each stage of SLAM, makes of a scan",
-      "Writes one page with H, Z, the filter's mask and Y of every layer, the terms of the "
-      "objective and, if the recording has all rows, the error of every layer. With --slam: the "
+      "Writes one page with H, Z, the filter's mask and Y of every layer and, if the recording "
+      "has all rows, the error of every layer. With --slam: the "
       "class of every pixel, features with their correspondences in the map, residuals and "
       "weights, the predicted, the odometry's and the final pose, and how well each direction of "
       "motion is determined.");

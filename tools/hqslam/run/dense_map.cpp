@@ -17,8 +17,8 @@ ScanPoses poses_of(const SlamRun& run) {
   ScanPoses poses{run.trajectory, {}, {}, scan_of_pose(run)};
   for (std::size_t i = 0; i < run.scans.size(); ++i) {
     poses.is_located.push_back(slam::is_registered(run.scans[i].report.mapping_status) &&
-                               run.part_of_scan[i] == run.map_part);
-    if (i + 1 < run.scans.size()) poses.is_next_known.push_back(is_way_known(run, i));
+                               run.submap_of_scan[i] == run.largest_submap);
+    if (i + 1 < run.scans.size()) poses.is_next_known.push_back(is_motion_known(run, i));
   }
   // Scans that a live run dropped are in its capture but not in the run: stamps are matched.
   if (!run.scans.empty() && run.scans.front().latency_s) poses.scan_of_pose.reset();

@@ -44,7 +44,7 @@ Json numbers_json(const SlamRun& run) {
                            fmt::format("{:.1f}", distribution_of(slam_times(run).times_ms).median),
                            "ms", "median"));
   if (run.slam.loop_closing.enabled) {
-    const std::size_t submaps = scans_of_parts(run).size();
+    const std::size_t submaps = scans_of_submaps(run).size();
     numbers.push_back(number("Loops closed", fmt::format("{}", loops_closed(run)), "",
                              submaps > 1 ? fmt::format("{} submaps not joined", submaps) : ""));
   }
@@ -102,7 +102,7 @@ Json trajectory_json(const SlamRun& run) {
   std::vector<std::uint8_t> mapping;
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
     scan.push_back(run.scans[i].scan);
-    gap.push_back(i + 1 < trajectory.size() && !is_way_known(run, i) ? 1 : 0);
+    gap.push_back(i + 1 < trajectory.size() && !is_motion_known(run, i) ? 1 : 0);
     const auto kind = std::ranges::find(kinds, run.scans[i].report.mapping_status);
     mapping.push_back(static_cast<std::uint8_t>(kind - kinds.begin()));
   }

@@ -92,7 +92,7 @@ std::optional<ReferenceComparison> comparison_of(const SlamRun& run,
   std::vector<std::size_t> scan_of_known;
   for (std::size_t scan = 0; scan < all.size(); ++scan) {
     if (run.scans[scan].report.mapping_status == slam::Status::kNotRecognized) continue;
-    if (run.part_of_scan[scan] != run.map_part) continue;
+    if (run.submap_of_scan[scan] != run.largest_submap) continue;
     known.push_back(all[scan]);
     scan_of_known.push_back(scan);
   }

@@ -32,7 +32,7 @@ std::string covariances_csv(const SlamRun& run) {
   for (std::size_t i = 0; i < run.scans.size(); ++i) {
     const ScanRecord& scan = run.scans[i];
     text += fmt::format("{:.9f},{},{}", scan.report.stamp_s, slam::name(scan.report.mapping_status),
-                        run.part_of_scan[i]);
+                        run.submap_of_scan[i]);
     for (int row = 0; row < 6; ++row) {
       for (int column = 0; column < 6; ++column) {
         fmt::format_to(std::back_inserter(text), ",{:.6g}", scan.report.covariance(row, column));

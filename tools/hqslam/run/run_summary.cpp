@@ -25,7 +25,7 @@ std::string mapping_summary(const SlamRun& run) {
     const std::int64_t closed = loops_closed(run);
     summary += fmt::format("; {} loop{} closed", closed, closed == 1 ? "" : "s");
   }
-  const std::size_t parts = scans_of_parts(run).size();
+  const std::size_t parts = scans_of_submaps(run).size();
   if (parts > 1) summary += fmt::format("; {} parts of the path, not joined", parts);
   return summary;
 }
@@ -83,13 +83,13 @@ std::string ground_summary(const SlamRun& run) {
 
 /// Of which part of the map the maps are, if there are several.
 std::string map_summary(const SlamRun& run) {
-  const std::map<std::size_t, std::int64_t> parts = scans_of_parts(run);
+  const std::map<std::size_t, std::int64_t> parts = scans_of_submaps(run);
   if (parts.size() < 2) return "";
-  const std::int64_t scans = parts.at(run.map_part);
+  const std::int64_t scans = parts.at(run.largest_submap);
   return fmt::format(
       "maps: of part {} alone, {} scans; the {} of other parts are left out, for how they lie to "
       "it is not known\n",
-      run.map_part, scans, std::ssize(run.scans) - scans);
+      run.largest_submap, scans, std::ssize(run.scans) - scans);
 }
 
 }  // namespace

@@ -19,10 +19,10 @@ ViewCloud cloud_of(const DenseMapRun& map) {
 /// The sensor's path during a scan: to and from its neighbours whose relative poses are known.
 slam::SensorPath path_of(const SlamRun& run, std::size_t pose) {
   Trajectory near;
-  if (pose > 0 && is_way_known(run, pose - 1)) near.push_back(run.trajectory[pose - 1]);
+  if (pose > 0 && is_motion_known(run, pose - 1)) near.push_back(run.trajectory[pose - 1]);
   const std::size_t here = near.size();
   near.push_back(run.trajectory[pose]);
-  if (pose + 1 < run.trajectory.size() && is_way_known(run, pose)) {
+  if (pose + 1 < run.trajectory.size() && is_motion_known(run, pose)) {
     near.push_back(run.trajectory[pose + 1]);
   }
   return {near, here};
@@ -53,14 +53,14 @@ TurningView view_of(const SlamRun& run, const DenseMapRun* dense_map) {
     view.clouds.push_back({"features", run.map_points_m, {}, run.map_intensity});
   }
   const auto is_shown = [&](std::size_t pose) {
-    return pose < run.trajectory.size() && run.part_of_scan[pose] == run.map_part;
+    return pose < run.trajectory.size() && run.submap_of_scan[pose] == run.largest_submap;
   };
   const auto place_m = [&](std::size_t pose) {
     return Eigen::Vector3f(run.trajectory[pose].T_map_sensor.translation().cast<float>());
   };
   for (std::size_t pose = 0; pose < run.trajectory.size(); ++pose) {
     if (!is_shown(pose)) continue;
-    const bool goes_on = pose > 0 && is_shown(pose - 1) && is_way_known(run, pose - 1);
+    const bool goes_on = pose > 0 && is_shown(pose - 1) && is_motion_known(run, pose - 1);
     if (!goes_on) view.path_m.emplace_back();
     view.path_m.back().push_back(place_m(pose));
   }

@@ -53,7 +53,7 @@ std::int64_t loops_closed(const SlamRun& run) {
   return std::ranges::count(run.loops, slam::LoopStatus::kClosed, &slam::LoopReport::status);
 }
 
-bool is_way_known(const SlamRun& run, std::size_t scan) {
+bool is_motion_known(const SlamRun& run, std::size_t scan) {
   const auto is_recognized = [&](std::size_t i) {
     return run.scans[i].report.mapping_status != slam::Status::kNotRecognized;
   };
@@ -70,7 +70,7 @@ std::vector<std::int64_t> scan_of_pose(const SlamRun& run) {
 double known_path_m(const SlamRun& run) {
   double path_m = 0.0;
   for (std::size_t i = 0; i + 1 < run.trajectory.size(); ++i) {
-    if (!is_way_known(run, i)) continue;
+    if (!is_motion_known(run, i)) continue;
     path_m += (run.trajectory[i + 1].T_map_sensor.translation() -
                run.trajectory[i].T_map_sensor.translation())
                   .norm();
@@ -78,9 +78,9 @@ double known_path_m(const SlamRun& run) {
   return path_m;
 }
 
-std::map<std::size_t, std::int64_t> scans_of_parts(const SlamRun& run) {
+std::map<std::size_t, std::int64_t> scans_of_submaps(const SlamRun& run) {
   std::map<std::size_t, std::int64_t> result;
-  for (const std::size_t part : run.part_of_scan) ++result[part];
+  for (const std::size_t part : run.submap_of_scan) ++result[part];
   return result;
 }
 

@@ -48,12 +48,12 @@ struct SlamRun : Reading {
   bool has_imu = false;                      ///< inertial data came with it
   std::string imu_complaint;                 ///< slam::Slam::imu_complaint()
   std::vector<slam::LoopReport> loops;       ///< places that were recognised, and are right now
-  std::vector<std::size_t> part_of_scan;     ///< slam::Slam::submap_of_scan()
+  std::vector<std::size_t> submap_of_scan;   ///< slam::Slam::submap_of_scan()
   std::vector<std::size_t> segment_of_scan;  ///< slam::Slam::segment_of_scan()
   Trajectory trajectory;  ///< T_map_sensor, the map's frame is the first scan's, turned level
-  /// Filled when the run ends: of the part of the map with most scans, which that is, and its
-  /// points in the map's frame. How others lie to it is not known.
-  std::size_t map_part = 0;
+  /// Filled when the run ends: the submap with most scans, and its
+  /// points in the map's frame. Relative poses of other submaps are unknown.
+  std::size_t largest_submap = 0;
   std::vector<Eigen::Vector3f> map_points_m;
   std::vector<float> map_intensity;  ///< of each; empty where the recording has none
   std::vector<KeptScan> kept_scans;  ///< to be looked at; filled when the run ends
@@ -89,9 +89,9 @@ std::vector<std::pair<slam::Status, std::int64_t>> status_counts(
 /// How often the path and the map were corrected.
 std::int64_t loops_closed(const SlamRun& run);
 
-/// Whether something is known about the way from a scan to the next: both places were recognized,
+/// Whether the motion from a scan to the next is known: both places were recognized,
 /// and the sensor was not carried in between, also where its parts of the map were joined later.
-bool is_way_known(const SlamRun& run, std::size_t scan);
+bool is_motion_known(const SlamRun& run, std::size_t scan);
 
 /// Of which scan of the recording each pose of the trajectory is (ScanRecord::scan).
 std::vector<std::int64_t> scan_of_pose(const SlamRun& run);
@@ -99,7 +99,7 @@ std::vector<std::int64_t> scan_of_pose(const SlamRun& run);
 /// The path as far as it is known, in metres.
 double known_path_m(const SlamRun& run);
 
-/// The scans of each part of the map (slam::Slam::submap_of_scan), by its number.
-std::map<std::size_t, std::int64_t> scans_of_parts(const SlamRun& run);
+/// The number of scans of each submap (slam::Slam::submap_of_scan), by its number.
+std::map<std::size_t, std::int64_t> scans_of_submaps(const SlamRun& run);
 
 }  // namespace hqslam::tools

@@ -10,7 +10,7 @@ namespace hqslam::tools {
 namespace {
 
 std::size_t largest_submap(const SlamRun& run) {
-  const std::map<std::size_t, std::int64_t> submaps = scans_of_parts(run);
+  const std::map<std::size_t, std::int64_t> submaps = scans_of_submaps(run);
   const auto largest =
       std::ranges::max_element(submaps, {}, [](const auto& submap) { return submap.second; });
   return largest == submaps.end() ? 0 : largest->first;
@@ -72,14 +72,14 @@ SlamRun SlamSession::finished(bool save_map) {
   for (const slam::LoopReport& loop : pipeline_.finish()) keep(loop);
   run_.mounting = pipeline_.mounting();
   run_.imu_complaint = pipeline_.imu_complaint();
-  run_.part_of_scan = pipeline_.submap_of_scan();
+  run_.submap_of_scan = pipeline_.submap_of_scan();
   run_.wall_s = seconds_since(start_);
   run_so_far();
   for (const auto& [scan, covariance] : pipeline_.corrected_covariances()) {
     run_.scans[scan].report.covariance = covariance;
   }
-  run_.map_part = largest_submap(run_);
-  run_.map_points_m = pipeline_.map_points_m(run_.map_part, &run_.map_intensity);
+  run_.largest_submap = largest_submap(run_);
+  run_.map_points_m = pipeline_.map_points_m(run_.largest_submap, &run_.map_intensity);
   run_.kept_scans = kept_scans_.take();
   if (save_map) run_.saved_map = pipeline_.saved_map();
   return std::move(run_);

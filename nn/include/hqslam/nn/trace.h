@@ -65,14 +65,4 @@ class Trace {
 /// An image as a tensor of one channel.
 TracedTensor traced_image(std::string name, const RangeImage& image, std::string unit = "m");
 
-/// The terms of eq. 5 after one layer, in m^2 over all pixels (mu J has no value: it is learned).
-struct ObjectiveTerms {
-  double data_m2 = 0.0;          ///< 1/2 |L - D H|^2
-  double denoiser_gap_m2 = 0.0;  ///< b/2 |Z - H|^2
-  double filter_gap_m2 = 0.0;    ///< b/2 |Y - H|^2; without Y there is no such term
-  std::int64_t rejected = 0;     ///< pixels that Q rejects
-};
-/// The terms after layer k of a network that has a penalty. Throws Error for any other network.
-ObjectiveTerms objective_terms(const Trace& trace, int k, RowSelection measured_rows);
-
 }  // namespace hqslam::nn

@@ -15,10 +15,10 @@ using slam::Status;
 /// largest, and one of its scans was not located.
 SlamRun run_of_parts() {
   SlamRun run = example_run(10);
-  run.part_of_scan = {0, 0, 0, 1, 1, 2, 2, 2, 2, 2};
-  run.segment_of_scan = run.part_of_scan;
+  run.submap_of_scan = {0, 0, 0, 1, 1, 2, 2, 2, 2, 2};
+  run.segment_of_scan = run.submap_of_scan;
   run.scans[7].report.mapping_status = Status::kTooFewFeatures;
-  run.map_part = 2;
+  run.largest_submap = 2;
   return run;
 }
 

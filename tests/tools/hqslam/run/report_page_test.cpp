@@ -48,7 +48,7 @@ TEST_CASE("where the relative pose of two scans is unknown there is a gap and no
   const nlohmann::json data = report_json(run);
   CHECK(headline(data, "Path length") == "26.0");  // of 29: one to segment 1, two about scan 20
   CHECK_FALSE(holds(data["numbers"].dump(), "not joined"));
-  run.part_of_scan = run.segment_of_scan;
+  run.submap_of_scan = run.segment_of_scan;
   CHECK(gaps() == 3);
   CHECK(holds(report_json(run)["numbers"].dump(), "2 submaps not joined"));
 }

@@ -123,7 +123,7 @@ TEST_CASE(
   SlamRun run = example_run(3);
   for (int i = 0; i < 36; ++i) run.scans[1].report.covariance(i / 6, i % 6) = 0.25 * i;
   run.scans[1].report.mapping_status = slam::Status::kTooFewFeatures;
-  run.part_of_scan[1] = 2;
+  run.submap_of_scan[1] = 2;
   const std::vector<std::string> lines = split(covariances_csv(run), '\n');
   REQUIRE(lines.size() == 5);
   CHECK(lines[0].rfind("# covariance of e", 0) == 0);

@@ -64,7 +64,7 @@ TEST_CASE("the path ends where the way is not known, and other parts of the map 
   const TurningView joined = view_of(run);
   REQUIRE(joined.path_m.size() == 2);
   CHECK(joined.path_m[0].size() == 10);
-  run.part_of_scan = run.segment_of_scan;
+  run.submap_of_scan = run.segment_of_scan;
   const TurningView parted = view_of(run);
   CHECK(parted.path_m.size() == 1);
   CHECK(parted.loops_m.empty());
