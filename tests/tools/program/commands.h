@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/recordings/captures.h"
 #include "hqslam/core/npz.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/nn/network_json.h"
@@ -27,6 +28,7 @@ struct CommandInputs {
       {"arrays", folder.file("a.npz")},    // the same, to be packed
       {"network", folder.file("n.json")},  // their description
       {"recipe", folder.file("recipe.json")},
+      {"capture", folder.file("capture.pcap")},  // of one packet
   };
 
   CommandInputs() {
@@ -37,6 +39,7 @@ struct CommandInputs {
     write_npz(paths.at("arrays"), all);
     write_file(paths.at("network"), nn::network_json(made.description));
     train_arguments(folder, "");  // makes the recipe
+    write_file(paths.at("capture"), pcap_bytes({{0, 47814, Payload(64)}}));
     SensorModel few_columns = sensor_preset("os1-16");
     few_columns.columns = 512;
     write_sensor_json(few_columns, folder.file("sensor.json"));
@@ -104,7 +107,7 @@ inline const std::vector<Command>& commands() {
        true,
        false},
       {"info {drive}/scans.npy --sensor os1-16", {"info {pcap}"}},
-      {"replay {pcap}", {"replay {pcap}"}, {}, false, false},
+      {"replay {capture}", {"replay {pcap}"}},
       {"demo --out {out}", {}, {"/demo.html"}, true, false, false},
       {"simulate --drive block --sensor os1-16 --scans 3 --bin --out {out}",
        {"simulate --drive block --scans 2 --sensor {json} --out {out}"},
