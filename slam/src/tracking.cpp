@@ -20,11 +20,6 @@ constexpr std::size_t kMaxMissedScans = 5;
 /// Smallest share of the last registered scan's ratios. From scan to scan the inlier ratio falls to
 /// 0.83 at the lowest on simulated drives of all kinds, and to 0.44 in another street.
 constexpr double kLeastShareOfInlierRatio = 0.6;
-/// A scan whose close_ratio is less than this share of the last one's is registered without the
-/// inertial sensor, too.
-constexpr double kFitsBadly = 0.8;
-/// As in choice_of_start.cpp.
-constexpr double kFitsBetter = 1.1;
 
 /// Whether a sensor that is not carried can deviate this much from its expected motion.
 bool is_plausible(const Twist& innovation, double duration_s) {
@@ -271,99 +266,6 @@ Slam::Implementation::Registered Slam::Implementation::registered(const Tracking
   }
   report.times.mapping_s += notes.stopwatch.lap_s();
   return found;
-}
-
-template <typename WithFeatures>
-void Slam::Implementation::leave_out_imu(WithFeatures& scan) const {
-  scan.turning.reset();
-  if (!scan.measured_features) return;
-  scan.features = *std::exchange(scan.measured_features, std::nullopt);
-  scan.map_features = map_features(scan.features, options.mapping);
-}
-
-/// registered(), and without the inertial sensor if its prediction is contradicted: what fits
-/// better is taken. The scan is then as it was measured.
-Slam::Implementation::Registered Slam::Implementation::checked(const Tracking& last, Scan& scan,
-                                                               Notes& notes) {
-  Registered found = registered(last, scan, notes);
-  const bool is_doubtful = !found.is_registered ||
-                           found.innovation > InertialCheck::kMostInnovation ||
-                           found.close_ratio < kFitsBadly * last.close_ratio;
-  const double least_gain = is_doubtful ? 1.0 : kFitsBetter;
-  const bool competes = scan.turning && (is_doubtful || !inertial_check.is_proven());
-  if (competes && replaced_without_imu(last, least_gain, scan, found, notes)) {
-    inertial_check.add_innovation(InertialCheck::kMostInnovation);
-  } else if (notes.report.predicted_by_imu) {
-    inertial_check.add_innovation(found.innovation);
-  }
-  if (found.is_registered) compare_turns(last.reference, scan, found);
-  return found;
-}
-
-/// Replaces a registration by one without the inertial sensor if that fits better, by more than
-/// least_gain; returns whether it does.
-bool Slam::Implementation::replaced_without_imu(const Tracking& last, double least_gain, Scan& scan,
-                                                Registered& found, Notes& notes) {
-  Scan alone = scan;
-  leave_out_imu(alone);
-  Notes alone_notes = notes;
-  const Registered by_scan = registered(last, alone, alone_notes);
-  const bool is_better =
-      by_scan.is_registered &&
-      (!found.is_registered || by_scan.close_ratio > least_gain * found.close_ratio);
-  if (is_better) {
-    leave_out_imu(scan);
-    notes = alone_notes;
-    found = by_scan;
-  } else if (notes.trace != nullptr) {
-    found = registered(last, scan, notes);  // the trace is of this one
-  }
-  return is_better;
-}
-
-/// Compares the turn since the reference by the inertial sensor with the registered one.
-void Slam::Implementation::compare_turns(const Reference& reference, const Scan& scan,
-                                         const Registered& found) {
-  const std::vector<ImuStep> steps =
-      imu.steps(reference.stamp_s, scan.stamp_s, mounting.turn_to_level());
-  if (steps.empty()) return;
-  Eigen::Vector3d turned_rad = Eigen::Vector3d::Zero();
-  for (const ImuStep& step : steps) turned_rad += step.duration_s * step.angular_rate_rad_per_s;
-  const double duration_s = scan.stamp_s - reference.stamp_s;
-  const Pose motion = reference.state.T_map_sensor.inverse() * found.state.T_map_sensor;
-  inertial_check.compare_turns(turned_rad / duration_s, logarithm(motion).angular / duration_s);
-}
-
-/// checked(), while the first keyframe is the only one in the better of two maps: it was corrected
-/// with the turns of the inertial sensor, which nothing has confirmed yet, or is without.
-Slam::Implementation::Registered Slam::Implementation::first_registered(Tracking& last, Scan& scan,
-                                                                        Notes& notes) {
-  if (!last.first_keyframe || !last.first_keyframe->turning ||
-      last.first_keyframe->time_s != last.reference.time_s) {
-    return in_corrected_map(last, scan, notes);
-  }
-  Tracking alone_last = last;
-  Scan alone = scan;
-  Notes alone_notes = notes;
-  const Registered found = in_corrected_map(last, scan, notes);
-  Mapping mapping_by_imu = mapping;
-  leave_out_imu(alone);
-  leave_out_imu(*alone_last.first_keyframe);
-  alone_last.reference.inertial.reset();
-  alone_last.reference.state = unknown_motion(alone_last.reference.state.T_map_sensor);
-  alone_last.reference.target = {alone_last.first_keyframe->features, Twist()};
-  put_first_keyframe(alone_last, Twist());
-  const Registered by_scan = in_corrected_map(alone_last, alone, alone_notes);
-  if (!by_scan.is_registered ||
-      (found.is_registered && by_scan.close_ratio <= kFitsBetter * found.close_ratio)) {
-    mapping = std::move(mapping_by_imu);
-    return found;
-  }
-  inertial_check.add_innovation(InertialCheck::kMostInnovation);
-  last = std::move(alone_last);
-  leave_out_imu(scan);
-  notes = alone_notes;
-  return by_scan;
 }
 
 /// checked(), and again after the map has begun anew with the first keyframe, which was inserted as

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <vector>
 
+#include "hqslam/core/angles.h"
 #include "hqslam/core/imu_sample.h"
 
 namespace hqslam::slam {
@@ -32,7 +32,8 @@ constexpr double kTurning_rad_per_s = 0.02;
 /// is to be believed again.
 constexpr double kMostUnexplained = 0.5;
 constexpr double kUnexplained = 0.3;
-/// Largest angle of the mean force from upwards: the sensor leans, and accelerates.
+/// Smallest cosine of the angle between the mean force and upwards: the sensor leans, and
+/// accelerates.
 constexpr double kLeastUpward = 0.5;
 
 /// A sensor whose axes and unit may be others: registered = scale axes measured.
@@ -44,13 +45,12 @@ struct Conversion {
 /// All that may be meant: axes swapped or negated, degrees for radians or the opposite.
 template <typename Visit>
 void for_each_conversion(const Visit& visit) {
-  constexpr double kDegree = std::numbers::pi / 180.0;
   std::array<int, 3> order = {0, 1, 2};
   do {
     for (int signs = 0; signs < 8; ++signs) {
       Conversion conversion{Matrix3d::Zero(), 1.0};
       for (int i = 0; i < 3; ++i) conversion.axes(i, order[i]) = (signs >> i & 1) != 0 ? -1.0 : 1.0;
-      for (const double scale : {1.0, kDegree, 1.0 / kDegree}) {
+      for (const double scale : {1.0, kDegree_rad, 1.0 / kDegree_rad}) {
         conversion.scale = scale;
         visit(conversion);
       }

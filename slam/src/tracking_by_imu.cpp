@@ -1,0 +1,113 @@
+// Tracking with an inertial sensor: whether it agrees with the scans, and registration without it.
+
+#include <utility>
+#include <vector>
+
+#include "slam_implementation.h"
+
+namespace hqslam::slam {
+
+namespace {
+
+/// A scan whose close_ratio is less than this share of the last one's is registered without the
+/// inertial sensor, too.
+constexpr double kDoubtfulFit = 0.8;
+/// The gain in close_ratio that decides against a sensor of which nothing else is doubtful.
+constexpr double kClearlyBetter = 1.1;
+
+}  // namespace
+
+template <typename WithFeatures>
+void Slam::Implementation::leave_out_imu(WithFeatures& scan) const {
+  scan.turning.reset();
+  if (!scan.measured_features) return;
+  scan.features = *std::exchange(scan.measured_features, std::nullopt);
+  scan.map_features = map_features(scan.features, options.mapping);
+}
+
+/// registered(), and without the inertial sensor if its prediction is contradicted: what fits
+/// better is taken. The scan is then as it was measured.
+Slam::Implementation::Registered Slam::Implementation::checked(const Tracking& last, Scan& scan,
+                                                               Notes& notes) {
+  Registered found = registered(last, scan, notes);
+  const bool is_doubtful = !found.is_registered ||
+                           found.innovation > InertialCheck::kMostInnovation ||
+                           found.close_ratio < kDoubtfulFit * last.close_ratio;
+  const double least_gain = is_doubtful ? 1.0 : kClearlyBetter;
+  const bool competes = scan.turning && (is_doubtful || !inertial_check.is_proven());
+  if (competes && replaced_without_imu(last, least_gain, scan, found, notes)) {
+    inertial_check.add_innovation(InertialCheck::kMostInnovation);
+  } else if (notes.report.predicted_by_imu) {
+    inertial_check.add_innovation(found.innovation);
+  }
+  if (found.is_registered) compare_turns(last.reference, scan, found);
+  return found;
+}
+
+/// Replaces a registration by one without the inertial sensor if that fits better, by more than
+/// least_gain; returns whether it does.
+bool Slam::Implementation::replaced_without_imu(const Tracking& last, double least_gain, Scan& scan,
+                                                Registered& found, Notes& notes) {
+  Scan alone = scan;
+  leave_out_imu(alone);
+  Notes alone_notes = notes;
+  const Registered by_scan = registered(last, alone, alone_notes);
+  const bool is_better =
+      by_scan.is_registered &&
+      (!found.is_registered || by_scan.close_ratio > least_gain * found.close_ratio);
+  if (is_better) {
+    leave_out_imu(scan);
+    notes = alone_notes;
+    found = by_scan;
+  } else if (notes.trace != nullptr) {
+    found = registered(last, scan, notes);  // the trace is of this one
+  }
+  return is_better;
+}
+
+/// Compares the turn since the reference by the inertial sensor with the registered one.
+void Slam::Implementation::compare_turns(const Reference& reference, const Scan& scan,
+                                         const Registered& found) {
+  const std::vector<ImuStep> steps =
+      imu.steps(reference.stamp_s, scan.stamp_s, mounting.turn_to_level());
+  if (steps.empty()) return;
+  Eigen::Vector3d turned_rad = Eigen::Vector3d::Zero();
+  for (const ImuStep& step : steps) turned_rad += step.duration_s * step.angular_rate_rad_per_s;
+  const double duration_s = scan.stamp_s - reference.stamp_s;
+  const Pose motion = reference.state.T_map_sensor.inverse() * found.state.T_map_sensor;
+  inertial_check.compare_turns(turned_rad / duration_s, logarithm(motion).angular / duration_s);
+}
+
+/// checked(), while the first keyframe is the only one in the better of two maps: it was corrected
+/// with the turns of the inertial sensor, which nothing has confirmed yet, or is without.
+Slam::Implementation::Registered Slam::Implementation::first_registered(Tracking& last, Scan& scan,
+                                                                        Notes& notes) {
+  if (!last.first_keyframe || !last.first_keyframe->turning ||
+      last.first_keyframe->time_s != last.reference.time_s) {
+    return in_corrected_map(last, scan, notes);
+  }
+  Tracking alone_last = last;
+  Scan alone = scan;
+  Notes alone_notes = notes;
+  const Registered found = in_corrected_map(last, scan, notes);
+  Mapping mapping_by_imu = mapping;
+  leave_out_imu(alone);
+  leave_out_imu(*alone_last.first_keyframe);
+  alone_last.reference.inertial.reset();
+  alone_last.reference.state = unknown_motion(alone_last.reference.state.T_map_sensor);
+  alone_last.reference.target = {alone_last.first_keyframe->features, Twist()};
+  put_first_keyframe(alone_last, Twist());
+  const Registered by_scan = in_corrected_map(alone_last, alone, alone_notes);
+  if (!by_scan.is_registered ||
+      (found.is_registered && by_scan.close_ratio <= kClearlyBetter * found.close_ratio)) {
+    mapping = std::move(mapping_by_imu);
+    return found;
+  }
+  inertial_check.add_innovation(InertialCheck::kMostInnovation);
+  last = std::move(alone_last);
+  leave_out_imu(scan);
+  notes = alone_notes;
+  return by_scan;
+}
+
+}  // namespace hqslam::slam
