@@ -50,6 +50,10 @@ void apply(const std::string& change, int layers, Json& network) {
     network["rejected_pixel"] = change == "y=zero" ? "zero" : "other";
   } else if (change == "q=z" || change == "q=h") {
     network["filtered_iterate"] = change.substr(2);
+  } else if (const auto angle = value_of(change, "angle")) {
+    network["filter"]["min_angle_deg"] = number_of<double>(*angle, change);
+  } else if (const auto pixels = value_of(change, "pixels")) {
+    network["filter"]["min_pixels"] = number_of<int>(*pixels, change);
   } else if (change == "no-q") {
     network["filter"]["min_pixels"] = 0;
   } else if (change == "literal") {
@@ -58,8 +62,8 @@ void apply(const std::string& change, int layers, Json& network) {
     network["denoiser"]["neighbours"] = "h";
   } else {
     throw Error(
-        "--what-if {}: expected b=NUMBER, layers=N, y=zero, y=other, q=z, q=h, no-q or "
-        "literal",
+        "--what-if {}: expected b=NUMBER, layers=N, y=zero, y=other, q=z, q=h, angle=DEGREES, "
+        "pixels=N, no-q or literal",
         change);
   }
   rename_other(network);

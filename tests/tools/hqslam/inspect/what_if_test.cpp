@@ -56,6 +56,8 @@ TEST_CASE("layers=2 keeps the first two layers with their penalties") {
 TEST_CASE("changes of the filter are settings of the loop, and several can be made at once") {
   const nn::Weights trained = three_layers();
   CHECK(network_of(what_if(trained, "no-q"))["filter"]["min_pixels"] == 0);
+  CHECK(network_of(what_if(trained, "pixels=9"))["filter"]["min_pixels"] == 9);
+  CHECK(network_of(what_if(trained, "angle=7"))["filter"]["min_angle_deg"] == 7.0);
   CHECK(network_of(what_if(trained, "q=z"))["rejected_pixel"] == "takes-h");
   const nlohmann::json both = network_of(what_if(trained, "q=z,y=zero"));
   CHECK(both["filtered_iterate"] == "z");
