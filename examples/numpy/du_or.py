@@ -132,20 +132,19 @@ y, l = z, below
 memory = np.zeros((sizes["memory"], rows // tile_rows, z.shape[1] // tile_columns))
 check("start", z, scale_m)
 for k in range(network["layers"]):
-    b = network.get("penalty", np.exp(weights["log_penalty"][k % len(weights["log_penalty"])])
-                    if "log_penalty" in weights else None)
+    b = network["penalty"] if "penalty" in network else np.exp(np.resize(weights["log_penalty"], k + 1)[k])
     h = (z + y) / 2
     h[measured] = ((l + b * (z + y)) / (1 + 2 * b))[measured]  # eq. 10a
     from_h = sizes.get("neighbours", "l") == "h"
     candidates = (h[measured][up], h[measured][low]) if from_h else (above, below)
     z, memory = prior(k, h, *candidates, memory)  # eq. 10b
-    of_h = network["filtered_iterate"] == "h"
-    kept, other = (h, z) if of_h else (z, h)
+    kept, other = (h, z) if network["filtered_iterate"] == "h" else (z, h)
     kept_m = kept * scale_m
     q = outliers(np.where(kept_m < sensor["min_range_m"], 0, kept_m), network["filter"])
     y = np.where(q, 0 if network["rejected_pixel"] == "zero" else other, kept)  # eq. 10c
-    for name, image, unit in [("h", h, scale_m), ("z", z, scale_m), ("rejected", q, 1), ("y", y, scale_m)]:
-        check(f"layers.{k}.{name}", image, unit)
+    check(f"layers.{k}.rejected", q)
+    for name, image in [("h", h), ("z", z), ("y", y)]:
+        check(f"layers.{k}.{name}", image, scale_m)
 result_m = z * scale_m
 result_m[(result_m < sensor["min_range_m"]) | (result_m > sensor["max_range_m"])] = 0
 result_m[measured] = measured_m

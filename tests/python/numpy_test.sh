@@ -16,5 +16,11 @@ weights=$source_folder/weights/du-or_os1_16to64.npz
 "$hqslam" inspect "$folder/drive" --weights "$weights" --npz "$folder/tensors.npz" >/dev/null
 python3 "$source_folder/examples/numpy/du_or.py" "$weights" "$folder/tensors.npz" | tee "$folder/out"
 python3 "$source_folder/examples/numpy/du_or.py" "$weights" | tee -a "$folder/out"
+if python3 -c 'import matplotlib' 2>/dev/null; then
+  (cd "$source_folder/examples" && HQS_WEIGHTS=$weights HQS_TENSORS=$folder/tensors.npz \
+    python3 "$source_folder/tests/python/notebook.py" hqs.ipynb)
+else
+  echo "python3 has no matplotlib: the notebook was not run: SKIPPED"
+fi
 awk '/rejected/ { masks += $NF } { ++lines; if ($NF > worst) worst = $NF }
      END { exit !(lines == 24 && masks == 0 && worst < 1e-3) }' "$folder/out"

@@ -82,7 +82,7 @@ function imageFigure(spec) {
              text => el('span', {}, text)));
   const elevations = (spec.elevation_deg || []).filter((_, row) => row === 0 || row === rows - 1)
                          .map((degrees, i) => el('span', {class: i ? 'lowest' : 'highest'}, `elevation ${degrees.toFixed(1)}°`));
-  const figure = el('figure', {}, caption, el('div', {class: 'image'}, canvas, ...elevations, axes), key, readout);
+  const figure = el('figure', {}, caption, el('div', {class: 'image'}, el('div', {class: 'pixels'}, canvas, ...elevations), axes), key, readout);
   let shown = {};
   figure.show = what => {
     shown = {...shown, ...what};
