@@ -76,7 +76,8 @@ TEST_CASE("inspect --tensor shows every channel on a scale of its own") {
       fmt::format("--tensor layers.7.h --out '{}'", inspected.folder.file("none.html")));
   CHECK(none.status == 2);
   CHECK(is_one_line(none.error));
-  CHECK(holds(none.error, "layers.7.h"));
+  CHECK(holds(none.error, "no tensor 'layers.7.h' among "));
+  CHECK(holds(none.error, "did you mean 'layers.0.h'"));
 }
 
 TEST_CASE("inspect prints the figures of layers; --npz writes every tensor that --list names") {
