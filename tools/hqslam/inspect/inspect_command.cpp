@@ -183,7 +183,7 @@ void declare(CLI::App& app, InspectOptions& options) {
               "Show an inner tensor too, such as layers.2.encoder.0 (may be repeated)",
               {.excludes = {"--slam"}})
       .option("--list", &options.list, "Print the names of all inner tensors and nothing else")
-      .option("--pixel", &options.pixel, "Print what each layer makes of this pixel, ROW,COLUMN",
+      .option("--pixel", &options.pixel, "Follow this pixel, ROW,COLUMN, through all layers",
               {.delimiter = ',', .values = 2, .excludes = {"--slam"}})
       .option("--what-if", &options.what_if,
               "Upsample by the network with a changed loop, too: b=NUMBER, layers=N, y=zero, q=z, "
@@ -215,10 +215,8 @@ int run(const InspectOptions& options) {
   for (const std::string& name : options.tensors) report.trace.tensor(name);  // is there
   report.tensors = options.tensors;
   to_stdout("{}", figures_text(report));
-  if (!options.pixel.empty()) {
-    to_stdout("{}", pixel_text(report, static_cast<int>(options.pixel[0]),
-                               static_cast<int>(options.pixel[1])));
-  }
+  report.pixel.assign(options.pixel.begin(), options.pixel.end());
+  if (!report.pixel.empty()) to_stdout("{}", pixel_text(report));
   if (options.reference) {
     report.differences =
         differences_from_reference(weights.description, weights.parameters, report.trace);

@@ -192,6 +192,7 @@ Json layers_json(const LayersReport& report) {
   for (const double elevation_rad : report.network.sensor.beam_elevation_rad) {
     data["elevation_deg"].push_back(kDegreesPerRadian * elevation_rad);
   }
+  if (!report.pixel.empty()) data["pixel"] = report.pixel;
   for (int row = 0; row < report.result.rows; ++row) {
     if (report.network.measured_rows.contains(row)) data["measured_rows"].push_back(row);
   }

@@ -33,6 +33,7 @@ struct LayersReport {
   std::vector<float> confidence;  ///< of the result, per pixel; empty: the network has none
   /// The result for the scan alone, if earlier ones were recalled.
   std::optional<RangeImage> without_memory;
+  std::vector<int> pixel;  ///< row and column of the one that is followed; empty: the page chooses
   std::vector<Variant> variants;  ///< the same scan through a changed network
 };
 
@@ -66,6 +67,6 @@ bool has_last_filter(const LayersReport& report);
 /// layer and a last one for the result.
 std::string figures_text(const LayersReport& report);
 /// Throws Error if the image has no such pixel.
-std::string pixel_text(const LayersReport& report, int row, int column);
+std::string pixel_text(const LayersReport& report);
 
 }  // namespace hqslam::tools

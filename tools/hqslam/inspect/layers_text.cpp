@@ -34,7 +34,9 @@ std::string figures_text(const LayersReport& report) {
 }
 
 /// One pixel of the trace, by the name of its tensor; nothing where it is not there.
-std::string pixel_text(const LayersReport& report, int row, int column) {
+std::string pixel_text(const LayersReport& report) {
+  const int row = report.pixel.at(0);
+  const int column = report.pixel.at(1);
   const RangeImage& result = report.result;
   if (row < 0 || row >= result.rows || column < 0 || column >= result.columns) {
     throw Error("inspect: pixel {},{}, expected a row of 0 to {} and a column of 0 to {}", row,

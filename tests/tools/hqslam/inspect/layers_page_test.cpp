@@ -89,11 +89,14 @@ TEST_CASE("of the computed pixels the wrong and the missing ones are counted") {
 
 TEST_CASE("a pixel's ranges are printed for every layer; one beyond the image is refused") {
   LayersReport report = example_report();
-  const std::string text = pixel_text(report, 0, 0);
+  report.pixel = {0, 0};
+  CHECK(layers_json(report)["pixel"] == report.pixel);
+  const std::string text = pixel_text(report);
   CHECK(holds(text, "result 12.000 m; truth 12.000 m\n"));
   CHECK(holds(text, "Layer 1    10.000 "));
   CHECK(holds(text, " 11.000 "));
-  CHECK_THROWS_WITH_AS(pixel_text(report, 2, 0),
+  report.pixel = {2, 0};
+  CHECK_THROWS_WITH_AS(pixel_text(report),
                        "inspect: pixel 2,0, expected a row of 0 to 1 and a column of 0 to 1",
                        Error);
 }

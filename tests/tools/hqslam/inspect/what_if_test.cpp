@@ -15,8 +15,8 @@ namespace {
 nn::Weights three_layers() {
   SensorModel sensor = sensor_preset("os1-64");
   sensor.columns = 64;
-  nlohmann::ordered_json network =
-      nlohmann::ordered_json::parse(nn::network_json(test::untrained_weights(sensor, "du-or").description));
+  nlohmann::ordered_json network = nlohmann::ordered_json::parse(
+      nn::network_json(test::untrained_weights(sensor, "du-or").description));
   network["layers"] = 3;
   nn::Weights weights;
   weights.description = nn::network_from_json(network.dump(), "test");
