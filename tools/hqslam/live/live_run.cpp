@@ -56,7 +56,7 @@ class LiveProgress {
     status_.elapsed_s = seconds_since(start_);
     status_.rate_hz = static_cast<double>(scans_of_second_) / passed_s;
     status_.counts = counts;
-    status_.parts = session.submaps();
+    status_.submaps = session.submaps();
     status_.path_m = known_path_m(session.run_so_far());
     to_stdout("{}\n", status_line(status_));
     if (view_ != nullptr) view_->set(status_);
@@ -132,7 +132,7 @@ std::string status_line(const LiveStatus& status) {
   say(counts.packets.foreign, "packets of another kind");
   say(counts.other_senders, "packets of other senders");
   say(counts.senders_changed, "times another address");
-  if (status.parts > 1) line += fmt::format("  {} parts of the path, not joined", status.parts);
+  if (status.submaps > 1) line += fmt::format("  {} submaps, not joined", status.submaps);
   if (!counts.trouble.empty()) line += "  " + counts.trouble;
   if (!counts.recording_failure.empty()) line += "  NOT RECORDED ANY MORE";
   if (!status.results_failure.empty()) line += "  RESULTS NOT WRITTEN";

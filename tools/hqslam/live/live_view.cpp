@@ -29,8 +29,8 @@ std::string warning_of(const LiveStatus& status) {
   const std::string& recording = status.counts.recording_failure;
   if (!recording.empty()) return "not recorded any more: " + recording;
   if (!status.counts.trouble.empty()) return status.counts.trouble;
-  if (status.parts < 2) return "";
-  return fmt::format("{} segments of the path, relative pose unknown", status.parts);
+  if (status.submaps < 2) return "";
+  return fmt::format("{} submaps, relative pose unknown", status.submaps);
 }
 
 }  // namespace

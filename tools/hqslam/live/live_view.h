@@ -61,7 +61,7 @@ struct LiveStatus {
   std::optional<double> latency_s;   ///< the longest of them
   std::optional<ScanRecord> latest;  ///< the last scan of all
   double path_m = 0.0;
-  std::size_t parts = 1;  ///< SlamSession::submaps()
+  std::size_t submaps = 1;  ///< SlamSession::submaps()
   live::LiveCounts counts;
   std::string results_failure;  ///< why no results are written now; empty: they are
 };

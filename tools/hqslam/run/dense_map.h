@@ -21,7 +21,7 @@ struct SlamRun;
 void declare_dense_map(Command& command, slam::DenseMapOptions& options,
                        const std::vector<const char*>& needs = {});
 
-/// The poses of a run, but for scans that were not located, or are in another part of the map.
+/// The poses of a run, but for scans that were not located, or are in another submap.
 ScanPoses poses_of(const SlamRun& run);
 
 /// A dense map, finished or not, and how its scans were put into it.

@@ -84,7 +84,7 @@ int exit_status_of(const SlamRun& run, const RunOptions& options) {
 }
 
 /// Compares the poses of which something is known in one frame: where a place was not recognized,
-/// the pose is that of an earlier scan, and how other parts of the map lie is not known.
+/// the pose is that of an earlier scan, and the poses of other submaps relative to it are unknown.
 std::optional<ReferenceComparison> comparison_of(const SlamRun& run,
                                                  const TrajectoryFile& reference) {
   const Trajectory& all = run.trajectory;

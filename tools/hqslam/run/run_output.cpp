@@ -24,7 +24,7 @@ std::string covariances_csv(const SlamRun& run) {
   std::string text =
       "# covariance of e = (x y z rx ry rz) in T_true = T_map_sensor exp(e), in the sensor's "
       "frame, the first scan's pose being exact; m^2, m rad, rad^2; mapping: whether it was "
-      "located; part: of the map, between which nothing is known\nstamp_s,mapping,part";
+      "located; submap: relative poses between submaps are unknown\nstamp_s,mapping,submap";
   for (const char* row : kAxes) {
     for (const char* column : kAxes) text += fmt::format(",{}_{}", row, column);
   }

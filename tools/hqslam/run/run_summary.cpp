@@ -25,8 +25,8 @@ std::string mapping_summary(const SlamRun& run) {
     const std::int64_t closed = loops_closed(run);
     summary += fmt::format("; {} loop{} closed", closed, closed == 1 ? "" : "s");
   }
-  const std::size_t parts = scans_of_submaps(run).size();
-  if (parts > 1) summary += fmt::format("; {} parts of the path, not joined", parts);
+  const std::size_t submaps = scans_of_submaps(run).size();
+  if (submaps > 1) summary += fmt::format("; {} submaps, not joined", submaps);
   return summary;
 }
 
@@ -81,14 +81,14 @@ std::string ground_summary(const SlamRun& run) {
       100.0 * share);
 }
 
-/// Of which part of the map the maps are, if there are several.
+/// Of which submap the maps are, if there are several.
 std::string map_summary(const SlamRun& run) {
-  const std::map<std::size_t, std::int64_t> parts = scans_of_submaps(run);
-  if (parts.size() < 2) return "";
-  const std::int64_t scans = parts.at(run.largest_submap);
+  const std::map<std::size_t, std::int64_t> submaps = scans_of_submaps(run);
+  if (submaps.size() < 2) return "";
+  const std::int64_t scans = submaps.at(run.largest_submap);
   return fmt::format(
-      "maps: of part {} alone, {} scans; the {} of other parts are left out, for how they lie to "
-      "it is not known\n",
+      "maps: of submap {} alone, {} scans; the {} of other submaps are left out, because their "
+      "poses relative to it are unknown\n",
       run.largest_submap, scans, std::ssize(run.scans) - scans);
 }
 

@@ -90,7 +90,7 @@ std::vector<std::pair<slam::Status, std::int64_t>> status_counts(
 std::int64_t loops_closed(const SlamRun& run);
 
 /// Whether the motion from a scan to the next is known: both places were recognized,
-/// and the sensor was not carried in between, also where its parts of the map were joined later.
+/// and the sensor was not carried in between, also where its submaps were joined later.
 bool is_motion_known(const SlamRun& run, std::size_t scan);
 
 /// Of which scan of the recording each pose of the trajectory is (ScanRecord::scan).

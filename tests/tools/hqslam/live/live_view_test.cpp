@@ -101,7 +101,7 @@ TEST_CASE("the state has the pose and the numbers, the view all points, also aft
   CHECK(state["lost_packets"] == 7);
   CHECK(state["dropped_scans"] == 1);
   CHECK(state["mapping"] == "ok");
-  CHECK(holds(state["warning"].get<std::string>(), "2 segments of the path"));
+  CHECK(holds(state["warning"].get<std::string>(), "2 submaps, relative pose unknown"));
   CHECK(answered(view, "/view")["path"] ==
         nlohmann::json({{{0.0, 0.0, 0.0}, {2.0, 0.0, 0.0}, {2.0, 0.0, 0.0}}}));
   moved.translation().y() = 1.0;
@@ -277,8 +277,8 @@ TEST_CASE(
   status.counts.other_senders = 2;
   CHECK(holds(status_line(status), "mapping degenerate"));
   CHECK(status_line(status).ends_with("  2 packets of other senders"));
-  status.parts = 2;
-  CHECK(status_line(status).ends_with("  2 parts of the path, not joined"));
+  status.submaps = 2;
+  CHECK(status_line(status).ends_with("  2 submaps, not joined"));
   status.counts.recording_failure = "a.pcap: cannot be written on; is the disk full?";
   CHECK(status_line(status).ends_with("  NOT RECORDED ANY MORE"));
   status.results_failure = "out: cannot be written; is the disk full?";

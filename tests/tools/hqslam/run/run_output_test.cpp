@@ -131,7 +131,7 @@ TEST_CASE(
   REQUIRE(names.size() == 39);
   CHECK(names[0] == "stamp_s");
   CHECK(names[1] == "mapping");
-  CHECK(names[2] == "part");
+  CHECK(names[2] == "submap");
   CHECK(names[3] == "x_x");
   CHECK(names[3 + 2 * 6 + 4] == "z_ry");
   CHECK(names[38] == "rz_rz");

@@ -55,7 +55,7 @@ TEST_CASE("a scan's points are where the sensor was when it saw them, measured o
   CHECK(view_of(run).scans[1].upsampled.points_m.empty());
 }
 
-TEST_CASE("the path ends where the way is not known, and other parts of the map are not shown") {
+TEST_CASE("the path ends where the relative pose is unknown, and other submaps are not shown") {
   SlamRun run = example_run(30);
   run.loops.push_back({slam::LoopStatus::kClosed, 1, 20, 2, 0.5});
   CHECK(view_of(run).path_m.size() == 1);

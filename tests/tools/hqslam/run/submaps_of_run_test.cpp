@@ -44,7 +44,7 @@ TEST_CASE("nothing is known of the way from a place that was not recognized") {
 
 TEST_CASE("a run of several parts says of which its maps are, and how much is left out") {
   const std::string summary = run_summary(run_of_parts());
-  CHECK(holds(summary, "maps: of part 2 alone, 5 scans; the 5 of other parts are left out"));
+  CHECK(holds(summary, "maps: of submap 2 alone, 5 scans; the 5 of other submaps are left out"));
   CHECK_FALSE(holds(run_summary(example_run(3)), "maps:"));
 }
 
