@@ -12,7 +12,6 @@
 
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
-#include "ranks/ranks.h"
 #include "table/table_drive.h"
 #include "table/table_report.h"
 #include "table/table_work.h"
@@ -101,8 +100,7 @@ With --seeds SLAM runs without loop closing, on as many drives in parallel as th
 threads, with one thread each.
 A run is repeated if its result is damaged or was made from other scans, with other weights or
 by another build of the program; results of other lengths and builds are kept. Inertial data
-and corrections of beams are not used.
-mpirun -n N shares drives and methods among N processes, all with access to the same folders.)");
+and corrections of beams are not used.)");
   command
       .option("--drives", &options.drives,
               fmt::format("Simulated drives ({}) and recordings with {} rows (as for hqslam run), "
@@ -144,20 +142,12 @@ mpirun -n N shares drives and methods among N processes, all with access to the 
 int run(const TableOptions& options) {
   use_threads(options.threads);
   const InterruptGuard interrupt;
-  const std::unique_ptr<Ranks> ranks = launched_ranks();
   const TablePlan plan = plan_table(options);
-  std::vector<DriveWork> works;
-  std::optional<FolderLock> lock;
-  ranks->rank_0_first([&] {
-    if (ranks->rank() == 0) guard_tables(options);
-    works = work_of(plan, options);
-    if (ranks->rank() > 0) return;
-    make_result_folder(options.out);
-    lock.emplace(options.out);
-  });
-  const bool complete = run_missing(works, plan, options, interrupt, *ranks);
-  if (ranks->rank() > 0) return complete ? kOk : kInterrupted;
-  if (ranks->count() > 1) works = work_of(plan, options);  // with what the others have done
+  guard_tables(options);
+  std::vector<DriveWork> works = work_of(plan, options);
+  make_result_folder(options.out);
+  const FolderLock lock(options.out);
+  const bool complete = run_missing(works, plan, options, interrupt);
   const std::vector<DriveFigures> drives = figures_of(works, plan);
   if (const auto report = report_of(drives, plan)) {
     write_report(*report, options.out);

@@ -11,8 +11,8 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
 #include "hqslam/nn/compare/compared_networks.h"
-#include "ranks/ranks.h"
 #include "recording/recording_choice.h"
+#include "side_by_side/side_by_side.h"
 #include "table/result_sources_hash.h"
 #include "table/table_drive.h"
 #include "terminal/progress.h"
@@ -144,63 +144,6 @@ bool run_drive(DriveWork& work, const TablePlan& plan, const TableOptions& optio
   return true;
 }
 
-/// Does the job on all drives: one after the other or, over seeds, in parallel on as many drives as
-/// OpenMP has threads, with one thread each. `scans`: of all drives together. Returns false if it
-/// was interrupted.
-bool on_drives(std::vector<DriveWork>& works, const TablePlan& plan, std::int64_t scans,
-               const std::function<bool(DriveWork&, Progress&)>& job) {
-  if (scans == 0) return true;
-  Progress progress("table", scans);
-  const int threads = omp_get_max_threads();
-  const bool complete = side_by_side(
-      works.size(), plan.over_seeds ? threads : 1, plan.over_seeds ? 1 : threads,
-      [&](std::size_t i, const std::atomic<bool>&) { return job(works[i], progress); });
-  progress.finish();
-  return complete;
-}
-
-bool run_drives(std::vector<DriveWork>& works, const TablePlan& plan, const TableOptions& options,
-                const InterruptGuard& interrupt) {
-  return on_drives(works, plan, scans_left(works, plan), [&](DriveWork& work, Progress& progress) {
-    return run_drive(work, plan, options, interrupt, progress);
-  });
-}
-
-/// This rank's share of the drives that are to be simulated.
-std::vector<DriveWork> own_simulations(const std::vector<DriveWork>& works, const Ranks& ranks) {
-  std::vector<DriveWork> own;
-  for (std::size_t i = 0; i < works.size(); ++i) {
-    if (is_own(i, ranks) && !works[i].prepared) own.push_back(works[i]);
-  }
-  return own;
-}
-
-/// Removes the passes of other ranks. A pass is assigned by its place in the whole plan, all drives
-/// of one kind of pass after the other: every rank gets an equal number of slow passes, and the
-/// assignment does not change as passes are finished.
-void keep_own_passes(std::vector<DriveWork>& works, const TablePlan& plan, const Ranks& ranks) {
-  const std::vector<std::vector<TableMethod>> kinds = passes_of(plan.methods);
-  for (std::size_t drive = 0; drive < works.size(); ++drive) {
-    std::erase_if(works[drive].passes, [&](const TablePass& pass) {
-      const auto kind = std::ranges::find_if(kinds, [&](const auto& methods) {
-        return shares_pass(methods.front(), pass.methods.front());
-      });
-      const auto place = static_cast<std::size_t>(kind - kinds.begin());
-      return !is_own(place * works.size() + drive, ranks);
-    });
-  }
-}
-
-/// Simulates drives; returns false if it was interrupted.
-bool simulate_drives(std::vector<DriveWork>& works, const TablePlan& plan,
-                     const InterruptGuard& interrupt) {
-  std::int64_t scans = 0;
-  for (const DriveWork& work : works) scans += work.drive.simulated->scans;
-  return on_drives(works, plan, scans, [&](DriveWork& work, Progress& progress) {
-    return simulate_drive(work.drive, interrupt, progress);
-  });
-}
-
 }  // namespace
 
 std::vector<DriveWork> work_of(const TablePlan& plan, const TableOptions& options) {
@@ -225,13 +168,18 @@ std::vector<DriveWork> work_of(const TablePlan& plan, const TableOptions& option
 }
 
 bool run_missing(std::vector<DriveWork>& works, const TablePlan& plan, const TableOptions& options,
-                 const InterruptGuard& interrupt, Ranks& ranks) {
-  if (ranks.count() == 1) return run_drives(works, plan, options, interrupt);
-  std::vector<DriveWork> simulations = own_simulations(works, ranks);
-  if (ranks.any(!simulate_drives(simulations, plan, interrupt))) return false;
-  works = work_of(plan, options);
-  keep_own_passes(works, plan, ranks);
-  return !ranks.any(!run_drives(works, plan, options, interrupt));
+                 const InterruptGuard& interrupt) {
+  const std::int64_t scans = scans_left(works, plan);
+  if (scans == 0) return true;
+  Progress progress("table", scans);
+  const int threads = omp_get_max_threads();
+  const bool complete =
+      side_by_side(works.size(), plan.over_seeds ? threads : 1, plan.over_seeds ? 1 : threads,
+                   [&](std::size_t i, const std::atomic<bool>&) {
+                     return run_drive(works[i], plan, options, interrupt, progress);
+                   });
+  progress.finish();
+  return complete;
 }
 
 FoundResults results_of(const PreparedDrive& drive, const std::vector<TableMethod>& methods,

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "hqslam/core/sensor_model.h"
-#include "hqslam/nn/training/ranks.h"
 #include "table/table_figures.h"
 #include "table/table_plan.h"
 #include "terminal/terminal.h"
@@ -54,14 +53,12 @@ struct DriveWork {
 std::vector<DriveWork> work_of(const TablePlan& plan, const TableOptions& options);
 
 /// Simulates and runs what is missing, and saves every result: drive by drive, or, over seeds, as
-/// many drives side by side as OpenMP has threads, with one thread each. Several ranks share drives
-/// to be simulated, then drives and methods to be run, and save into the same folder. Returns, on
-/// all ranks, false if any was interrupted. Throws Error, once all drives of this rank have
-/// stopped.
+/// many drives side by side as OpenMP has threads, with one thread each. Returns false if it was
+/// interrupted. Throws Error, once all drives have stopped.
 bool run_missing(std::vector<DriveWork>& works, const TablePlan& plan, const TableOptions& options,
-                 const InterruptGuard& interrupt, Ranks& ranks);
+                 const InterruptGuard& interrupt);
 
-/// The existing results of these methods, of all ranks.
+/// The existing results of these methods.
 struct FoundResults {
   std::vector<TableMethod> methods;
   std::vector<TableResult> results;
