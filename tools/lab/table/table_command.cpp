@@ -48,24 +48,12 @@ void guard_tables(const TableOptions& options) {
 std::vector<DriveFigures> figures_of(const std::vector<DriveWork>& works, const TablePlan& plan) {
   std::vector<DriveFigures> drives;
   for (const DriveWork& work : works) {
-    if (!work.prepared) continue;
-    const FoundResults found = results_of(*work.prepared, plan.shown, plan.loop_closing);
-    if (found.results.empty()) continue;
-    drives.push_back(drive_figures(work.drive, work.prepared->sensor.name, found.methods,
-                                   found.results, truth_of(work.drive)));
+    if (!work.is_prepared) continue;
+    const std::vector<TableResult> results = results_of(work, plan);
+    if (results.empty()) continue;
+    drives.push_back(drive_figures(work.drive, work.sensor.name, results, truth_of(work.drive)));
   }
   return drives;
-}
-
-/// The drives that every method has finished.
-TableSample sample_of(const std::vector<DriveFigures>& drives, const TablePlan& plan) {
-  TableSample sample{plan.methods, plan.against, {}};
-  for (const DriveFigures& drive : drives) {
-    if (auto finished = drive_sample(drive, plan.methods)) {
-      sample.drives.push_back(std::move(*finished));
-    }
-  }
-  return sample;
 }
 
 std::optional<TableReport> report_of(const std::vector<DriveFigures>& drives,

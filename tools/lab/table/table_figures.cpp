@@ -6,15 +6,13 @@
 namespace hqslam::tools {
 namespace {
 
-MethodFigures method_figures(const TableMethod& method, const TableResult& result,
-                             const TableResult* all_rows,
+MethodFigures method_figures(const TableResult& result, const TableResult* all_rows,
                              const std::optional<TrajectoryFile>& truth) {
   MethodFigures figures;
-  figures.method = method;
   figures.result = result;
   for (std::size_t i = 0; i < result.trajectory.size(); ++i) {
     const Trajectory& trajectory = result.trajectory[i];
-    if (all_rows != nullptr && !is_reference(method)) {
+    if (all_rows != nullptr && !is_reference(result.method)) {
       figures.against_all_rows[i] = error_figures(trajectory, all_rows->trajectory[i]);
     }
     if (!truth) continue;
@@ -51,7 +49,7 @@ std::optional<double> ErrorFigures::rpe_deg_per_100m() const {
 }
 
 std::optional<double> MethodFigures::upsampling_fps() const {
-  if (method.source.empty()) return std::nullopt;
+  if (method().source.empty()) return std::nullopt;
   return 1e3 / result.timings.upsampling_ms;
 }
 
@@ -61,8 +59,12 @@ double MethodFigures::chain_fps(std::size_t loop_closing) const {
          (timings.upsampling_s + timings.points_s + timings.slam[loop_closing].total_s);
 }
 
+double MethodFigures::slam_ms() const {
+  return 1e3 * result.timings.slam[kLoopClosingOff].total_s /
+         static_cast<double>(result.trajectory[kLoopClosingOff].size());
+}
+
 DriveFigures drive_figures(const TableDrive& drive, const std::string& sensor,
-                           const std::vector<TableMethod>& methods,
                            const std::vector<TableResult>& results,
                            const std::optional<TrajectoryFile>& truth) {
   DriveFigures figures;
@@ -74,20 +76,20 @@ DriveFigures drive_figures(const TableDrive& drive, const std::string& sensor,
   figures.sensor = sensor;
   figures.truth = truth ? truth->path : "";
   const TableResult* all_rows = nullptr;
-  for (std::size_t i = 0; i < methods.size(); ++i) {
-    figures.scans = results[i].settings.scans;
-    if (results[i].left_out.scans > figures.left_out.scans) figures.left_out = results[i].left_out;
-    if (is_reference(methods[i])) all_rows = &results[i];
+  for (const TableResult& result : results) {
+    figures.scans = result.settings.scans;
+    if (result.left_out.scans > figures.left_out.scans) figures.left_out = result.left_out;
+    if (is_reference(result.method)) all_rows = &result;
   }
-  for (std::size_t i = 0; i < methods.size(); ++i) {
-    figures.methods.push_back(method_figures(methods[i], results[i], all_rows, truth));
+  for (const TableResult& result : results) {
+    figures.methods.push_back(method_figures(result, all_rows, truth));
   }
   return figures;
 }
 
 const MethodFigures* find_method(const DriveFigures& drive, const std::string& name) {
   for (const MethodFigures& figures : drive.methods) {
-    if (figures.method.name == name) return &figures;
+    if (figures.method().name == name) return &figures;
   }
   return nullptr;
 }

@@ -68,6 +68,7 @@ struct TableTimings {
 
 /// One method on one drive.
 struct TableResult {
+  TableMethod method;
   TableSettings settings;
   std::optional<ImageScores> images;   ///< of methods that upsample
   std::optional<NetworkSize> network;  ///< of methods with a network
@@ -82,7 +83,7 @@ struct TableResult {
 /// Writes METHOD.json, METHOD-loop-closing-off.tum and -on.tum into the folder. Throws Error.
 void save_result(const TableResult& result, const std::string& folder);
 
-/// The result if it exists, is complete, and has these settings.
+/// The result if it exists, is complete, and has these settings; without its method.
 std::optional<TableResult> load_result(const TableSettings& settings, const std::string& folder);
 
 /// Errors of a trajectory against another.
@@ -103,17 +104,19 @@ std::optional<ErrorFigures> error_figures(const Trajectory& estimate, const Traj
 
 /// Figures of one method on one drive; arrays: loop closing off and on.
 struct MethodFigures {
-  TableMethod method;
   TableResult result;
   /// Against LiDAR-64's trajectory with the same loop closing; nothing for LiDAR-64 itself.
   std::array<std::optional<ErrorFigures>, 2> against_all_rows;
   std::array<std::optional<ErrorFigures>, 2> against_truth;
   std::vector<Slip> slips;  ///< against the truth, loop closing off
 
+  const TableMethod& method() const { return result.method; }
   /// Scans per second, by the median; nothing for methods that do not upsample.
   std::optional<double> upsampling_fps() const;
   /// Of upsampling, making points and SLAM together, by the total time.
   double chain_fps(std::size_t loop_closing) const;
+  /// Mean time of SLAM per scan, loop closing off.
+  double slam_ms() const;
 };
 
 struct DriveFigures {
@@ -129,7 +132,6 @@ struct DriveFigures {
 
 /// Computes every error from the results' trajectories.
 DriveFigures drive_figures(const TableDrive& drive, const std::string& sensor,
-                           const std::vector<TableMethod>& methods,
                            const std::vector<TableResult>& results,
                            const std::optional<TrajectoryFile>& truth);
 

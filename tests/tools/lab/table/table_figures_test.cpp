@@ -25,7 +25,7 @@ DriveFigures three_methods_drive(bool with_truth) {
   if (with_truth) truth = TrajectoryFile{"truth.tum", example_trajectory(0.0), true};
   TableDrive drive;
   drive.name = "town";
-  return drive_figures(drive, "os1-64", methods, results, truth);
+  return drive_figures(drive, "os1-64", results, truth);
 }
 
 }  // namespace
@@ -54,8 +54,8 @@ TEST_CASE("without LiDAR-64 or without the truth the errors against it are not t
   const DriveFigures drive = three_methods_drive(false);
   CHECK(drive.truth.empty());
   CHECK_FALSE(drive.methods[0].against_truth[kLoopClosingOff]);
-  const DriveFigures alone = drive_figures({}, "os1-64", {table_methods()[0]},
-                                           {example_result(table_methods()[0], 0.4)}, {});
+  const DriveFigures alone =
+      drive_figures({}, "os1-64", {example_result(table_methods()[0], 0.4)}, {});
   CHECK_FALSE(alone.methods[0].against_all_rows[kLoopClosingOff]);
 }
 
