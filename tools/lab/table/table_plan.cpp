@@ -100,8 +100,9 @@ std::string recording_name(const fs::path& path) {
 }
 
 /// Drives of a sensor with errors have names and folders of their own.
-TableDrive simulated_drive(std::string name, const std::string& drive,
-                           std::optional<std::uint64_t> seed, const TableOptions& options) {
+TableDrive simulated_drive(const std::string& drive, std::optional<std::uint64_t> seed,
+                           const TableOptions& options) {
+  std::string name = seed ? fmt::format("{}-seed-{}", drive, *seed) : drive;
   sim::DriveSpec spec = sim::drive_preset(drive);
   spec.sensor_errors = sim::sensor_errors_named(options.sensor_errors);
   if (spec.sensor_errors != sim::SensorErrors::kNone) name += "-" + options.sensor_errors;
@@ -111,7 +112,7 @@ TableDrive simulated_drive(std::string name, const std::string& drive,
 }
 
 TableDrive drive_of(const std::string& drive, const TableOptions& options) {
-  if (is_preset(drive)) return simulated_drive(drive, drive, std::nullopt, options);
+  if (is_preset(drive)) return simulated_drive(drive, std::nullopt, options);
   if (!fs::exists(drive)) {
     throw Error("--drives: '{}' is neither a simulated drive ({}) nor a file or folder", drive,
                 fmt::join(sim::drive_preset_names(), ", "));
@@ -133,8 +134,7 @@ std::vector<TableDrive> seeded_drives(const TableOptions& options) {
           fmt::join(sim::drive_preset_names(), ", "), drive);
     }
     for (const std::uint64_t seed : seeds_from(options.seeds)) {
-      drives.push_back(
-          simulated_drive(fmt::format("{}-seed-{}", drive, seed), drive, seed, options));
+      drives.push_back(simulated_drive(drive, seed, options));
     }
   }
   return drives;
