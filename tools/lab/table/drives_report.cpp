@@ -22,10 +22,10 @@ std::string count_text(double count) {
 /// A column of a table with a row per method: a figure, if there is one, as text.
 struct Column {
   std::string title;
-  std::function<std::optional<double>(const MethodFigures&)> of;
+  std::function<std::optional<double>(const TableResult&)> of;
   std::function<std::string(double)> text = three_digits;
 
-  std::string cell(const MethodFigures& figures) const {
+  std::string cell(const TableResult& figures) const {
     const std::optional<double> figure = of(figures);
     return figure ? text(*figure) : kNoFigure;
   }
@@ -43,12 +43,12 @@ std::optional<double> figure_of(const std::optional<Value>& value, const Figure&
 }
 
 /// Those against LiDAR-64 or those against the truth.
-using Errors = decltype(&MethodFigures::against_truth);
+using Errors = decltype(&TableResult::against_truth);
 
 /// A figure of a method's errors.
 template <typename Figure>
 auto of_errors(Errors errors, std::size_t loop_closing, const Figure& figure) {
-  return [=](const MethodFigures& m) { return figure_of((m.*errors)[loop_closing], figure); };
+  return [=](const TableResult& m) { return figure_of((m.*errors)[loop_closing], figure); };
 }
 
 /// The RMSE in metres, as a share of the path, and as a share of LiDAR-16's.
@@ -56,7 +56,7 @@ void add_ape(const char* title, Errors errors, const DriveFigures& drive, std::s
              std::vector<Column>& columns) {
   using E = ErrorFigures;
   const auto rmse_m = of_errors(errors, loop_closing, &E::ape_rmse_m);
-  const MethodFigures* few = find_method(drive, table_methods().front().name);
+  const TableResult* few = find_method(drive, table_methods().front().name);
   const double few_m = few != nullptr ? rmse_m(*few).value_or(0.0) : 0.0;
   const auto percent = [](const E& e) {
     return e.path_m > 0.0 ? std::optional(e.ape_percent()) : std::nullopt;
@@ -74,9 +74,9 @@ TextTable table_of(const std::string& title, Methods&& methods,
                    const std::vector<Column>& columns) {
   TextTable table{.title = title, .columns = {"Method"}};
   for (const Column& column : columns) table.columns.push_back(column.title);
-  for (const MethodFigures& figures : methods) {
+  for (const TableResult& figures : methods) {
     std::vector<std::string>& cells = table.rows.emplace_back();
-    cells.push_back(figures.method().title);
+    cells.push_back(figures.method.title);
     for (const Column& column : columns) cells.push_back(column.cell(figures));
   }
   return table;
@@ -87,23 +87,23 @@ std::string per_drive(std::span<const DriveFigures> drives, const TableMethod& m
                       const Column& column) {
   std::vector<std::string> figures;
   for (const DriveFigures& drive : drives) {
-    const MethodFigures* found = find_method(drive, method.name);
+    const TableResult* found = find_method(drive, method.name);
     figures.push_back(found != nullptr ? column.cell(*found) : kNoFigure);
   }
   return fmt::format("{}", fmt::join(figures, " / "));
 }
 
-std::optional<double> parameters_of(const MethodFigures& figures) {
-  return figure_of(figures.result.network, &NetworkSize::parameters);
+std::optional<double> parameters_of(const TableResult& figures) {
+  return figure_of(figures.network, &NetworkSize::parameters);
 }
 
 /// The methods of all drives, in the table's order.
 std::vector<TableMethod> methods_of(const std::vector<DriveFigures>& drives) {
   std::vector<TableMethod> methods;
   for (const DriveFigures& drive : drives) {
-    for (const MethodFigures& figures : drive.methods) {
-      const auto found = std::ranges::find(methods, figures.method().name, &TableMethod::name);
-      if (found == methods.end()) methods.push_back(figures.method());
+    for (const TableResult& figures : drive.methods) {
+      const auto found = std::ranges::find(methods, figures.method.name, &TableMethod::name);
+      if (found == methods.end()) methods.push_back(figures.method);
     }
   }
   return methods;
@@ -124,9 +124,9 @@ struct Circumstances {
 Circumstances circumstances_of(const std::vector<DriveFigures>& drives) {
   Circumstances all;
   for (const DriveFigures& drive : drives) {
-    for (const MethodFigures& figures : drive.methods) {
-      const TableSettings& settings = figures.result.settings;
-      all.machines.insert(machine_text(figures.result.timings));
+    for (const TableResult& figures : drive.methods) {
+      const TableSettings& settings = figures.settings;
+      all.machines.insert(machine_text(figures.timings));
       all.builds.insert(settings.build);
       if (!settings.weights.empty()) {
         all.weights.insert(fmt::format("{} ({})", settings.weights, settings.weights_hash));
@@ -137,11 +137,10 @@ Circumstances circumstances_of(const std::vector<DriveFigures>& drives) {
 }
 
 std::string drive_text(const DriveFigures& drive) {
-  const MethodFigures* all = find_method(drive, table_methods().back().name);
+  const TableResult* all = find_method(drive, table_methods().back().name);
   std::string text = fmt::format("{}: {} scans, sensor {}", drive.name, drive.scans, drive.sensor);
   if (all != nullptr) {
-    text +=
-        fmt::format(", {:.0f} m of path", path_length_m(all->result.trajectory[kLoopClosingOff]));
+    text += fmt::format(", {:.0f} m of path", path_length_m(all->trajectory[kLoopClosingOff]));
   }
   if (drive.left_out.scans > 0) text += fmt::format("; {}", drive.left_out.text());
   return text + (drive.truth.empty() ? "; no true trajectory" : "");
@@ -203,7 +202,7 @@ std::string three_digits(double value) {
 }
 
 TextTable paper_table(const std::vector<DriveFigures>& drives, std::size_t loop_closing) {
-  using M = MethodFigures;
+  using M = TableResult;
   std::vector<std::string> names;
   for (const DriveFigures& drive : drives) names.push_back(drive.name);
   const std::vector<Column> columns = {
@@ -225,7 +224,7 @@ TextTable paper_table(const std::vector<DriveFigures>& drives, std::size_t loop_
 }
 
 TextTable trajectory_table(const DriveFigures& drive, std::size_t loop_closing) {
-  using M = MethodFigures;
+  using M = TableResult;
   std::vector<Column> columns;
   auto errors = &M::against_all_rows;
   add_ape("APE against LiDAR-64, m", errors, drive, loop_closing, columns);
@@ -233,13 +232,12 @@ TextTable trajectory_table(const DriveFigures& drive, std::size_t loop_closing) 
     errors = &M::against_truth;
     add_ape("APE against the truth, m", errors, drive, loop_closing, columns);
   }
-  const auto timings = [=](const M& m) { return m.result.timings.slam[loop_closing]; };
+  const auto timings = [=](const M& m) { return m.timings.slam[loop_closing]; };
   columns.push_back({"RPE, %", of_errors(errors, loop_closing, &ErrorFigures::rpe_percent)});
   columns.push_back(
       {"RPE, deg/100 m", of_errors(errors, loop_closing, &ErrorFigures::rpe_deg_per_100m)});
   if (loop_closing == kLoopClosingOn) {
-    columns.push_back(
-        {"loops closed", [](const M& m) { return m.result.loops_closed; }, decimals(0)});
+    columns.push_back({"loops closed", [](const M& m) { return m.loops_closed; }, decimals(0)});
   }
   columns.push_back({"whole chain, frames/s", [=](const M& m) { return m.chain_fps(loop_closing); },
                      decimals(1)});
@@ -250,15 +248,15 @@ TextTable trajectory_table(const DriveFigures& drive, std::size_t loop_closing) 
 }
 
 TextTable upsampling_table(const DriveFigures& drive) {
-  using M = MethodFigures;
+  using M = TableResult;
   const auto of_images = [](const auto& figure) {
-    return [=](const M& m) { return figure_of(m.result.images, figure); };
+    return [=](const M& m) { return figure_of(m.images, figure); };
   };
   const auto gmac = [](const NetworkSize& network) {
     return 1e-9 * static_cast<double>(network.multiply_adds);
   };
   const auto upsamples = [](const M& m) {
-    return !m.method().source.empty() && m.method().variant == nullptr;
+    return !m.method.source.empty() && m.method.variant == nullptr;
   };
   return table_of(
       "Upsampling", drive.methods | std::views::filter(upsamples),
@@ -267,7 +265,7 @@ TextTable upsampling_table(const DriveFigures& drive) {
        {"outliers, %", of_images([](const ImageScores& i) { return 100.0 * i.outlier_share; })},
        {"frames/s", &M::upsampling_fps},
        {"parameters", parameters_of, count_text},
-       {"GMAC", [=](const M& m) { return figure_of(m.result.network, gmac); }}});
+       {"GMAC", [=](const M& m) { return figure_of(m.network, gmac); }}});
 }
 
 TableReport drives_report(const std::vector<DriveFigures>& drives) {

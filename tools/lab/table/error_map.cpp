@@ -45,15 +45,15 @@ Json error_map_of(const DriveFigures& drive, std::size_t loop_closing) {
   Json map = {{"title", fmt::format("loop closing {}", kLoopClosingNames[loop_closing])},
               {"reference", {{"x_m", Json::array()}, {"y_m", Json::array()}}},
               {"paths", Json::array()}};
-  const MethodFigures* all_rows = find_method(drive, table_methods().back().name);
+  const TableResult* all_rows = find_method(drive, table_methods().back().name);
   if (all_rows == nullptr) return map;
-  const Trajectory& reference = all_rows->result.trajectory[loop_closing];
+  const Trajectory& reference = all_rows->trajectory[loop_closing];
   for (std::size_t i = 0; i < reference.size(); i += step_of(reference.size())) {
     add_place(reference[i], map["reference"]);
   }
-  for (const MethodFigures& figures : drive.methods) {
+  for (const TableResult& figures : drive.methods) {
     const auto& error = figures.against_all_rows[loop_closing];
-    if (error) map["paths"].push_back(path_of(figures.method().title, error->ape, reference));
+    if (error) map["paths"].push_back(path_of(figures.method.title, error->ape, reference));
   }
   return map;
 }

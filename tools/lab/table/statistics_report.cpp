@@ -26,7 +26,7 @@ TextTable table_of(const TableSample& sample, const std::string& title,
   for (const StatisticsColumn& column : columns) table.columns.emplace_back(column.column);
   for (std::size_t method = 0; method < estimates.size(); ++method) {
     std::vector<std::string>& cells = table.rows.emplace_back();
-    cells.push_back(sample.methods()[method].method().title);
+    cells.push_back(sample.methods()[method].method.title);
     for (std::size_t i = 0; i < columns.size(); ++i) {
       const std::optional<Estimate>& estimate = estimates[method][i];
       const bool is_there = estimate && !(columns[i].of_others && method == sample.against);
@@ -41,7 +41,7 @@ nlohmann::ordered_json paired_drifts_of(const PartStatistics& part) {
   for (std::size_t method = 0; method < part.pairs.size(); ++method) {
     if (method == part.sample.against) continue;
     const Estimate& mean = *part.pairs[method].front();  // of the differences
-    drifts.push_back({{"name", part.sample.methods()[method].method().title},
+    drifts.push_back({{"name", part.sample.methods()[method].method.title},
                       {"dots", drift_differences_percent(part.sample, method)},
                       {"mean", mean.value},
                       {"low", mean.low},
@@ -100,7 +100,7 @@ TableReport statistics_report(const TableSample& sample) {
     if (all && one_kind) continue;
     ReportPart& shown = report.parts.emplace_back(
         ReportPart{all ? "All drives" : part.name, sample_text(part.sample), {}});
-    shown.paired_with = part.sample.methods()[part.sample.against].method().title;
+    shown.paired_with = part.sample.methods()[part.sample.against].method.title;
     shown.tables = {
         table_of(part.sample, "Drift, slips and position error", summary_columns(), part.summary),
         table_of(part.sample, fmt::format("Drive by drive against {}", shown.paired_with),

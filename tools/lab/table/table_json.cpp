@@ -22,31 +22,31 @@ Json error_json(const std::optional<ErrorFigures>& error) {
           {"rpe_deg_per_100m", optional_json(error->rpe_deg_per_100m())}};
 }
 
-Json method_json(const MethodFigures& figures) {
-  Json json = {{"method", figures.method().name}, {"title", figures.method().title}};
+Json method_json(const TableResult& figures) {
+  Json json = {{"method", figures.method.name}, {"title", figures.method.title}};
   for (std::size_t i = 0; i < kLoopClosingNames.size(); ++i) {
     json[fmt::format("loop_closing_{}", kLoopClosingNames[i])] = {
         {"against_lidar_64", error_json(figures.against_all_rows[i])},
         {"against_truth", error_json(figures.against_truth[i])}};
   }
-  json["loops_closed"] = figures.result.loops_closed;
-  if (const auto& images = figures.result.images) {
+  json["loops_closed"] = figures.loops_closed;
+  if (const auto& images = figures.images) {
     json["images"] = {{"scans", images->scans},
                       {"mae_all_m", images->mae_all_m},
                       {"mae_valid_m", images->mae_valid_m},
                       {"outlier_share", images->outlier_share}};
   }
-  if (const auto& network = figures.result.network) {
+  if (const auto& network = figures.network) {
     json["parameters"] = network->parameters;
     json["multiply_adds"] = network->multiply_adds;
-    json["weights_hash"] = figures.result.settings.weights_hash;
+    json["weights_hash"] = figures.settings.weights_hash;
   }
   return json;
 }
 
-Json method_timings_json(const MethodFigures& figures) {
-  const TableTimings& timings = figures.result.timings;
-  Json json = {{"method", figures.method().name},
+Json method_timings_json(const TableResult& figures) {
+  const TableTimings& timings = figures.timings;
+  Json json = {{"method", figures.method.name},
                {"threads", timings.threads},
                {"processor", timings.processor},
                {"instruction_set", timings.instruction_set},
@@ -97,11 +97,11 @@ Json drive_json(const DriveFigures& drive) {
                {"path_m", path_m(drive)},
                {"methods", Json::object()}};
   for (std::size_t i = 0; i < drive.methods.size(); ++i) {
-    const MethodFigures& figures = drive.methods[i];
+    const TableResult& figures = drive.methods[i];
     const ErrorFigures& errors = errors_of(drive, i);
     const Drift whole = drift(errors.pieces);
     const auto where_any = [&](double value) { return whole.pieces > 0 ? Json(value) : Json(); };
-    json["methods"][figures.method().name] = {
+    json["methods"][figures.method.name] = {
         {"drift_percent", where_any(whole.translation_percent)},
         {"drift_deg_per_100m", where_any(whole.rotation_deg_per_100m)},
         {"pieces", whole.pieces},
@@ -125,7 +125,7 @@ std::string drives_json(const std::vector<DriveFigures>& drives) {
   for (const DriveFigures& drive : drives) {
     Json methods = Json::array();
     Json method_timings = Json::array();
-    for (const MethodFigures& figures : drive.methods) {
+    for (const TableResult& figures : drive.methods) {
       methods.push_back(method_json(figures));
       method_timings.push_back(method_timings_json(figures));
     }
@@ -144,11 +144,11 @@ std::string statistics_json(const std::vector<PartStatistics>& parts) {
   const TableSample& sample = parts.front().sample;
   Json json = {{"written_by", "hqslam-lab table"},
                {"build", result_sources_hash()},
-               {"against", sample.methods()[sample.against].method().name},
+               {"against", sample.methods()[sample.against].method.name},
                {"methods", Json::array()},
                {"drives", Json::array()}};
   for (std::size_t i = 0; i < sample.methods().size(); ++i) {
-    const TableMethod& method = sample.methods()[i].method();
+    const TableMethod& method = sample.methods()[i].method;
     Json& figures =
         json["methods"].emplace_back(Json{{"method", method.name}, {"title", method.title}});
     for (const PartStatistics& part : parts) figures[part.name] = summary_json(part, i);

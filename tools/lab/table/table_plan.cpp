@@ -159,12 +159,6 @@ void require_one_recording(const TablePlan& plan, const TableOptions& options) {
   }
 }
 
-/// Whether two methods share a pass. A memory is filled by the poses of the SLAM that it is for.
-bool shares_pass(const TableMethod& method, const TableMethod& other) {
-  return method.rows == other.rows && method.source == other.source &&
-         (method.variant == other.variant || !uses_network(method));
-}
-
 /// Throws Error for a name that is none of the methods.
 std::size_t paired_with(const std::vector<TableMethod>& methods, const std::string& against) {
   const std::string& name = against.empty() ? "linear" : against;
@@ -185,7 +179,7 @@ const std::vector<SlamVariant>& slam_variants() {
   static const std::vector<SlamVariant> variants = {
       {"computed-rows", "computed rows matched too", upsamples_rows,
        [](S& s) { s.sensor.measured_rows.reset(); }},
-      // What a upsampling without any error would give, if it is used as the others are.
+      // What an upsampling without any error would give, if it is used as the others are.
       {"16-rows", "16 rows of it matched", sees_all_rows,
        [](S& s) { s.sensor.measured_rows = selection_for(s.sensor.rows(), kTableMeasuredRows); }},
       {"whole-map", "the whole map matched", any,
@@ -257,8 +251,12 @@ std::string weights_of(const TableMethod& method, const std::string& sensor_name
 std::vector<std::vector<TableMethod>> passes_of(const std::vector<TableMethod>& methods) {
   std::vector<std::vector<TableMethod>> passes;
   for (const TableMethod& method : methods) {
-    const auto same = std::ranges::find_if(
-        passes, [&](const auto& pass) { return shares_pass(pass.front(), method); });
+    const auto same = std::ranges::find_if(passes, [&](const auto& pass) {
+      const TableMethod& other = pass.front();
+      // A memory is filled by the poses of the SLAM that it is for.
+      return method.rows == other.rows && method.source == other.source &&
+             (method.variant == other.variant || !uses_network(method));
+    });
     if (same != passes.end()) {
       same->push_back(method);
     } else {

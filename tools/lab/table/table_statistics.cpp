@@ -103,8 +103,8 @@ Estimate per_100_km(const std::vector<double>& values, const TableSample& sample
 Estimate number(double value) { return {value, kNone, kNone}; }
 
 std::optional<std::size_t> position_of(const TableSample& sample, const std::string& name) {
-  const auto found = std::ranges::find(sample.methods(), name,
-                                       [](const MethodFigures& m) { return m.method().name; });
+  const auto found =
+      std::ranges::find(sample.methods(), name, [](const TableResult& m) { return m.method.name; });
   if (found == sample.methods().end()) return std::nullopt;
   return static_cast<std::size_t>(found - sample.methods().begin());
 }
@@ -160,7 +160,7 @@ Estimate bootstrap(std::size_t n, const SampleFigure& figure) {
 TableSample sample_of(const std::vector<DriveFigures>& all, const TablePlan& plan) {
   TableSample sample{plan.against, {}};
   for (const DriveFigures& drive : all) {
-    const auto has_errors = [](const MethodFigures& figures) {
+    const auto has_errors = [](const TableResult& figures) {
       return figures.against_truth[kLoopClosingOff].has_value();
     };
     if (drive.methods.size() == plan.methods.size() &&

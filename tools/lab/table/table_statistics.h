@@ -35,7 +35,7 @@ struct TableSample {
   std::vector<const DriveFigures*> drives;
 
   /// The methods, in the order of each drive's.
-  const std::vector<MethodFigures>& methods() const { return drives.front()->methods; }
+  const std::vector<TableResult>& methods() const { return drives.front()->methods; }
 };
 
 /// The drives among `all` that have figures against the truth for each of these methods, which are
