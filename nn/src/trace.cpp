@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "hqslam/core/error.h"
+#include "hqslam/core/nearest_names.h"
 
 namespace hqslam::nn {
 
@@ -16,9 +17,11 @@ const TracedTensor* Trace::find(std::string_view name) const {
 
 const TracedTensor& Trace::tensor(std::string_view name) const {
   if (const TracedTensor* found = find(name)) return *found;
-  std::vector<std::string_view> names;
+  std::vector<std::string> names;
   for (const TracedTensor& tensor : tensors_) names.push_back(tensor.name);
-  throw Error("trace: no tensor '{}', expected one of {}", name, fmt::join(names, ", "));
+  const std::string near = did_you_mean(name, names);
+  throw Error("trace: no tensor '{}' among {}{}", name, names.size(),
+              near.empty() ? "; names are such as 'layers.0.z' (trace.h)" : near);
 }
 
 RangeImage Trace::image(std::string_view name) const {

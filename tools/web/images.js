@@ -10,16 +10,21 @@ const kGreys = ['#000000', '#ffffff'];
 /** 256 colours of a palette as bytes. */
 function table256(stops) { return Array.from({length: 256}, (_, i) => colourBetween(stops, i / 255)); }
 
+// No return: a grey that no colour of a range comes near, on projectors, too.
+const kNone = '#7b818b';
+
 /**
- * How values become colours: {name, stops, share: value => 0 to 1, ends: [text, text]}.
- * Ranges: near is bright, logarithmic, no return is black.
+ * How values become colours: {name, stops, share: value => 0 to 1, ends: [text, text], ticks: values
+ * that are written below the colours}.
+ * Ranges: near is bright, logarithmic, no return is grey.
  */
 function rangeScale(most_m) {
   return {
     name: 'range',
     stops: [...kViridis].reverse(),
     none: value => !(value > 0),
-    ends: ['1 m', `${short(most_m)} m; black: no return`],
+    ends: ['1 m', `${short(most_m)} m`],
+    ticks: [2, 5, 10, 20, 50, 100].filter(range_m => range_m < most_m),
     share: value => Math.log(Math.max(value, 1)) / Math.log(most_m)
   };
 }
@@ -49,16 +54,20 @@ const classScale = classes => ({name: 'class', classes});
 /** The colour bar or the list of classes of a scale. */
 function scaleLegend(scale) {
   if (scale.classes) return legend(scale.classes.map(([colour, name]) => [colour, name]));
+  const ticks = (scale.ticks || []).map(value => el('span', {style: `left:${100 * scale.share(value)}%`}, String(value)));
   return el(
-      'div', {class: 'scale'}, scale.ends[0], el('i', {style: `background:linear-gradient(90deg,${scale.stops})`}),
-      scale.ends[1]);
+      'div', {class: 'scale'}, scale.ends[0],
+      el('i', {style: `background:linear-gradient(90deg,${scale.stops})`, class: ticks.length && 'ticked'}, ...ticks), scale.ends[1],
+      ...(scale.none ? [el('i', {class: 'none', style: `background:${kNone}`}), 'no return'] : []));
 }
 
 /**
  * An image of rows x columns values.
  * spec: {rows, columns, values, scale, unit, height: css, label: (row, column, value) => texts, axes:
- * whether to write the azimuth below, marks: [{row, column, colour}] drawn over it}
- * The figure has show({values, scale, unit}), which replaces what is seen, and onpick(row, column).
+ * whether to write the azimuth below, elevation_deg: of the rows, marks: [{row, column, colour}] drawn
+ * over it}
+ * The figure has show({values, scale, unit}), which replaces what is seen, pixels(), the colours that
+ * are seen, and onpick(row, column), called for the pixel under the pointer.
  */
 function imageFigure(spec) {
   const {rows, columns} = spec;
@@ -71,7 +80,9 @@ function imageFigure(spec) {
       el('div', {class: 'axes'},
          ...['behind (+180°)', 'left (+90°)', 'ahead (0°)', 'right (-90°)', 'behind (-180°)'].map(
              text => el('span', {}, text)));
-  const figure = el('figure', {}, caption, el('div', {class: 'image'}, canvas, axes), key, readout);
+  const elevations = (spec.elevation_deg || []).filter((_, row) => row === 0 || row === rows - 1)
+                         .map((degrees, i) => el('span', {class: i ? 'lowest' : 'highest'}, `elevation ${degrees.toFixed(1)}°`));
+  const figure = el('figure', {}, caption, el('div', {class: 'image'}, el('div', {class: 'pixels'}, canvas, ...elevations), axes), key, readout);
   let shown = {};
   figure.show = what => {
     shown = {...shown, ...what};
@@ -82,7 +93,7 @@ function imageFigure(spec) {
     for (let i = 0; i < rows * columns; ++i) {
       const value = values[i];
       const colour = scale.classes        ? colours[value] :
-          scale.none && scale.none(value) ? [0, 0, 0] :
+          scale.none && scale.none(value) ? colourBetween([kNone, kNone], 0) :
                                             colours[clamp(Math.round(255 * scale.share(value)), 0, 255)];
       image.data.set(colour || [0, 0, 0], 4 * i);
       image.data[4 * i + 3] = 255;
@@ -93,6 +104,7 @@ function imageFigure(spec) {
     for (const mark of shown.marks || [])
       image.data.set(colourBetween([mark.colour, mark.colour], 0), 4 * (mark.row * columns + mark.column));
     context.putImageData(image, 0, 0);
+    figure.pixels = () => image.data;
     key.replaceChildren(scaleLegend(scale));
   };
   figure.read = (row, column) => {

@@ -6,6 +6,7 @@
 
 #include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/nearest_names.h"
 #include "hqslam/core/sensor_model.h"
 
 namespace hqslam {
@@ -145,8 +146,8 @@ SensorModel sensor_preset(std::string_view name) {
   for (const Preset& preset : kPresets) {
     if (preset.name == name) return preset.make();
   }
-  throw Error("unknown sensor '{}': expected one of {} or a .json file", name,
-              fmt::join(sensor_preset_names(), ", "));
+  throw Error("unknown sensor '{}': expected one of {} or a .json file{}", name,
+              fmt::join(sensor_preset_names(), ", "), did_you_mean(name, sensor_preset_names()));
 }
 
 }  // namespace hqslam

@@ -1,10 +1,12 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <set>
 #include <string>
 
+#include "hqslam/core/npz.h"
 #include "tools/page_data.h"
 #include "tools/program/program.h"
 #include "tools/program/untrained_weights.h"
@@ -74,7 +76,25 @@ TEST_CASE("inspect --tensor shows every channel on a scale of its own") {
       fmt::format("--tensor layers.7.h --out '{}'", inspected.folder.file("none.html")));
   CHECK(none.status == 2);
   CHECK(is_one_line(none.error));
-  CHECK(holds(none.error, "layers.7.h"));
+  CHECK(holds(none.error, "no tensor 'layers.7.h' among "));
+  CHECK(holds(none.error, "did you mean 'layers.0.h'"));
+}
+
+TEST_CASE("inspect prints the figures of layers; --npz writes every tensor that --list names") {
+  const Inspected inspected;
+  const std::string tensors = inspected.folder.file("tensors.npz");
+  const ProgramResult result = inspected.inspect(fmt::format("--npz '{}' --pixel 5,7", tensors));
+  CHECK(result.status == 0);
+  CHECK(missing(result.out, {"|D H - L|", "\nLayer 1 ", "\nResult ", "pixel 5,7: "}) == "");
+  const NpzArrays arrays = read_npz(tensors);
+  const std::string names = inspected.inspect("--list").out;
+  CHECK(std::ssize(arrays) == std::ranges::count(names, '\n'));
+  for (const auto& [name, array] : arrays) CHECK(holds("\n" + names, "\n" + name + "  "));
+  CHECK(arrays.at("layers.0.z").shape == std::vector<std::int64_t>{1, 64, 128});
+  const ProgramResult over =
+      inspected.inspect(fmt::format("--npz '{}'", inspected.folder.file("weights.npz")));
+  CHECK(over.status == 2);  // it is what is read
+  CHECK(is_one_line(over.error));
 }
 
 TEST_CASE("inspect --reference finds differences of arithmetic alone, in what is emptied too") {

@@ -97,6 +97,17 @@ PageJson u16_block(std::span<const float> values, float low, float high) {
   return {{"u16", base64_of(std::span<const std::uint16_t>(steps))}, {"low", low}, {"step", step}};
 }
 
+PageJson share_block(std::span<const float> shares) {
+  constexpr float kMost = 255.0F;
+  std::vector<std::uint8_t> steps;
+  steps.reserve(shares.size());
+  for (const float share : shares) {
+    const float n = std::isfinite(share) ? std::round(share * kMost) : 0.0F;
+    steps.push_back(static_cast<std::uint8_t>(std::clamp(n, 0.0F, kMost)));
+  }
+  return {{"u8", base64(steps)}, {"low", 0.0F}, {"step", 1.0F / kMost}};
+}
+
 PageJson range_block(const RangeImage& image) {
   float high_m = 1.0F;
   for (const float range_m : image.range_m) {

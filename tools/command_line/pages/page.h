@@ -33,6 +33,8 @@ PageJson u8_block(std::span<const std::uint8_t> values);
 /// Whole numbers n of 16 bits that stand for low + n * step, so that `high` is the largest: half as
 /// long, off by half a step at most. What is not finite becomes `low`.
 PageJson u16_block(std::span<const float> values, float low, float high);
+/// Shares of 0 to 1 in 256 steps, enough for a grey.
+PageJson share_block(std::span<const float> shares);
 /// Ranges of an image: 0 stays 0, no return.
 PageJson range_block(const RangeImage& image);
 

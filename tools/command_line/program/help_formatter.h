@@ -17,8 +17,9 @@ class HelpFormatter : public CLI::Formatter {
   std::string make_footer(const CLI::App* app) const override;
 };
 
-/// Paragraphs in lines of at most `width` columns: lines that begin with a space stay apart, others
-/// are filled up; what a line is broken into is indented as far as the line.
+/// Text in lines of at most `width` columns. Lines that begin at the margin are one paragraph; a line
+/// that is indented begins an entry, which lines that are indented deeper continue, below its
+/// explanation.
 std::string filled(const std::string& text, std::size_t width = HelpFormatter::kWidth);
 
 }  // namespace hqslam::tools

@@ -7,13 +7,30 @@
 #include <exception>
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "hqslam/core/error.h"
+#include "hqslam/core/nearest_names.h"
 #include "program/help_formatter.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {
 namespace {
+
+/// Names that the arguments which nothing expects may stand for.
+std::string nearest_to(const std::vector<std::string>& unexpected, const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* subcommand : app.get_subcommands({}))
+    names.push_back(subcommand->get_name());
+  for (const CLI::Option* option : app.get_options({})) names.push_back(option->get_name());
+  for (const std::string& text : unexpected) {
+    if (!text.starts_with('-') && app.get_parent() != nullptr) continue;  // a value, not a name
+    const std::string near = did_you_mean(text.substr(0, text.find('=')), names);
+    if (!near.empty()) return near;
+  }
+  return "";
+}
 
 int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
   if (error.get_exit_code() == 0) {
@@ -23,12 +40,13 @@ int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
   const auto subcommands = app.get_subcommands();
   const std::string name = subcommands.empty() ? "" : subcommands.front()->get_name();
   if (name.empty() && !app.remaining().empty()) {
-    to_stderr("{0}: '{1}' is no subcommand; {0} --help lists them\n", program,
-              app.remaining().front());
+    to_stderr("{0}: '{1}' is no subcommand; {0} --help lists them{2}\n", program,
+              app.remaining().front(), nearest_to(app.remaining(), app));
     return kWrongInput;
   }
-  to_stderr("{0}: {1}; {0} {2}{3}--help lists what is expected\n", program, error.what(), name,
-            name.empty() ? "" : " ");
+  const CLI::App& asked = subcommands.empty() ? app : *subcommands.front();
+  to_stderr("{0}: {1}; {0} {2}{3}--help lists what is expected{4}\n", program, error.what(), name,
+            name.empty() ? "" : " ", nearest_to(asked.remaining(), asked));
   return kWrongInput;
 }
 

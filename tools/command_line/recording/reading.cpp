@@ -54,6 +54,11 @@ void read_scans(ScanSource& source, const InterruptGuard& interrupt, Reading& re
       if (reading.end == ReadingEnd::kInterrupted) waiting.clear();
       if (!scan) continue;
       const std::int64_t index = seen++ + reading.left_out.scans - refused;
+      if (index < reading.wanted.first) continue;
+      if (index > reading.wanted.last) {
+        reading.end = ReadingEnd::kComplete;
+        continue;
+      }
       waiting.push_back({std::move(*scan), index, seconds_since(start)});
       if (look_ahead.see) look_ahead.see(waiting.back());
       continue;
@@ -73,9 +78,12 @@ void read_scans(ScanSource& source, const InterruptGuard& interrupt, Reading& re
       reading.left_out.add(fmt::format("{}: {}", read.scan.name, error.what()));
     }
   }
-  if (used == 0 && reading.left_out.scans > 0 && reading.end == ReadingEnd::kComplete) {
-    throw Error(reading.left_out.text());
+  if (used > 0 || reading.end != ReadingEnd::kComplete) return;
+  if (seen > 0 && reading.wanted.first >= seen + reading.left_out.scans - refused) {
+    throw Error("--scans: begins with scan {}, but the recording ends with scan {}",
+                reading.wanted.first, seen + reading.left_out.scans - refused - 1);
   }
+  if (reading.left_out.scans > 0) throw Error(reading.left_out.text());
 }
 
 std::string scans_text(std::int64_t used, std::optional<std::int64_t> in_recording) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -17,11 +18,18 @@ enum class ReadingEnd { kRunning, kComplete, kInterrupted, kUnreadableScan };
 /// "running", "complete", "interrupted", "unreadable scan"
 std::string_view name(ReadingEnd end);
 
+/// Scans by their indices in the recording, both ends included.
+struct ScanRange {
+  std::int64_t first = 0;
+  std::int64_t last = std::numeric_limits<std::int64_t>::max();
+};
+
 /// How a recording was read, up to now or to its end.
 struct Reading {
   ReadingEnd end = ReadingEnd::kRunning;
   std::string end_message;  ///< the reader's, for kUnreadableScan
   LeftOut left_out;
+  ScanRange wanted;  ///< the others are read and not used
 };
 
 /// A scan on its way to whoever uses it.
@@ -39,7 +47,8 @@ struct LookAhead {
 
 /// Hands every scan that can be understood to `use`, until that returns false, to the recording's
 /// end, until Ctrl-C or to a scan that cannot be read. A scan of which `use` throws ScanError is
-/// left out as well. Throws Error where not a single scan could be used.
+/// left out as well. Throws Error where not a single scan could be used, or the recording has none of
+/// those that are wanted.
 void read_scans(ScanSource& source, const InterruptGuard& interrupt, Reading& reading,
                 const std::function<bool(const ReadScan& read)>& use,
                 const LookAhead& look_ahead = {});

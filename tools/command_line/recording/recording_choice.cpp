@@ -13,6 +13,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/json_fields.h"
 #include "hqslam/core/whole_file.h"
+#include "hqslam/core/words.h"
 #include "hqslam/nn/upsampler.h"
 #include "terminal/terminal.h"
 
@@ -42,6 +43,31 @@ void declare_imu(Command& command, InputChoice& choice) {
                  "stamp, angular rate x,y,z (rad/s), specific force x,y,z (m/s^2); 'none' leaves "
                  "out those of the recording, which are the default",
                  {.given = Given::kFile, .one_of = {recordings::kNoInertialData}});
+}
+
+void declare_scans(Command& command, InputChoice& choice) {
+  command.option(
+      "--scans", &choice.scans,
+      "Use only these scans, FROM..TO by their indices from 0, both included; 100.. from "
+      "scan 100 on, ..99 up to scan 99");
+}
+
+ScanRange wanted_scans(const InputChoice& choice) {
+  ScanRange wanted;
+  if (choice.scans.empty()) return wanted;
+  const std::string_view text = choice.scans;
+  const std::size_t dots = text.find("..");
+  const auto take = [](std::string_view word, std::int64_t& index) {
+    const auto number = number_from<std::int64_t>(word);
+    if (number) index = *number;
+    return word.empty() || (number && *number >= 0);
+  };
+  const bool is_range = dots != std::string_view::npos &&
+                        take(text.substr(0, dots), wanted.first) &&
+                        take(text.substr(dots + 2), wanted.last) && wanted.first <= wanted.last;
+  if (is_range) return wanted;
+  throw Error("--scans {}: expected FROM..TO, two indices from 0 of which the first is not larger",
+              choice.scans);
 }
 
 void declare_reading(Command& command, InputChoice& choice) {

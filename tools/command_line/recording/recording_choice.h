@@ -7,6 +7,7 @@
 
 #include "hqslam/core/scan_source.h"
 #include "hqslam/pipeline/upsampled_recording.h"
+#include "recording/reading.h"
 #include "terminal/command_options.h"
 
 namespace hqslam::tools {
@@ -22,6 +23,7 @@ struct InputChoice {
   std::string capture = {};  ///< "rolling": points without a time have that of their azimuth
   std::string stamps = {};   ///< a file, or "names"; empty: what the recording says
   std::string imu = {};      ///< a file of inertial data; empty: what the recording has
+  std::string scans = {};    ///< "FROM..TO", indices from 0; empty: all
 };
 /// INPUT, --sensor and what declare_reading declares. `what`, `sensor`: their explanations; empty:
 /// the usual ones.
@@ -31,6 +33,10 @@ void declare_input(Command& command, InputChoice& choice, const std::string& wha
 void declare_reading(Command& command, InputChoice& choice);
 /// --imu alone.
 void declare_imu(Command& command, InputChoice& choice);
+/// --scans alone.
+void declare_scans(Command& command, InputChoice& choice);
+/// Those of --scans. Throws Error.
+ScanRange wanted_scans(const InputChoice& choice);
 /// --return alone, and what it means.
 void declare_return(Command& command, std::string& kept_return);
 recordings::KeptReturn kept_return_named(const std::string& kept_return);

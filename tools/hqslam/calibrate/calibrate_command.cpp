@@ -42,10 +42,11 @@ struct FollowedDrive : Reading {
   bool is_lost = false;
 };
 /// Follows the sensor until it has come as far as asked for, or tracking is lost.
-FollowedDrive follow(const std::string& input, ScanSource& source, pipeline::Pipeline& pipeline,
-                     double wanted_m) {
-  print_warnings(source, input);
+FollowedDrive follow(const CalibrateOptions& options, ScanSource& source,
+                     pipeline::Pipeline& pipeline) {
+  print_warnings(source, options.input);
   FollowedDrive drive;
+  drive.wanted = wanted_scans(options);
   std::vector<std::size_t> pose_of_scan;
   std::optional<Eigen::Vector3d> last_kept_m;
   std::optional<Eigen::Vector3d> last_m;
@@ -65,7 +66,7 @@ FollowedDrive follow(const std::string& input, ScanSource& source, pipeline::Pip
       last_kept_m = position_m;
     }
     progress.update(read.index + 1);
-    return drive.path_m < wanted_m;
+    return drive.path_m < options.path_m;
   });
   progress.finish();
   const Trajectory& trajectory = pipeline.trajectory();
@@ -119,6 +120,7 @@ void declare(CLI::App& app, CalibrateOptions& options) {
       "each beam's elevation and range. Beams that meet no ground, and errors that all\n"
       "beams share, are not corrected: the page shows how well each is known.");
   declare_input(command, options);
+  declare_scans(command, options);
   command
       .option("--rows", &options.rows,
               "Use only this many rows of the recording, evenly spread (default: all)",
@@ -151,7 +153,7 @@ int run(const CalibrateOptions& options) {
   pipeline::PipelineOptions without_loops;
   without_loops.slam_options.loop_closing.enabled = false;
   pipeline::Pipeline pipeline(std::move(input.upsampler), without_loops);
-  FollowedDrive drive = follow(options.input, input.recording, pipeline, options.path_m);
+  FollowedDrive drive = follow(options, input.recording, pipeline);
   if (drive.is_lost) {
     to_stderr("hqslam: {}: tracking was lost after {:.1f} m; only the scans before are used\n",
               options.input, drive.path_m);

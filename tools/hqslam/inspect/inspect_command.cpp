@@ -5,9 +5,11 @@
 
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/npz.h"
 #include "hqslam/core/scan_source.h"
 #include "inspect/layers_page.h"
 #include "inspect/slam_scan_page.h"
+#include "inspect/what_if.h"
 #include "pages/page.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
@@ -82,6 +84,50 @@ void print_differences(const std::vector<nn::ReferenceDifference>& differences) 
   }
 }
 
+/// Every tensor under its name: channels x rows x columns.
+NpzArrays arrays_of(const nn::Trace& trace) {
+  NpzArrays arrays;
+  for (const nn::TracedTensor& tensor : trace.tensors()) {
+    const std::span<const float> all = tensor.all();
+    arrays[tensor.name] = npz_array(std::vector<float>(all.begin(), all.end()),
+                                    {tensor.channels(), tensor.rows(), tensor.columns()});
+  }
+  return arrays;
+}
+
+void check_options(const InspectOptions& options) {
+  if (options.weights.empty()) throw Error("inspect: expected --weights, or --slam");
+  if (!options.out.empty()) {
+    guard_output_file(options.out, {options.input, options.weights}, page_marker("hqslam inspect"));
+  }
+  if (!options.npz.empty() && (options.npz == options.weights || options.npz == options.input)) {
+    throw Error("inspect: --npz {} is what is read, expected another file", options.npz);
+  }
+}
+
+/// What the network, and each that --what-if makes of it, does with the scan.
+LayersReport report_of(const InspectOptions& options, const nn::Weights& weights,
+                       const SeenScan& seen, const pipeline::Upsampler& upsampler) {
+  nn::SuperResolver network = nn::SuperResolver::checked(weights, options.weights);
+  LayersReport report;
+  report.recording = options.input;
+  report.weights = options.weights;
+  report.scan = options.scan;
+  report.network = network.description();
+  const auto& measured_rows = upsampler.selected_rows();
+  report.measured = measured_rows ? select_rows(seen.image, *measured_rows) : seen.image;
+  if (seen.image.rows == network.sensor().rows()) report.truth = seen.image;
+  nn::UpsampledImage upsampled = network.run(report.measured, seen.recalled, &report.trace);
+  report.result = std::move(upsampled.image);
+  report.confidence = std::move(upsampled.confidence);
+  if (!seen.recalled.is_empty()) report.without_memory = network.run(report.measured).image;
+  for (const std::string& change : options.what_if) {
+    nn::SuperResolver changed(what_if(weights, change), {});
+    report.variants.push_back({change, changed.run(report.measured).image});
+  }
+  return report;
+}
+
 /// SLAM up to one scan of the recording, and the page of that scan.
 int inspect_slam(const InspectOptions& options) {
   guard_output_file(options.out, {options.input, options.weights},
@@ -114,8 +160,8 @@ int inspect_slam(const InspectOptions& options) {
 void declare(CLI::App& app, InspectOptions& options) {
   Command command = add_command(
       app, "inspect", "Show what each layer of a network, or each stage of SLAM, makes of a scan",
-      "Writes one page with H, Z, the filter's mask and Y of every layer and, if the recording "
-      "has all rows, the error of every layer. With --slam: the "
+      "Prints what each layer of eq. 10 changes and, if the recording has all rows, its error. "
+      "--out writes a page with H, Z, the filter's mask and Y of every layer. With --slam: the "
       "class of every pixel, features with their correspondences in the map, residuals and "
       "weights, the predicted, the odometry's and the final pose, and how well each direction of "
       "motion is determined.");
@@ -136,7 +182,15 @@ void declare(CLI::App& app, InspectOptions& options) {
       .option("--tensor", &options.tensors,
               "Show an inner tensor too, such as layers.2.encoder.0 (may be repeated)",
               {.excludes = {"--slam"}})
-      .option("--list", &options.list, "Print the names of all inner tensors and write no page")
+      .option("--list", &options.list, "Print the names of all inner tensors and nothing else")
+      .option("--pixel", &options.pixel, "Follow this pixel, ROW,COLUMN, through all layers",
+              {.delimiter = ',', .values = 2, .excludes = {"--slam"}})
+      .option("--what-if", &options.what_if,
+              "Upsample by the network with a changed loop, too: b=NUMBER, layers=N, y=zero, q=z, "
+              "no-q, literal, or several with commas (may be repeated)",
+              {.excludes = {"--slam"}})
+      .option("--npz", &options.npz, "File for all inner tensors by their names, for numpy",
+              {.excludes = {"--slam", "--list"}})
       .option("--reference", &options.reference,
               "Compare every tensor with the network in double precision (takes seconds; a minute "
               "for a large network)",
@@ -149,40 +203,33 @@ int run(const InspectOptions& options) {
     if (options.out.empty()) throw Error("inspect: no --out, expected a page to write");
     return inspect_slam(options);
   }
-  if (options.weights.empty()) throw Error("inspect: expected --weights, or --slam");
-  if (!options.list) {
-    if (options.out.empty()) throw Error("inspect: no --out, expected a page to write or --list");
-    guard_output_file(options.out, {options.input, options.weights}, page_marker("hqslam inspect"));
-  }
+  check_options(options);
   pipeline::UpsampledRecording input = upsampled_recording(options, {options.weights});
   const nn::Weights weights = nn::read_weights(options.weights);
-  nn::SuperResolver network = nn::SuperResolver::checked(weights, options.weights);
-  const auto [scan, recalled] = scan_of(options, input);
-  LayersReport report;
-  report.recording = options.input;
-  report.weights = options.weights;
-  report.scan = options.scan;
-  report.network = network.description();
-  const auto& measured_rows = input.upsampler.selected_rows();
-  report.measured = measured_rows ? select_rows(scan, *measured_rows) : scan;
-  if (scan.rows == network.sensor().rows()) report.truth = scan;
-  nn::UpsampledImage upsampled = network.run(report.measured, recalled, &report.trace);
+  const SeenScan seen = scan_of(options, input);
+  LayersReport report = report_of(options, weights, seen, input.upsampler);
   if (options.list) {
     print_names(report.trace);
     return kOk;
   }
   for (const std::string& name : options.tensors) report.trace.tensor(name);  // is there
   report.tensors = options.tensors;
+  to_stdout("{}", figures_text(report));
+  report.pixel.assign(options.pixel.begin(), options.pixel.end());
+  if (!report.pixel.empty()) to_stdout("{}", pixel_text(report));
   if (options.reference) {
     report.differences =
         differences_from_reference(weights.description, weights.parameters, report.trace);
     print_differences(report.differences);
   }
-  report.result = std::move(upsampled.image);
-  report.confidence = std::move(upsampled.confidence);
-  if (!recalled.is_empty()) report.without_memory = network.run(report.measured).image;
-  write_text_file(layers_html(report), options.out);
-  to_stdout("results: {}\n", options.out);
+  if (!options.npz.empty()) {
+    write_npz(options.npz, arrays_of(report.trace));
+    to_stdout("results: {}\n", options.npz);
+  }
+  if (!options.out.empty()) {
+    write_text_file(layers_html(report), options.out);
+    to_stdout("results: {}\n", options.out);
+  }
   return kOk;
 }
 

@@ -19,6 +19,9 @@ struct InspectOptions : InputChoice {  ///< sensor empty: as for hqslam upsample
   std::vector<std::string> tensors;  ///< by name
   bool list = false;                 ///< say their names, write nothing
   bool reference = false;            ///< compare all of them with the reference
+  std::vector<double> pixel;         ///< row and column of one to print, layer by layer; or empty
+  std::vector<std::string> what_if;  ///< changes of the loop (what_if.h)
+  std::string npz;                   ///< empty: tensors are not written
   std::string out;
 };
 

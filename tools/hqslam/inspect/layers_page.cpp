@@ -7,74 +7,13 @@
 #include <span>
 
 #include "hqslam/core/angles.h"
-#include "hqslam/evaluation/image_error.h"
+#include "hqslam/nn/super_resolver.h"
 #include "pages/page.h"
 
 namespace hqslam::tools {
 namespace {
 
 using Json = PageJson;
-
-std::string layer_name(std::size_t k, const char* what) {
-  return fmt::format("layers.{}.{}", k, what);
-}
-
-std::size_t layer_count(const nn::Trace& trace) {
-  std::size_t count = 0;
-  while (trace.has(layer_name(count, "z"))) ++count;
-  return count;
-}
-
-double rms(std::span<const float> a, std::span<const float> b) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    const double gap = static_cast<double>(a[i]) - b[i];
-    sum += gap * gap;
-  }
-  return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, a.size())));
-}
-
-std::int64_t count_of(const nn::TracedTensor& mask) {
-  return std::ranges::count_if(mask.all(), [](float value) { return value != 0.0F; });
-}
-
-/// The image with its measured rows as they were measured.
-RangeImage restored(RangeImage image, const LayersReport& report) {
-  const RowSelection rows = report.network.measured_rows;
-  for (int row = 0; row < report.measured.rows; ++row) {
-    for (int column = 0; column < image.columns; ++column) {
-      image.at(rows.offset + row * rows.stride, column) = report.measured.at(row, column);
-    }
-  }
-  return image;
-}
-
-void add_error(const LayersReport& report, const RangeImage& image, LayerFigures& figures) {
-  if (!report.truth) return;
-  const ImageError error = image_error(restored(image, report), *report.truth);
-  figures.error_all_m = error.mae_all_m;
-  figures.error_valid_m = error.mae_valid_m;
-}
-
-LayerFigures figures_of_layer(const LayersReport& report, std::size_t k) {
-  const nn::Trace& trace = report.trace;
-  LayerFigures figures;
-  figures.name = fmt::format("Layer {}", k + 1);
-  const auto tensor = [&](const char* what) -> const nn::TracedTensor* {
-    const std::string name = layer_name(k, what);
-    return trace.has(name) ? &trace.tensor(name) : nullptr;
-  };
-  if (const auto* penalty = tensor("penalty")) figures.penalty = penalty->all().front();
-  if (const auto* h = tensor("h")) {
-    figures.rms_h_z_m = rms(h->all(), tensor("z")->all());
-    if (const auto* y = tensor("y")) figures.rms_h_y_m = rms(h->all(), y->all());
-    const RangeImage kept = select_rows(trace.image(h->name), report.network.measured_rows);
-    figures.rms_dh_l_m = rms(kept.range_m, trace.tensor("measured").all());
-  }
-  if (const auto* rejected = tensor("rejected")) figures.rejected = count_of(*rejected);
-  add_error(report, trace.image(layer_name(k, "z")), figures);
-  return figures;
-}
 
 /// Collects the page's images.
 class Images {
@@ -93,14 +32,14 @@ class Images {
     return json_.back();
   }
   /// What is nearer than the sensor's least range counts as no return, as in the result.
-  void range(const char* what, RangeImage image) {
+  Json& range(const char* what, RangeImage image) {
     for (float& range_m : image.range_m) {
       if (!(range_m >= report_.network.sensor.min_range_m)) range_m = 0.0F;
     }
-    add(what, "range", image.rows, image.columns, range_block(image));
+    return add(what, "range", image.rows, image.columns, range_block(image));
   }
   void share(const char* what, std::span<const float> shares, int rows, int columns) {
-    add(what, "share", rows, columns, u16_block(shares, 0.0F, 1.0F));
+    add(what, "share", rows, columns, share_block(shares));
   }
   /// 0: no return, 1: kept, 2: rejected.
   void mask(const RangeImage& filtered, const std::string& tensor) {
@@ -135,7 +74,7 @@ void add_input(const LayersReport& report, Images& images) {
   images.share("recalled_share", share, recalled.rows, recalled.columns);
 }
 
-void add_layer(const LayersReport& report, std::size_t k, Images& images) {
+void add_layer(const LayersReport& report, int k, Images& images) {
   const nn::Trace& trace = report.trace;
   const RangeImage z = trace.image(layer_name(k, "z"));
   images.begin(fmt::format("Layer {}", k + 1));
@@ -145,6 +84,12 @@ void add_layer(const LayersReport& report, std::size_t k, Images& images) {
     images.range("mode_2", trace.image("mode_2"));
     images.share("weight_1", trace.tensor("weight_1").all(), z.rows, z.columns);
     images.share("probability", trace.tensor("probability").all(), z.rows, z.columns);
+  }
+  for (const char* candidate : {"above", "below", "here", "nothing"}) {
+    const std::string what = fmt::format("choice.{}", candidate);
+    if (const std::string name = layer_name(k, what.c_str()); trace.has(name)) {
+      images.share(what.c_str(), trace.tensor(name).all(), z.rows, z.columns);
+    }
   }
   images.range("z", z);
   if (const std::string rejected = layer_name(k, "rejected"); trace.has(rejected)) {
@@ -174,22 +119,20 @@ void add_without_memory(const LayersReport& report, Images& images) {
              u8_block(classes));
 }
 
-/// Whether a filter removed outliers from the result. Networks with a confidence have none.
-bool has_last_filter(const LayersReport& report) {
-  return report.confidence.empty() && nn::last_filter(report.network);
-}
-
 void add_result(const LayersReport& report, Images& images) {
   images.begin("Result");
   images.range("result", report.result);
   if (!report.confidence.empty()) {
     images.share("confidence", report.confidence, report.result.rows, report.result.columns);
   }
-  const std::size_t layers = layer_count(report.trace);
+  const int layers = layer_count(report.trace);
   if (has_last_filter(report) && layers > 0) {
     images.mask(report.trace.image(layer_name(layers - 1, "z")), "rejected");
   }
   if (report.without_memory) add_without_memory(report, images);
+  for (const Variant& variant : report.variants) {
+    images.range("variant", variant.result)["change"] = variant.change;
+  }
   if (report.truth) images.range("truth", *report.truth);
 }
 
@@ -223,33 +166,17 @@ Json json_of(const LayerFigures& figures) {
   add("rejected", figures.rejected);
   add("error_all_m", figures.error_all_m);
   add("error_valid_m", figures.error_valid_m);
+  add("wrong_share", figures.wrong_share);
+  add("missing_share", figures.missing_share);
   return json;
 }
 
 }  // namespace
 
-std::vector<LayerFigures> layer_figures(const LayersReport& report) {
-  std::vector<LayerFigures> all;
-  for (std::size_t k = 0; k < layer_count(report.trace); ++k) {
-    all.push_back(figures_of_layer(report, k));
-  }
-  LayerFigures& result = all.emplace_back();
-  result.name = "Result";
-  if (!report.confidence.empty()) {
-    result.rejected = std::ranges::count_if(report.confidence, [&](float confidence) {
-      return confidence < report.network.least_confidence;
-    });
-  } else if (has_last_filter(report)) {
-    result.rejected = count_of(report.trace.tensor("rejected"));
-  }
-  add_error(report, report.result, result);
-  return all;
-}
-
 Json layers_json(const LayersReport& report) {
   Images images(report);
   add_input(report, images);
-  for (std::size_t k = 0; k < layer_count(report.trace); ++k) add_layer(report, k, images);
+  for (int k = 0; k < layer_count(report.trace); ++k) add_layer(report, k, images);
   add_result(report, images);
   for (const std::string& name : report.tensors) add_tensor(report.trace.tensor(name), images);
   Json data = {{"title", fmt::format("Scan {}, layer by layer", report.scan)},
@@ -258,11 +185,16 @@ Json layers_json(const LayersReport& report) {
                {"tolerance_m", nn::SuperResolverOptions{}.tolerance_m},
                {"least_confidence", report.network.least_confidence},
                {"elevation_deg", Json::array()},
+               {"measured_rows", Json::array()},
                {"images", images.take()},
                {"layers", Json::array()},
                {"differences", Json::array()}};
   for (const double elevation_rad : report.network.sensor.beam_elevation_rad) {
     data["elevation_deg"].push_back(kDegreesPerRadian * elevation_rad);
+  }
+  if (!report.pixel.empty()) data["pixel"] = report.pixel;
+  for (int row = 0; row < report.result.rows; ++row) {
+    if (report.network.measured_rows.contains(row)) data["measured_rows"].push_back(row);
   }
   for (const LayerFigures& figures : layer_figures(report)) {
     data["layers"].push_back(json_of(figures));

@@ -83,6 +83,21 @@ std::vector<slam::Status> statuses() {
   return kinds;
 }
 
+/// Standard deviations of each pose along and about the sensor's x, y and z: metres, then degrees.
+Json sigmas_json(const SlamRun& run) {
+  Json all = Json::array();
+  for (int axis = 0; axis < 6; ++axis) {
+    const double unit = axis < 3 ? 1.0 : kDegreesPerRadian;
+    std::vector<float> sigma;
+    for (std::size_t i = 0; i < run.trajectory.size(); ++i) {
+      const double variance = run.scans[i].report.covariance(axis, axis);
+      sigma.push_back(static_cast<float>(unit * std::sqrt(std::max(0.0, variance))));
+    }
+    all.push_back(f32_block(sigma));
+  }
+  return all;
+}
+
 /// A value per pose of the trajectory, of which the last scan may have none yet.
 Json trajectory_json(const SlamRun& run) {
   const Trajectory& trajectory = run.trajectory;
@@ -117,6 +132,7 @@ Json trajectory_json(const SlamRun& run) {
       {"yaw_deg", rotation_deg(2)},
       {"gap", u8_block(gap)},
       {"mapping", u8_block(mapping)}};
+  json["sigma"] = sigmas_json(run);
   if (!run.comparison) return json;
   const AbsolutePoseError& error = run.comparison->error;
   std::vector<float> error_m(trajectory.size(), std::numeric_limits<float>::quiet_NaN());

@@ -164,6 +164,7 @@ void declare(CLI::App& app, RunOptions& options) {
       "features, not converged, after a gap, or, with --map, not recognized: the pose\n"
       "is then the last known one.");
   declare_input(command, options);
+  declare_scans(command, options);
   declare_imu(command, options);
   declare_upsampling(command, options);
   command
@@ -191,6 +192,7 @@ SlamRun run_and_write(const RunOptions& options, const InterruptGuard& interrupt
   SlamSession session(std::move(input.upsampler), pipeline_options(options.slam, options),
                       options.input);
   session.run().located_in = options.map_file;
+  session.run().wanted = wanted_scans(options);
   process_all(source, session, output, interrupt);
   print_later_warnings(source, printed);
   SlamRun run = session.finished(options.save_map);

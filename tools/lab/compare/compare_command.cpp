@@ -116,6 +116,7 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
   std::int64_t used = 0;
   std::int64_t looked_at = 0;
   Reading reading;
+  reading.wanted = wanted_scans(options);
   const auto compare = [&](const ReadScan& read) {
     progress.update(++looked_at, source.read_share());
     const OrganizedCloud truth = calibrated(read.scan.cloud, sensor);
@@ -149,6 +150,7 @@ void declare(CLI::App& app, CompareOptions& options) {
       "its file. A network with a filter at its end is also compared without that one\n"
       "(unfiltered); the filters inside stay. A line below each table defines each column.");
   declare_input(command, options, "Recording with all rows (as for hqslam run)");
+  declare_scans(command, options);
   command.option("--weights", &options.weights, "Weights files to compare", {.given = Given::kFile})
       .option("--poses", &options.poses, kMemoryPosesHelp, {.given = Given::kFile})
       .option("--no-look-ahead", &options.no_look_ahead,

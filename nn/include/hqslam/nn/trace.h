@@ -51,7 +51,7 @@ class Trace {
   /// In the order in which the network computes them.
   const std::vector<TracedTensor>& tensors() const { return tensors_; }
   bool has(std::string_view name) const { return find(name) != nullptr; }
-  /// Throws Error, which lists the names, if there is none of this name.
+  /// Throws Error, which gives the nearest names, if there is none of this name.
   const TracedTensor& tensor(std::string_view name) const;
   /// A tensor of one channel as an image. Throws Error.
   RangeImage image(std::string_view name) const;

@@ -29,4 +29,12 @@ TEST_CASE("paragraphs are filled, lines that begin with a space stay apart") {
   CHECK(filled("  aaaa bbbb cccc", 9) == "  aaaa\n  bbbb\n  cccc\n");
 }
 
+TEST_CASE("an entry's further lines go on below its explanation, whatever the source's lines are") {
+  CHECK(filled("Words\n  APE   one two\n        three four\n  a, b  five\nend", 18) ==
+        "Words\n  APE   one two\n        three four\n  a, b  five\nend\n");
+  CHECK(filled("  APE   one two three\n        four", 18) ==
+        "  APE   one two\n        three four\n");
+  CHECK(filled("  APE   one two three", 18) == "  APE   one two\n        three\n");
+}
+
 }  // namespace hqslam::tools

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hqslam/core/error.h"
 #include "tools/page_data.h"
 #include "tools/parts_of_text.h"
 
@@ -71,6 +72,33 @@ TEST_CASE("what a network does not have is not among the figures and images") {
   CHECK(data["layers"][0]["penalty"] == 0.25);
   report.truth.reset();
   CHECK_FALSE(layers_json(report)["layers"][0].contains("error_all_m"));
+}
+
+TEST_CASE("of the computed pixels the wrong and the missing ones are counted") {
+  LayersReport report = example_report();
+  report.truth->range_m = {12.0F, 5.0F, 10.0F, 20.0F};
+  report.result.range_m = {14.0F, 0.0F, 10.0F, 20.0F};  // 2 m off, and empty; row 1 is measured
+  report.variants = {{"b=1", *report.truth}};
+  const std::vector<LayerFigures> figures = layer_figures(report);
+  CHECK(figures[1].wrong_share == 1.0);
+  CHECK(figures[1].missing_share == 0.5);
+  CHECK(figures[2].name == "Result, b=1");
+  CHECK(figures[2].wrong_share == 0.0);
+  CHECK(figures[2].missing_share == 0.0);
+}
+
+TEST_CASE("a pixel's ranges are printed for every layer; one beyond the image is refused") {
+  LayersReport report = example_report();
+  report.pixel = {0, 0};
+  CHECK(layers_json(report)["pixel"] == report.pixel);
+  const std::string text = pixel_text(report);
+  CHECK(holds(text, "result 12.000 m; truth 12.000 m\n"));
+  CHECK(holds(text, "Layer 1    10.000 "));
+  CHECK(holds(text, " 11.000 "));
+  report.pixel = {2, 0};
+  CHECK_THROWS_WITH_AS(pixel_text(report),
+                       "inspect: pixel 2,0, expected a row of 0 to 1 and a column of 0 to 1",
+                       Error);
 }
 
 TEST_CASE("a tensor that was asked for is shown channel by channel, each on its own scale") {

@@ -64,6 +64,17 @@ TEST_CASE("every status is counted, and each pose has its own") {
   CHECK(numbers_of(data["trajectory"]["mapping"])[19] == 0.0F);
 }
 
+TEST_CASE("standard deviations of a pose are those of its covariance, rotations in degrees") {
+  SlamRun run = example_run(3);
+  run.scans[1].report.covariance.setZero();
+  run.scans[1].report.covariance(1, 1) = 0.04;
+  run.scans[1].report.covariance(5, 5) = std::pow(M_PI / 180.0, 2);
+  const nlohmann::json sigma = report_json(run)["trajectory"]["sigma"];
+  CHECK(numbers_of(sigma[1])[1] == doctest::Approx(0.2));
+  CHECK(numbers_of(sigma[5])[1] == doctest::Approx(1.0));
+  CHECK(numbers_of(sigma[0])[1] == 0.0F);
+}
+
 TEST_CASE("a run that ended early gives the reason, and a hostile file name stays text") {
   SlamRun run = example_run(3);
   run.input = "</script><img>";
