@@ -6,7 +6,6 @@
 #   tools/setup.sh checks   also what tools/test.sh checks the sources with
 #   tools/setup.sh fuzz     also what tools/fuzz.sh and the thread sanitizer need
 #   tools/setup.sh arm64    also what tools/test_arm64.sh needs
-#   tools/setup.sh mpi      also what training and tables on many machines need
 set -euo pipefail
 
 packages=(
@@ -27,8 +26,6 @@ elif [[ "${1:-}" == fuzz ]]; then
   packages+=(clang lld libclang-rt-dev libomp-dev)
 elif [[ "${1:-}" == arm64 ]]; then
   packages+=(g++-aarch64-linux-gnu qemu-user)
-elif [[ "${1:-}" == mpi ]]; then
-  packages+=(libopenmpi-dev openmpi-bin)
 fi
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then

@@ -6,10 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "error_message.h"
 #include "hqslam/nn/training/trainer.h"
 #include "small_network.h"
-#include "thread_ranks.h"
 
 // Trainings of a moment, on three small scans.
 namespace hqslam::nn {
@@ -39,12 +37,6 @@ class ScansInMemory final : public TrainingScans {
 
 inline std::unique_ptr<const TrainingScans> in_memory(std::vector<TrainingScan> scans) {
   return std::make_unique<ScansInMemory>(std::move(scans));
-}
-
-/// The ranks of a training in one process.
-inline Ranks& alone() {
-  static Ranks ranks;
-  return ranks;
 }
 
 inline TrainingPlan small_plan() {
@@ -78,7 +70,7 @@ inline HqsPlan simple_du_with_dropout() {
 
 inline Trainer small_trainer(const NetworkDescription& description, int threads = 1,
                              const TrainingPlan& plan = small_plan()) {
-  return {description, plan, in_memory(scans()), fresh_state(description), threads, alone()};
+  return {description, plan, in_memory(scans()), fresh_state(description), threads};
 }
 
 inline void train(Trainer& trainer, int steps) {
@@ -89,18 +81,6 @@ inline TrainingState trained(const NetworkDescription& description, int steps, i
   Trainer trainer = small_trainer(description, threads);
   train(trainer, steps);
   return trainer.state();
-}
-
-/// The error of two processes that begin to share a training.
-inline std::string message_of_two_ranks(const NetworkDescription& description, int batch) {
-  TrainingPlan plan = small_plan();
-  plan.augmentation.crop_columns = 0;
-  plan.batch = batch;
-  return test::error_message([&] {
-    test::on_ranks(2, [&](Ranks& ranks) {
-      Trainer(description, plan, in_memory(scans()), fresh_state(description), 1, ranks);
-    });
-  });
 }
 
 inline void check_same(const TrainingState& a, const TrainingState& b) {

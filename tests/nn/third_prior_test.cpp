@@ -71,8 +71,7 @@ TrainingState trained_for(const NetworkDescription& description, int steps) {
   plan.batch = 2;
   plan.learning_rate = 0.03F;
   plan.warm_up_steps = 1;
-  Trainer trainer(description, plan, in_memory({{small_scene()}}), fresh_state(description), 2,
-                  alone());
+  Trainer trainer(description, plan, in_memory({{small_scene()}}), fresh_state(description), 2);
   const double before = trainer.step().loss;
   double after = before;
   for (int i = 1; i < steps; ++i) after = trainer.step().loss;

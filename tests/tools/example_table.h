@@ -23,6 +23,7 @@ inline Trajectory example_trajectory(double bump_m) {
 /// A method's result with a trajectory that is off by bump_m, twice that with loop closing.
 inline tools::TableResult example_result(const tools::TableMethod& method, double bump_m) {
   tools::TableResult result;
+  result.method = method;
   result.settings = {"build 1", "drive", "os1-64 0", 40, true, method.name, "", ""};
   if (tools::uses_network(method)) {
     result.settings.weights = method.source + ".npz";

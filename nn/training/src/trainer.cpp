@@ -89,11 +89,6 @@ std::vector<std::pair<std::size_t, std::size_t>> statistics_of(
   return ranges;
 }
 
-/// With statistics of a batch (batch norm) the gradients of its scans depend on each other.
-bool sees_whole_batch(const NetworkDescription& description) {
-  return !statistics_of(description).empty();
-}
-
 /// The share by which a mean over about `steps` steps follows at step 1, 2, ...: at once in the
 /// first ones and ever more slowly later.
 float follow_share(std::int64_t step, std::int64_t steps) {
@@ -114,11 +109,9 @@ struct Trainer::Implementation {
   TrainingState state;
   std::vector<std::uint8_t> decays;
   std::vector<std::pair<std::size_t, std::size_t>> statistics;
-  Ranks& ranks;
-  int validation_threads = 1;
   std::vector<std::unique_ptr<TrainableNetwork>> workers = {};
   int samples_of_call = 1;
-  /// One per call; the ranks' parts one behind the other.
+  /// One per call.
   std::vector<double> losses = {};
   std::vector<float> gradients = {};
 
@@ -131,7 +124,7 @@ struct Trainer::Implementation {
     const std::size_t parameters = state.parameters.size();
     return std::span(gradients).subspan(parameters * static_cast<std::size_t>(call), parameters);
   }
-  void run_own_calls();
+  void run_calls();
   void run_call(TrainableNetwork& network, int call);
   void follow_statistics(std::span<float> gradient);
   void average();
@@ -160,43 +153,24 @@ void validate(const TrainingPlan& plan, const SensorModel& sensor) {
         a.largest_dropout_share, "0 to below 1");
 }
 
-void require_shares(const NetworkDescription& description, const TrainingPlan& plan,
-                    const Ranks& ranks) {
-  if (ranks.count() == 1) return;
-  if (plan.batch % ranks.count() != 0) {
-    throw Error(
-        "training: batch is {}, which {} processes cannot share evenly; start as many as divide it",
-        plan.batch, ranks.count());
-  }
-  if (sees_whole_batch(description)) {
-    throw Error(
-        "training: this network's gradients need the whole batch (batch norm), expected 1 process, "
-        "found {} processes; start one",
-        ranks.count());
-  }
-}
-
 Trainer::Trainer(const NetworkDescription& description, const TrainingPlan& plan,
-                 std::unique_ptr<const TrainingScans> scans, TrainingState state, int threads,
-                 Ranks& ranks) {
+                 std::unique_ptr<const TrainingScans> scans, TrainingState state, int threads) {
   nn::validate(plan, description.sensor);
   if (scans == nullptr || scans->size() == 0) throw Error("training: no scans to train on");
   check_shape(scans->rows(), scans->columns(), description.sensor);
   check_state(state, description);
-  require_shares(description, plan, ranks);
   implementation_ = std::make_unique<Implementation>(
       Implementation{description, plan, std::move(scans), std::move(state), decays_of(description),
-                     statistics_of(description), ranks});
+                     statistics_of(description)});
   Implementation& self = *implementation_;
   const int columns = plan.augmentation.crop_columns > 0 ? plan.augmentation.crop_columns
                                                          : description.sensor.columns;
-  if (sees_whole_batch(description)) self.samples_of_call = plan.batch;
+  // With statistics of a batch (batch norm) the gradients of its scans depend on each other.
+  if (!self.statistics.empty()) self.samples_of_call = plan.batch;
   const int calls = plan.batch / self.samples_of_call;
-  const int own = calls / ranks.count();
-  for (int worker = 0; worker < std::clamp(threads, 1, own); ++worker) {
+  for (int worker = 0; worker < std::clamp(threads, 1, calls); ++worker) {
     self.workers.push_back(make_trainable(description, columns, chosen_instruction_set()));
   }
-  self.validation_threads = std::clamp(threads, 1, calls);
   self.gradients.resize(calls * self.state.parameters.size());
   self.losses.resize(calls);
 }
@@ -229,13 +203,13 @@ void Trainer::Implementation::run_call(TrainableNetwork& network, int call) {
       network.add_gradients(samples, {.layer_share = plan.layer_loss_share}, seeds, gradient(call));
 }
 
-/// Gradients and losses of this rank's part of the batch.
-void Trainer::Implementation::run_own_calls() {
-  const int own = static_cast<int>(losses.size()) / ranks.count();
-  in_parallel(static_cast<int>(workers.size()), own, [&](int worker, int item) {
-    const bool is_first = item == worker;
+/// Gradients and losses of the batch.
+void Trainer::Implementation::run_calls() {
+  const int calls = static_cast<int>(losses.size());
+  in_parallel(static_cast<int>(workers.size()), calls, [&](int worker, int call) {
+    const bool is_first = call == worker;
     if (is_first) workers[worker]->set_parameters(state.parameters);
-    run_call(*workers[worker], own * ranks.rank() + item);
+    run_call(*workers[worker], call);
   });
 }
 
@@ -259,10 +233,8 @@ void Trainer::Implementation::average() {
 
 TrainingStep Trainer::step() {
   Implementation& self = *implementation_;
-  self.run_own_calls();
-  self.ranks.gather(std::span(self.losses));
-  self.ranks.gather(std::span(self.gradients));
-  // In the order of the batch, whichever process computed which part of it.
+  self.run_calls();
+  // In the order of the batch, whichever thread computed which part of it.
   const std::span<float> sum = self.gradient(0);
   double loss = self.losses.front();
   for (int call = 1; call < static_cast<int>(self.losses.size()); ++call) {
@@ -291,7 +263,7 @@ Validation Trainer::validate(const std::vector<TrainingScan>& scans) {
   Implementation& self = *implementation_;
   const NetworkDescription& description = self.description;
   check_scans(scans, description.sensor);
-  const int workers = self.validation_threads;
+  const int workers = static_cast<int>(self.workers.size());
   std::vector<std::unique_ptr<Network>> whole;
   for (int i = 0; i < workers; ++i) {
     whole.push_back(

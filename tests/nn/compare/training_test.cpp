@@ -64,7 +64,7 @@ TEST_CASE("weight decay pulls at the weights of convolutions and linear layers a
   const auto after_a_step = [&](float weight_decay) {
     TrainingState state = fresh_state(tulip);
     state.optimiser.options.weight_decay = weight_decay;
-    Trainer trainer(tulip, plan_of_whole_scans(), in_memory(scans()), std::move(state), 1, alone());
+    Trainer trainer(tulip, plan_of_whole_scans(), in_memory(scans()), std::move(state), 1);
     trainer.step();
     return trainer.state().parameters;
   };
@@ -83,11 +83,6 @@ TEST_CASE("weight decay pulls at the weights of convolutions and linear layers a
     begin += count;
   }
   CHECK(decaying > 5);
-}
-
-TEST_CASE("processes cannot share the batch of a network with batch norm") {
-  CHECK(
-      test::one_line_with(message_of_two_ranks(srae_to_train(2), 4), "batch norm", "2 processes"));
 }
 
 }  // namespace hqslam::nn

@@ -2,11 +2,9 @@
 #include <omp.h>
 
 #include <cmath>
-#include <mutex>
 #include <set>
 
 #include "small_training.h"
-#include "thread_ranks.h"
 
 namespace hqslam::nn {
 
@@ -16,32 +14,6 @@ TEST_CASE("one, two and three threads train the same bytes") {
     check_same(one, trained(description, 6, 2));
     check_same(one, trained(description, 6, 3));
     CHECK(one.parameters != fresh_state(description).parameters);
-  }
-}
-
-TEST_CASE("one, two and four processes train the same bytes with the same losses") {
-  TrainingPlan plan = small_plan();
-  plan.batch = 4;
-  for (const HqsPlan& description : {filtered_du_or(), simple_du_with_dropout()}) {
-    std::vector<std::pair<TrainingState, double>> ends;
-    std::mutex mutex;
-    for (const int count : {1, 2, 4}) {
-      test::on_ranks(count, [&](Ranks& ranks) {
-        Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 2, ranks);
-        double losses = 0.0;
-        for (int i = 0; i < 6; ++i) losses += trainer.step().loss;
-        const std::lock_guard lock(mutex);
-        ends.emplace_back(trainer.state(), losses);
-      });
-    }
-    REQUIRE(ends.size() == 7);
-    for (const auto& [state, losses] : ends) {
-      check_same(state, ends.front().first);
-      CHECK(losses == ends.front().second);
-    }
-    Trainer usual = small_trainer(description, 1, plan);
-    train(usual, 6);
-    check_same(usual.state(), ends.front().first);
   }
 }
 
@@ -58,7 +30,7 @@ TEST_CASE("a training that stopped and went on gives the same bytes as one that 
   for (const HqsPlan& description : {filtered_du_or(), simple_du_with_dropout()}) {
     const TrainingState whole = trained(description, 8, 1);
     const TrainingState half = trained(description, 3, 2);
-    Trainer second(description, small_plan(), in_memory(scans()), half, 2, alone());
+    Trainer second(description, small_plan(), in_memory(scans()), half, 2);
     train(second, 5);
     check_same(second.state(), whole);
   }

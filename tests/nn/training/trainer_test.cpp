@@ -72,7 +72,7 @@ TEST_CASE("the gradient and the loss of a batch are means: equal samples give th
   TrainingStep steps[2];
   for (const int batch : {1, 5}) {
     plan.batch = batch;
-    Trainer trainer(description, plan, in_memory({{rings}}), fresh_state(description), 1, alone());
+    Trainer trainer(description, plan, in_memory({{rings}}), fresh_state(description), 1);
     steps[batch / 5] = trainer.step();
   }
   CHECK(steps[1].loss == doctest::Approx(steps[0].loss).epsilon(1e-6));
@@ -110,11 +110,6 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("a batch that processes cannot share is refused with the reason") {
-  CHECK(message_of_two_ranks(small_du_or(), 4) == "no Error");
-  CHECK(test::one_line_with(message_of_two_ranks(small_du_or(), 3), "batch is 3", "2 processes"));
-}
-
 TEST_CASE("plans that cannot be followed are refused with the field and the value") {
   CHECK(plan_message(small_plan()) == "no Error");
   struct Wrong {
@@ -144,7 +139,7 @@ TEST_CASE("scans and states that do not fit the network are refused, by any numb
   const HqsPlan description = small_du_or();
   const auto message = [&](std::vector<TrainingScan> with, const TrainingState& state) {
     return test::error_message(
-        [&] { Trainer(description, small_plan(), in_memory(std::move(with)), state, 2, alone()); });
+        [&] { Trainer(description, small_plan(), in_memory(std::move(with)), state, 2); });
   };
   const TrainingState good = fresh_state(description);
   CHECK(message(scans(), good) == "no Error");
@@ -156,7 +151,7 @@ TEST_CASE("scans and states that do not fit the network are refused, by any numb
   bad = good;
   bad.optimiser.second_moment.pop_back();
   CHECK(test::one_line_with(message(scans(), bad), std::to_string(good.parameters.size())));
-  Trainer trainer(description, small_plan(), in_memory(scans()), good, 2, alone());
+  Trainer trainer(description, small_plan(), in_memory(scans()), good, 2);
   const std::vector<TrainingScan> mixed = {{small_scene()}, {RangeImage(16, 32)}};
   CHECK(test::refused_with([&] { trainer.validate(mixed); }, "16 x 32"));
 }
@@ -166,7 +161,7 @@ TEST_CASE("a training whose loss is not finite stops with an Error, by any numbe
   for (const int threads : {1, 2}) {
     TrainingState state = fresh_state(description);
     state.parameters[0] = std::nanf("");
-    Trainer trainer(description, small_plan(), in_memory(scans()), state, threads, alone());
+    Trainer trainer(description, small_plan(), in_memory(scans()), state, threads);
     CHECK(test::refused_with([&] { trainer.step(); }, "not finite"));
   }
 }

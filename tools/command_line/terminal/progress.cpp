@@ -94,7 +94,6 @@ void Progress::set_done(std::int64_t done) {
 }
 
 void Progress::print(const std::string& text) const {
-  if (prints_messages_alone()) return;
   std::fwrite(text.data(), 1, text.size(), stream_);
   std::fflush(stream_);
 }

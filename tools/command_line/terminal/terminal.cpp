@@ -18,7 +18,6 @@ namespace hqslam::tools {
 namespace {
 
 int g_stdout_errno = 0;  ///< of the first write that failed
-bool g_messages_alone = false;
 
 void note_stdout(bool written) {
   if (!written && g_stdout_errno == 0) g_stdout_errno = errno;
@@ -41,7 +40,6 @@ extern "C" void request_stop(int signal_number) {
 }  // namespace
 
 void print_lines(std::string_view lines) {
-  if (g_messages_alone) return;
   while (!lines.empty()) {
     const std::size_t end = std::min(lines.find('\n'), lines.size());
     const std::string line = excerpt(lines.substr(0, end), end);
@@ -73,9 +71,6 @@ void prepare_standard_streams() {
   }
   std::signal(SIGPIPE, SIG_IGN);
 }
-
-void print_messages_alone() { g_messages_alone = true; }
-bool prints_messages_alone() { return g_messages_alone; }
 
 bool all_printed() {
   note_stdout(std::fflush(stdout) == 0);  // --help is not printed here

@@ -37,11 +37,6 @@ void to_stderr(fmt::format_string<Arguments...> format, Arguments&&... arguments
 /// goes away does not end the program.
 void prepare_standard_streams();
 
-/// Of many processes that do the same job, all but one call this: from then on only messages are
-/// printed, no lines and no progress.
-void print_messages_alone();
-bool prints_messages_alone();
-
 /// Whether stdout took everything; says on stderr if it did not, unless its reader went away.
 bool all_printed();
 

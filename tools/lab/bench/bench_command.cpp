@@ -1,26 +1,26 @@
 #include "bench/bench_command.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <omp.h>
 #include <stdlib.h>
 
 #include <array>
 #include <filesystem>
-#include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
 
 #include "bench/bench_measurement.h"
 #include "bench/bench_network.h"
+#include "bench/bench_text.h"
 #include "files/installed_weights.h"
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
 #include "hqslam/nn/compare/compared_networks.h"
+#include "hqslam/nn/instruction_set.h"
 #include "hqslam/nn/weights_file.h"
 #include "hqslam/sim/drive.h"
-#include "printing/printed_table.h"
 #include "recording/recording_choice.h"
 #include "simulate/simulate_command.h"
 #include "terminal/command_options.h"
@@ -44,16 +44,6 @@ std::string temporary_folder() {
   }
   return name;
 }
-
-struct Measurements {
-  std::string input;
-  std::string sensor;
-  std::vector<SlamTiming> slam;
-  int step_images = 0;
-  StepTiming steps;
-  std::vector<MultiplyAddPeak> peaks;
-  std::vector<NetworkTiming> networks;
-};
 
 /// Networks that come with the program, which are measured by default.
 constexpr std::array<const char*, 4> kInstalledNetworks = {
@@ -84,8 +74,9 @@ std::vector<RangeImage> sample_images(ScanSource& source, std::int64_t scans) {
   return images;
 }
 
+/// Adds what time_network measures, and the processor's peaks.
 void measure_networks(const std::vector<std::string>& paths, const std::vector<RangeImage>& images,
-                      const InterruptGuard& interrupt, Measurements& measurements) {
+                      const InterruptGuard& interrupt, Json& measured) {
   for (const std::string& path : paths) {
     if (interrupt.stop_requested()) return;
     const nn::Weights weights = nn::read_weights(path, nn::all_architectures());
@@ -94,10 +85,10 @@ void measure_networks(const std::vector<std::string>& paths, const std::vector<R
                 weights.description.sensor.rows(), weights.description.sensor.columns);
       continue;
     }
-    if (measurements.peaks.empty()) measurements.peaks = measure_peaks(kMostThreads);
+    if (measured["peaks"].empty()) measured["peaks"] = measure_peaks(kMostThreads);
     to_stderr("network {} ...\n", nn::name(weights.description));
-    measurements.networks.push_back(
-        time_network(path, weights, images, measurements.peaks, kMostThreads, interrupt));
+    measured["networks"].push_back(
+        time_network(path, weights, images, measured["peaks"], kMostThreads, interrupt));
   }
 }
 
@@ -127,127 +118,55 @@ std::vector<pipeline::UpsamplingOptions> slam_inputs(const SensorModel& sensor,
   return inputs;
 }
 
-void measure_slam(const InputChoice& recording, const pipeline::UpsamplingOptions& upsampling,
-                  int threads, const InterruptGuard& interrupt, Measurements& measurements) {
-  if (interrupt.stop_requested()) return;
+Json measure_slam(const InputChoice& recording, const pipeline::UpsamplingOptions& upsampling,
+                  int threads, const InterruptGuard& interrupt) {
   auto input = pipeline::open_upsampled(recording.input, open_options(recording), upsampling);
   const nn::Upsampler* method = input.upsampler.method();
   to_stderr("slam, {} rows{}, {} thread{} ...\n", input.upsampler.measured_sensor().rows(),
             method != nullptr ? fmt::format(" upsampled by {}", method->name()) : "", threads,
             threads > 1 ? "s" : "");
-  measurements.slam.push_back(time_slam(std::move(input), threads, interrupt));
+  return time_slam(std::move(input), threads, interrupt);
 }
 
-Measurements measure(const InputChoice& input, const SensorModel& sensor,
-                     const std::vector<std::string>& weights, const InterruptGuard& interrupt) {
-  Measurements measurements;
-  measurements.sensor = sensor.name;
+/// What --json prints; title: of the input.
+Json measure(const InputChoice& input, const std::string& title,
+             const std::vector<std::string>& weights, const InterruptGuard& interrupt) {
+  const SensorModel sensor = recordings::Recording::open(input.input, open_options(input)).sensor();
+  Json measured = {
+      {"input", title},           {"sensor", sensor.name}, {"cores", omp_get_num_procs()},
+      {"slam", Json::array()},    {"steps_ms", {}},        {"peaks", Json::array()},
+      {"networks", Json::array()}};
   const std::vector<pipeline::UpsamplingOptions> inputs = slam_inputs(sensor, weights);
   for (int threads = 1; threads <= kMostThreads; ++threads) {
     for (const pipeline::UpsamplingOptions& upsampling : inputs) {
-      measure_slam(input, upsampling, threads, interrupt, measurements);
+      if (interrupt.stop_requested()) return measured;
+      measured["slam"].push_back(measure_slam(input, upsampling, threads, interrupt));
     }
   }
   auto source = recordings::Recording::open(input.input, open_options(input));
   const std::vector<RangeImage> images = sample_images(source, scans_in(input, source));
   to_stderr("components and projection on {} scans ...\n", images.size());
-  measurements.step_images = static_cast<int>(images.size());
-  measurements.steps = time_steps(images, sensor);
-  measure_networks(weights, images, interrupt, measurements);
-  return measurements;
+  measured["steps_ms"] = time_steps(images, sensor);
+  measure_networks(weights, images, interrupt, measured);
+  return measured;
 }
 
-void print_json(const Measurements& measurements) {
-  Json slam = Json::array();
-  for (const SlamTiming& timing : measurements.slam) {
-    Json stages;
-    for (const auto& [stage, distribution] : timing.stages_ms) stages[stage] = distribution;
-    slam.push_back(
-        {{"rows", timing.rows},
-         {"upsampled_by", timing.upsampled_by},
-         {"threads", timing.threads},
-         {"scans", timing.scans},
-         {"upsampling_ms", timing.upsampling_ms ? Json(*timing.upsampling_ms) : Json()},
-         {"stages_ms", std::move(stages)},
-         {"first_fifth_ms", timing.first_fifth_ms},
-         {"last_fifth_ms", timing.last_fifth_ms},
-         {"peak_memory_mb", timing.peak_memory_mb ? Json(*timing.peak_memory_mb) : Json()}});
+std::string text_of(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+/// Prints the instruction sets that networks can use here and the one that they use.
+void print_instruction_sets(bool as_json) {
+  const std::string_view chosen = nn::name(nn::chosen_instruction_set());
+  std::vector<std::string_view> available;
+  for (const nn::InstructionSet set : nn::available_instruction_sets()) {
+    available.push_back(nn::name(set));
   }
-  const StepTiming& steps = measurements.steps;
-  const Json json = {
-      {"input", measurements.input},
-      {"sensor", measurements.sensor},
-      {"cores", omp_get_num_procs()},
-      {"slam", std::move(slam)},
-      {"steps_ms",
-       {{"scans", measurements.step_images},
-        {"components", steps.components_ms},
-        {"components_textbook", steps.components_textbook_ms},
-        {"projection", steps.projection_ms},
-        {"unprojection", steps.unprojection_ms}}},
-      {"peaks", measurements.peaks},
-      {"networks", measurements.networks},
-  };
-  to_stdout("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
-}
-
-/// "64", or "16, du-mix, memory".
-std::string rows_text(const SlamTiming& timing) {
-  return timing.upsampled_by.empty() ? fmt::format("{}", timing.rows)
-                                     : fmt::format("{}, {}", timing.rows, timing.upsampled_by);
-}
-
-void print_slam_tables(const std::vector<SlamTiming>& timings) {
-  using T = SlamTiming;
-  const auto median_of = [](std::size_t stage) {
-    return [stage](const T& t) { return t.stages_ms[stage].second.median; };
-  };
-  const auto total_of = [](const T& t) { return t.stages_ms.back().second; };
-  const std::vector<Figure<T>> stages = {
-      {"threads", nullptr, 0, 1.0, &T::threads},
-      {"upsampling", nullptr, 2, 1.0,
-       [](const T& t) {
-         return t.upsampling_ms ? std::optional(t.upsampling_ms->median) : std::nullopt;
-       }},
-      {"segmentation", nullptr, 2, 1.0, median_of(0)},
-      {"features", nullptr, 2, 1.0, median_of(1)},
-      {"odometry", nullptr, 2, 1.0, median_of(2)},
-      {"mapping", nullptr, 2, 1.0, median_of(3)}};
-  const std::vector<Figure<T>> totals = {
-      {"threads", nullptr, 0, 1.0, &T::threads},
-      {"scans", nullptr, 0, 1.0, &T::scans},
-      {"median", nullptr, 2, 1.0, [=](const T& t) { return total_of(t).median; }},
-      {"95 %", nullptr, 2, 1.0, [=](const T& t) { return total_of(t).p95; }},
-      {"scans/s", nullptr, 1, 1.0, [=](const T& t) { return 1e3 / total_of(t).mean; }},
-      {"first fifth", nullptr, 1, 1.0, &T::first_fifth_ms},
-      {"last fifth", nullptr, 1, 1.0, &T::last_fifth_ms},
-      {"memory", nullptr, 0, 1.0, &T::peak_memory_mb}};
-  to_stdout("SLAM's stages, median ms per scan\n\n{}\n",
-            printed_table(table_of(timings, "Rows", stages, rows_text)));
-  to_stdout("Upsampling and SLAM together, ms per scan\n\n{}\n{}\n",
-            printed_table(table_of(timings, "Rows", totals, rows_text)),
-            printed_definitions(
-                {{"Rows", "measured rows, and the method that upsamples them"},
-                 {"upsampling", "from measured points to points of all rows, with its memory"},
-                 {"scans/s", "from the mean time"},
-                 {"first fifth", "median of the first fifth of the scans, without the first ten"},
-                 {"memory", "peak of the process's resident memory, MB"}}));
-}
-
-void print_text(const Measurements& measurements) {
-  to_stdout("{}, sensor {}, {} cores\n\n", measurements.input, measurements.sensor,
-            omp_get_num_procs());
-  print_slam_tables(measurements.slam);
-  const StepTiming& steps = measurements.steps;
-  to_stdout("Single steps on {} scans, one thread, median ms per scan\n", measurements.step_images);
-  to_stdout("{:<40}{:>8.2f}\n", "connected components (10 degrees)", steps.components_ms.median);
-  to_stdout("{:<40}{:>8.2f}  ({:.1f} times as long)\n", "  textbook: std::queue, atan2",
-            steps.components_textbook_ms.median,
-            steps.components_textbook_ms.median / steps.components_ms.median);
-  to_stdout("{:<40}{:>8.2f}\n", "projection (scan to range image)", steps.projection_ms.median);
-  to_stdout("{:<40}{:>8.2f}\n", "unprojection (range image to points)",
-            steps.unprojection_ms.median);
-  print_networks(measurements.peaks, measurements.networks);
+  if (as_json) {
+    to_stdout("{}", text_of({{"instruction_set", chosen}, {"available", available}}));
+    return;
+  }
+  to_stdout("in use:    {}\navailable: {}\n", chosen, fmt::join(available, ", "));
 }
 
 }  // namespace
@@ -298,19 +217,14 @@ int run(const BenchOptions& options) {
     simulate_drive(simulate, interrupt);
     input.input = simulate.out;
   }
-  const SensorModel sensor = recordings::Recording::open(input.input, open_options(input)).sensor();
-  Measurements measurements = measure(input, sensor, weights, interrupt);
-  measurements.input =
+  const std::string title =
       drive ? fmt::format("simulated {}, {} scans", options.drive, options.scans) : input.input;
+  const Json measured = measure(input, title, weights, interrupt);
   if (interrupt.stop_requested()) {
     to_stderr("hqslam-lab: interrupted\n");
     return kInterrupted;
   }
-  if (options.json) {
-    print_json(measurements);
-  } else {
-    print_text(measurements);
-  }
+  to_stdout("{}", options.json ? text_of(measured) : bench_text(measured));
   return kOk;
 }
 

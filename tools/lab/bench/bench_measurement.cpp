@@ -13,6 +13,8 @@
 namespace hqslam::tools {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 constexpr std::size_t kWarmUpScans = 10;
 constexpr double kOutlierAngle_rad = 0.17453292519943295;  // 10 degrees
 
@@ -36,21 +38,27 @@ void reset_peak_memory() {
   std::ofstream("/proc/self/clear_refs") << "5\n";
 }
 
-/// Peak resident memory since the last reset in MB, from proc(5)'s VmHWM; nothing without /proc.
-std::optional<double> peak_memory_mb() {
+/// Peak resident memory since the last reset in MB, from proc(5)'s VmHWM; null without /proc.
+Json peak_memory_mb() {
   std::ifstream status("/proc/self/status");
   std::string field;
   while (status >> field) {
     double kibibytes = 0.0;
     if (field == "VmHWM:" && status >> kibibytes) return kibibytes * 1024.0 / 1e6;
   }
-  return std::nullopt;
+  return {};
 }
 
 }  // namespace
 
-SlamTiming time_slam(pipeline::UpsampledRecording input, int threads,
-                     const InterruptGuard& interrupt) {
+Json distribution_json(const Distribution& distribution) {
+  return {{"median", distribution.median},
+          {"p95", distribution.p95},
+          {"max", distribution.max},
+          {"mean", distribution.mean}};
+}
+
+Json time_slam(pipeline::UpsampledRecording input, int threads, const InterruptGuard& interrupt) {
   omp_set_num_threads(threads);
   reset_peak_memory();
   SlamSession session(std::move(input.upsampler), {}, input.path, false);
@@ -61,30 +69,30 @@ SlamTiming time_slam(pipeline::UpsampledRecording input, int threads,
     session.process(*scan);
   }
   const SlamRun& run = session.run();
-  SlamTiming timing;
-  timing.rows = upsampler.measured_sensor().rows();
-  timing.threads = threads;
-  timing.scans = std::ssize(run.scans);
+  Json upsampling_ms;
+  Json stages_ms;
   for (const ScanTimes& stage : stage_times(run)) {
-    const Distribution distribution = distribution_of(stage.times_ms);
-    if (stage.name == "upsampling") timing.upsampling_ms = distribution;
-    if (stage.name != "upsampling" && stage.name != "reading") {
-      timing.stages_ms.emplace_back(stage.name, distribution);
-    }
+    if (stage.name == "reading") continue;
+    (stage.name == "upsampling" ? upsampling_ms : stages_ms[stage.name]) =
+        distribution_json(distribution_of(stage.times_ms));
   }
-  timing.upsampled_by = run.upsampled_by + (upsampler.has_scan_memory() ? ", memory" : "");
-  std::vector<double> total_ms = scan_times(run, "total", [](const ScanRecord& scan) {
-                                   return scan.upsampling_s + scan.report.times.total_s;
-                                 }).times_ms;
+  const std::vector<double> total_ms = scan_times(run, "total", [](const ScanRecord& scan) {
+                                         return scan.upsampling_s + scan.report.times.total_s;
+                                       }).times_ms;
+  stages_ms["total"] = distribution_json(distribution_of(total_ms));
   const std::size_t fifth = total_ms.size() / 5;
-  timing.first_fifth_ms = median_ms(total_ms, kWarmUpScans, kWarmUpScans + fifth);
-  timing.last_fifth_ms = median_ms(total_ms, total_ms.size() - fifth, total_ms.size());
-  timing.stages_ms.emplace_back("total", distribution_of(std::move(total_ms)));
-  timing.peak_memory_mb = peak_memory_mb();
-  return timing;
+  return {{"rows", upsampler.measured_sensor().rows()},
+          {"upsampled_by", run.upsampled_by + (upsampler.has_scan_memory() ? ", memory" : "")},
+          {"threads", threads},
+          {"scans", run.scans.size()},
+          {"upsampling_ms", std::move(upsampling_ms)},
+          {"stages_ms", std::move(stages_ms)},
+          {"first_fifth_ms", median_ms(total_ms, kWarmUpScans, kWarmUpScans + fifth)},
+          {"last_fifth_ms", median_ms(total_ms, total_ms.size() - fifth, total_ms.size())},
+          {"peak_memory_mb", peak_memory_mb()}};
 }
 
-StepTiming time_steps(const std::vector<RangeImage>& images, const SensorModel& sensor) {
+Json time_steps(const std::vector<RangeImage>& images, const SensorModel& sensor) {
   constexpr int kRepetitions = 5;
   omp_set_num_threads(1);
   ConnectedComponentsOptions options;
@@ -106,8 +114,11 @@ StepTiming time_steps(const std::vector<RangeImage>& images, const SensorModel& 
       projection_ms.push_back(milliseconds_of([&] { project(scan, sensor); }));
     }
   }
-  return {distribution_of(std::move(components_ms)), distribution_of(std::move(textbook_ms)),
-          distribution_of(std::move(projection_ms)), distribution_of(std::move(unprojection_ms))};
+  return {{"scans", images.size()},
+          {"components", distribution_json(distribution_of(std::move(components_ms)))},
+          {"components_textbook", distribution_json(distribution_of(std::move(textbook_ms)))},
+          {"projection", distribution_json(distribution_of(std::move(projection_ms)))},
+          {"unprojection", distribution_json(distribution_of(std::move(unprojection_ms)))}};
 }
 
 }  // namespace hqslam::tools

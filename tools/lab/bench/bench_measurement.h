@@ -1,9 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
-#include <string>
-#include <utility>
+#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "hqslam/core/range_image.h"
@@ -24,30 +22,23 @@ namespace hqslam::tools {
 std::vector<std::int32_t> textbook_components(const RangeImage& image, const SensorModel& sensor,
                                               double min_angle_rad);
 
-/// Times of SLAM over a drive with some of the sensor's rows and a number of threads.
-struct SlamTiming {
-  int rows = 0;              ///< measured
-  std::string upsampled_by;  ///< method of upsampling to all rows; empty: none
-  int threads = 0;
-  std::int64_t scans = 0;
-  std::optional<Distribution> upsampling_ms;  ///< a scan of points in and out, with its memory
-  std::vector<std::pair<std::string, Distribution>> stages_ms;  ///< and "total", with upsampling
-  double first_fifth_ms = 0.0;  ///< median total of the first fifth of the scans, first 10 left out
-  double last_fifth_ms = 0.0;
-  std::optional<double> peak_memory_mb;  ///< resident memory of the process during this run
-};
+/// {median, p95, max, mean}
+nlohmann::ordered_json distribution_json(const Distribution& distribution);
 
-/// Only upsampling and SLAM are timed.
-SlamTiming time_slam(pipeline::UpsampledRecording input, int threads,
-                     const InterruptGuard& interrupt);
+/// Times of SLAM over a drive with some of the sensor's rows and a number of threads. Only
+/// upsampling and SLAM are timed.
+///   {rows: measured, upsampled_by: method of upsampling to all rows, "" none, threads, scans,
+///    upsampling_ms: distribution_json, a scan of points in and out, with its memory; or null,
+///    stages_ms: {stage: distribution_json} and "total", with upsampling,
+///    first_fifth_ms: median total of the first fifth of the scans, first 10 left out,
+///    last_fifth_ms, peak_memory_mb: resident memory of the process during this run, or null}
+nlohmann::ordered_json time_slam(pipeline::UpsampledRecording input, int threads,
+                                 const InterruptGuard& interrupt);
 
 /// Times of single steps on some scans of the drive, one thread, per scan.
-struct StepTiming {
-  Distribution components_ms;           ///< ComponentLabeler, 10 degrees
-  Distribution components_textbook_ms;  ///< textbook_components on the same images
-  Distribution projection_ms;           ///< scan to range image
-  Distribution unprojection_ms;         ///< range image to points
-};
-StepTiming time_steps(const std::vector<RangeImage>& images, const SensorModel& sensor);
+///   {scans, and of each a distribution_json: components: ComponentLabeler, 10 degrees,
+///    components_textbook: textbook_components on the same images, projection: scan to range image,
+///    unprojection: range image to points}
+nlohmann::ordered_json time_steps(const std::vector<RangeImage>& images, const SensorModel& sensor);
 
 }  // namespace hqslam::tools

@@ -2,11 +2,15 @@
 
 #include <functional>
 
+#include "bench/bench_measurement.h"
+#include "hqslam/nn/instruction_set.h"
 #include "hqslam/nn/network.h"
 #include "hqslam/nn/super_resolver.h"
 
 namespace hqslam::tools {
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 constexpr double kRunTime_s = 1.0;  ///< of a network with one instruction set and thread count
 constexpr int kFewestFrames = 3;    ///< however long they take
@@ -22,17 +26,19 @@ std::vector<RangeImage> measured_rows_of(const nn::Weights& weights,
   return measured;
 }
 
-double peak_of(const std::vector<MultiplyAddPeak>& peaks, nn::InstructionSet instruction_set,
-               int threads) {
-  for (const MultiplyAddPeak& peak : peaks) {
-    if (peak.instruction_set == instruction_set && peak.threads == threads) return peak.gflops;
+/// Of the same instruction set and number of threads as a run; 0 where none was measured.
+double peak_of(const Json& peaks, const Json& run) {
+  for (const Json& peak : peaks) {
+    if (peak["instruction_set"] == run["instruction_set"] && peak["threads"] == run["threads"]) {
+      return peak["gflops"];
+    }
   }
   return 0.0;
 }
 
-NetworkRun time_run(const nn::Weights& weights, const std::vector<RangeImage>& measured,
-                    nn::InstructionSet instruction_set, int threads,
-                    const std::vector<MultiplyAddPeak>& peaks, const InterruptGuard& interrupt) {
+Json time_run(const nn::Weights& weights, const std::vector<RangeImage>& measured,
+              nn::InstructionSet instruction_set, int threads, const Json& peaks,
+              const InterruptGuard& interrupt) {
   nn::SuperResolverOptions options;
   options.threads = threads;
   options.instruction_set = instruction_set;
@@ -44,16 +50,17 @@ NetworkRun time_run(const nn::Weights& weights, const std::vector<RangeImage>& m
     if (i >= kFewestFrames && seconds_since(start) > kRunTime_s) break;
     times_ms.push_back(1e3 * seconds_of([&] { resolver.run(measured[i % measured.size()]); }));
   }
-  NetworkRun run;
-  run.instruction_set = instruction_set;
-  run.threads = threads;
-  run.frames = static_cast<int>(times_ms.size());
-  run.frame_ms = distribution_of(std::move(times_ms));
-  const double peak = peak_of(peaks, instruction_set, threads);
-  run.gflops = run.frame_ms.median > 0.0
-                   ? 2e-6 * static_cast<double>(resolver.multiply_adds()) / run.frame_ms.median
-                   : 0.0;
-  run.peak_share = peak > 0.0 ? run.gflops / peak : 0.0;
+  const Distribution frame_ms = distribution_of(times_ms);
+  const double per_second = frame_ms.median > 0.0 ? 1e3 / frame_ms.median : 0.0;
+  const double gflops = 2e-9 * static_cast<double>(resolver.multiply_adds()) * per_second;
+  Json run = {{"instruction_set", nn::name(instruction_set)},
+              {"threads", threads},
+              {"frames", times_ms.size()},
+              {"frames_per_second", per_second},
+              {"frame_ms", distribution_json(frame_ms)},
+              {"gflops", gflops}};
+  const double peak = peak_of(peaks, run);
+  run["peak_share"] = peak > 0.0 ? gflops / peak : 0.0;
   return run;
 }
 
@@ -73,42 +80,48 @@ double median_ms(int threads, const std::function<void()>& step) {
   return distribution_of(std::move(times_ms)).median;
 }
 
-NetworkSteps time_steps(const nn::Weights& weights, const RangeImage& measured,
-                        nn::InstructionSet instruction_set, int threads) {
-  const auto network = nn::make_network(weights.description, weights.description.sensor.columns,
-                                        instruction_set, threads);
+std::unique_ptr<nn::Network> network_of(const nn::Weights& weights,
+                                        nn::InstructionSet instruction_set, int threads) {
+  auto network = nn::make_network(weights.description, weights.description.sensor.columns,
+                                  instruction_set, threads);
   network->set_parameters(weights.parameters);
-  NetworkSteps result;
-  result.threads = threads;
-  for (const nn::NetworkStep& step : network->steps(measured)) {
-    result.steps.push_back({step.name, 1e-9 * step.calls * static_cast<double>(step.multiply_adds),
-                            step.calls * median_ms(step.by_team ? threads : 1, step.run)});
-  }
-  return result;
+  return network;
 }
 
-/// Of the first step that is there twice; nothing if none is.
-std::optional<ReferenceRatio> time_reference(const nn::Weights& weights, const RangeImage& measured,
-                                             nn::InstructionSet instruction_set) {
-  const auto network =
-      nn::make_network(weights.description, weights.description.sensor.columns, instruction_set, 1);
-  network->set_parameters(weights.parameters);
+Json time_steps(const nn::Weights& weights, const RangeImage& measured,
+                nn::InstructionSet instruction_set, int threads) {
+  const auto network = network_of(weights, instruction_set, threads);
+  Json steps = Json::array();
+  for (const nn::NetworkStep& step : network->steps(measured)) {
+    steps.push_back({{"name", step.name},
+                     {"gmac", 1e-9 * step.calls * static_cast<double>(step.multiply_adds)},
+                     {"ms", step.calls * median_ms(step.by_team ? threads : 1, step.run)}});
+  }
+  return {{"threads", threads}, {"steps", std::move(steps)}};
+}
+
+/// Of the first step that is there twice; null if none is.
+Json time_reference(const nn::Weights& weights, const RangeImage& measured,
+                    nn::InstructionSet instruction_set) {
+  const auto network = network_of(weights, instruction_set, 1);
   for (const nn::NetworkStep& step : network->steps(measured)) {
     if (!step.reference) continue;
-    return ReferenceRatio{.layer = step.name,
-                          .fast_ms = median_ms(1, step.run),
-                          .reference_ms = median_ms(1, step.reference)};
+    return {{"layer", step.name},
+            {"fast_ms", median_ms(1, step.run)},
+            {"reference_ms", median_ms(1, step.reference)}};
   }
-  return std::nullopt;
+  return {};
 }
 
 }  // namespace
 
-std::vector<MultiplyAddPeak> measure_peaks(int most_threads) {
-  std::vector<MultiplyAddPeak> peaks;
+Json measure_peaks(int most_threads) {
+  Json peaks = Json::array();
   for (const nn::InstructionSet set : nn::available_instruction_sets()) {
     for (int threads = 1; threads <= most_threads; ++threads) {
-      peaks.push_back({set, threads, nn::multiply_add_peak_gflops(set, threads)});
+      peaks.push_back({{"instruction_set", nn::name(set)},
+                       {"threads", threads},
+                       {"gflops", nn::multiply_add_peak_gflops(set, threads)}});
     }
   }
   return peaks;
@@ -120,28 +133,31 @@ bool takes(const nn::Weights& weights, const std::vector<RangeImage>& images) {
          images.front().columns == sensor.columns;
 }
 
-NetworkTiming time_network(const std::string& path, const nn::Weights& weights,
-                           const std::vector<RangeImage>& images,
-                           const std::vector<MultiplyAddPeak>& peaks, int most_threads,
-                           const InterruptGuard& interrupt) {
+Json time_network(const std::string& path, const nn::Weights& weights,
+                  const std::vector<RangeImage>& images, const Json& peaks, int most_threads,
+                  const InterruptGuard& interrupt) {
   const std::vector<RangeImage> measured = measured_rows_of(weights, images);
   const nn::SuperResolver resolver(weights, {});
-  NetworkTiming timing;
-  timing.path = path;
-  timing.name = nn::name(weights.description);
-  timing.parameters = resolver.parameters();
-  timing.gmac = 1e-9 * static_cast<double>(resolver.multiply_adds());
+  Json runs = Json::array();
   for (const nn::InstructionSet set : nn::available_instruction_sets()) {
     for (int threads = 1; threads <= most_threads && !interrupt.stop_requested(); ++threads) {
-      timing.runs.push_back(time_run(weights, measured, set, threads, peaks, interrupt));
+      runs.push_back(time_run(weights, measured, set, threads, peaks, interrupt));
     }
   }
-  timing.steps_instruction_set = nn::chosen_instruction_set();
+  const nn::InstructionSet chosen = nn::chosen_instruction_set();
+  Json steps = Json::array();
   for (int threads = 1; threads <= most_threads && !interrupt.stop_requested(); ++threads) {
-    timing.steps.push_back(
-        time_steps(weights, measured.front(), timing.steps_instruction_set, threads));
+    steps.push_back(time_steps(weights, measured.front(), chosen, threads));
   }
-  timing.reference = time_reference(weights, measured.front(), timing.steps_instruction_set);
+  Json timing = {{"network", nn::name(weights.description)},
+                 {"weights", path},
+                 {"parameters", resolver.parameters()},
+                 {"gmac", 1e-9 * static_cast<double>(resolver.multiply_adds())},
+                 {"runs", std::move(runs)},
+                 {"steps_instruction_set", nn::name(chosen)},
+                 {"steps", std::move(steps)}};
+  Json reference = time_reference(weights, measured.front(), chosen);
+  if (!reference.is_null()) timing["reference"] = std::move(reference);
   return timing;
 }
 

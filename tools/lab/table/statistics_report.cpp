@@ -2,15 +2,12 @@
 #include <fmt/ranges.h>
 
 #include <cmath>
-#include <limits>
 
 #include "table/result_sources_hash.h"
 #include "table/table_report.h"
 
 namespace hqslam::tools {
 namespace {
-
-using Methods = std::vector<MethodStatistics>;
 
 /// "0.0391 [0.0350, 0.0432]"
 std::string estimate_text(const Estimate& estimate, int decimals) {
@@ -22,42 +19,33 @@ std::string estimate_text(const Estimate& estimate, int decimals) {
   return text;
 }
 
-/// A figure without an interval.
-template <typename Number>
-Estimate number(Number value) {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  return {static_cast<double>(value), kNone, kNone};
-}
-
 /// A row per method.
-TextTable table_of(const Methods& methods, const std::string& title,
-                   const std::vector<StatisticsColumn>& columns) {
+TextTable table_of(const TableSample& sample, const std::string& title,
+                   const std::vector<StatisticsColumn>& columns, const Estimates& estimates) {
   TextTable table{.title = title, .columns = {"Method"}};
   for (const StatisticsColumn& column : columns) table.columns.emplace_back(column.column);
-  for (const MethodStatistics& method : methods) {
+  for (std::size_t method = 0; method < estimates.size(); ++method) {
     std::vector<std::string>& cells = table.rows.emplace_back();
-    cells.push_back(method.title);
-    for (const StatisticsColumn& column : columns) {
-      const std::optional<Estimate> estimate = column.of(method);
-      const bool is_there = estimate && !(column.of_others && method.is_paired_with);
-      cells.push_back(is_there ? estimate_text(*estimate, column.decimals) : kNoFigure);
+    cells.push_back(sample.methods()[method].method.title);
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      const std::optional<Estimate>& estimate = estimates[method][i];
+      const bool is_there = estimate && !(columns[i].of_others && method == sample.against);
+      cells.push_back(is_there ? estimate_text(*estimate, columns[i].decimals) : kNoFigure);
     }
   }
   return table;
 }
 
-std::string paired_with(const Methods& methods) {
-  for (const MethodStatistics& method : methods)
-    if (method.is_paired_with) return method.title;
-  return "";
-}
-
-std::vector<PairedDrift> paired_drifts_of(const Methods& methods) {
-  std::vector<PairedDrift> drifts;
-  for (const MethodStatistics& method : methods) {
-    if (method.is_paired_with) continue;
-    drifts.push_back(
-        {method.title, method.drift_differences_percent, method.drift_difference_percent});
+nlohmann::ordered_json paired_drifts_of(const PartStatistics& part) {
+  nlohmann::ordered_json drifts = nlohmann::ordered_json::array();
+  for (std::size_t method = 0; method < part.pairs.size(); ++method) {
+    if (method == part.sample.against) continue;
+    const Estimate& mean = *part.pairs[method].front();  // of the differences
+    drifts.push_back({{"name", part.sample.methods()[method].method.title},
+                      {"dots", drift_differences_percent(part.sample, method)},
+                      {"mean", mean.value},
+                      {"low", mean.low},
+                      {"high", mean.high}});
   }
   return drifts;
 }
@@ -65,16 +53,16 @@ std::vector<PairedDrift> paired_drifts_of(const Methods& methods) {
 /// "town: seeds 1, 2, 3; 1000 scans each, 2.7 km"
 std::string sample_text(const TableSample& sample) {
   std::string text;
-  for (const std::string& name : drive_names(sample)) {
+  for (const std::string& kind : kinds_of(sample)) {
+    const TableSample part = of_kind(sample, kind);
     std::vector<std::uint64_t> seeds;
-    double path_m = 0.0;
-    for (const DriveSample& drive : of_drive(sample, name).drives) {
-      seeds.push_back(drive.seed);
-      path_m += drive.path_m;
+    double all_m = 0.0;
+    for (const DriveFigures* drive : part.drives) {
+      seeds.push_back(drive->seed);
+      all_m += path_m(*drive);
     }
     text += fmt::format("{}{}: seeds {}; {} scans each, {:.1f} km in all", text.empty() ? "" : "; ",
-                        name, fmt::join(seeds, ", "), of_drive(sample, name).drives.front().scans,
-                        1e-3 * path_m);
+                        kind, fmt::join(seeds, ", "), part.drives.front()->scans, 1e-3 * all_m);
   }
   return text;
 }
@@ -102,42 +90,6 @@ std::vector<std::string> notes_of(const TableSample& sample) {
 
 }  // namespace
 
-const std::vector<StatisticsColumn>& summary_columns() {
-  using M = MethodStatistics;
-  static const std::vector<StatisticsColumn> columns = {
-      {"drift, %", "drift_percent", 4, false, &M::drift_percent},
-      {"drift, deg/100 m", "drift_deg_per_100m", 4, false, &M::drift_deg_per_100m},
-      {"drift where it does not slip, %", "drift_percent_no_slip", 4, false,
-       &M::drift_percent_no_slip},
-      {"slips", nullptr, 0, false, [](const M& m) { return number(m.slips); }},
-      {"slips per 100 km", "slips_per_100_km", 0, false, &M::slips_per_100_km},
-      {"APE, m", "ape_m", 3, false, &M::ape_m},
-      {"SLAM, ms", nullptr, 1, false, [](const M& m) { return number(m.slam_ms); }}};
-  return columns;
-}
-
-const std::vector<StatisticsColumn>& pair_columns() {
-  using M = MethodStatistics;
-  static const std::vector<StatisticsColumn> columns = {
-      {"drift, difference in %", "drift_difference_percent", 4, true, &M::drift_difference_percent},
-      {"drift, ratio", "drift_ratio", 2, true, &M::drift_ratio},
-      {"ratio where neither slips", "drift_ratio_no_slip", 2, true, &M::drift_ratio_no_slip},
-      {"slips per 100 km, difference", "slips_difference_per_100_km", 0, true,
-       &M::slips_difference},
-      {"share of LiDAR-16's gap to LiDAR-64 closed, drift", "gap_closed", 2, false, &M::gap_closed},
-      {"slips", "slip_gap_closed", 2, false, &M::slip_gap_closed}};
-  return columns;
-}
-
-std::vector<PartStatistics> parts_of(const TableSample& sample) {
-  std::vector<PartStatistics> parts = {{"all", sample, statistics_of(sample)}};
-  for (const std::string& name : drive_names(sample)) {
-    TableSample part = of_drive(sample, name);
-    parts.push_back({name, part, statistics_of(part)});
-  }
-  return parts;
-}
-
 TableReport statistics_report(const TableSample& sample) {
   TableReport report;
   report.title = "16 rows, 16 upsampled to 64, and 64 rows over many drives";
@@ -148,12 +100,12 @@ TableReport statistics_report(const TableSample& sample) {
     if (all && one_kind) continue;
     ReportPart& shown = report.parts.emplace_back(
         ReportPart{all ? "All drives" : part.name, sample_text(part.sample), {}});
+    shown.paired_with = part.sample.methods()[part.sample.against].method.title;
     shown.tables = {
-        table_of(part.methods, "Drift, slips and position error", summary_columns()),
-        table_of(part.methods, fmt::format("Drive by drive against {}", paired_with(part.methods)),
-                 pair_columns())};
-    shown.paired_with = paired_with(part.methods);
-    shown.paired_drifts = paired_drifts_of(part.methods);
+        table_of(part.sample, "Drift, slips and position error", summary_columns(), part.summary),
+        table_of(part.sample, fmt::format("Drive by drive against {}", shown.paired_with),
+                 pair_columns(), part.pairs)};
+    shown.paired_drifts = paired_drifts_of(part);
   }
   report.notes = notes_of(sample);
   report.json = statistics_json(parts);

@@ -12,7 +12,6 @@
 
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
-#include "ranks/ranks.h"
 #include "table/table_drive.h"
 #include "table/table_report.h"
 #include "table/table_work.h"
@@ -49,24 +48,12 @@ void guard_tables(const TableOptions& options) {
 std::vector<DriveFigures> figures_of(const std::vector<DriveWork>& works, const TablePlan& plan) {
   std::vector<DriveFigures> drives;
   for (const DriveWork& work : works) {
-    if (!work.prepared) continue;
-    const FoundResults found = results_of(*work.prepared, plan.shown, plan.loop_closing);
-    if (found.results.empty()) continue;
-    drives.push_back(drive_figures(work.drive, work.prepared->sensor.name, found.methods,
-                                   found.results, truth_of(work.drive)));
+    if (!work.is_prepared) continue;
+    const std::vector<TableResult> results = results_of(work, plan);
+    if (results.empty()) continue;
+    drives.push_back(drive_figures(work.drive, work.sensor.name, results, truth_of(work.drive)));
   }
   return drives;
-}
-
-/// The drives that every method has finished.
-TableSample sample_of(const std::vector<DriveFigures>& drives, const TablePlan& plan) {
-  TableSample sample{plan.methods, plan.against, {}};
-  for (const DriveFigures& drive : drives) {
-    if (auto finished = drive_sample(drive, plan.methods)) {
-      sample.drives.push_back(std::move(*finished));
-    }
-  }
-  return sample;
 }
 
 std::optional<TableReport> report_of(const std::vector<DriveFigures>& drives,
@@ -101,8 +88,7 @@ With --seeds SLAM runs without loop closing, on as many drives in parallel as th
 threads, with one thread each.
 A run is repeated if its result is damaged or was made from other scans, with other weights or
 by another build of the program; results of other lengths and builds are kept. Inertial data
-and corrections of beams are not used.
-mpirun -n N shares drives and methods among N processes, all with access to the same folders.)");
+and corrections of beams are not used.)");
   command
       .option("--drives", &options.drives,
               fmt::format("Simulated drives ({}) and recordings with {} rows (as for hqslam run), "
@@ -144,20 +130,12 @@ mpirun -n N shares drives and methods among N processes, all with access to the 
 int run(const TableOptions& options) {
   use_threads(options.threads);
   const InterruptGuard interrupt;
-  const std::unique_ptr<Ranks> ranks = launched_ranks();
   const TablePlan plan = plan_table(options);
-  std::vector<DriveWork> works;
-  std::optional<FolderLock> lock;
-  ranks->rank_0_first([&] {
-    if (ranks->rank() == 0) guard_tables(options);
-    works = work_of(plan, options);
-    if (ranks->rank() > 0) return;
-    make_result_folder(options.out);
-    lock.emplace(options.out);
-  });
-  const bool complete = run_missing(works, plan, options, interrupt, *ranks);
-  if (ranks->rank() > 0) return complete ? kOk : kInterrupted;
-  if (ranks->count() > 1) works = work_of(plan, options);  // with what the others have done
+  guard_tables(options);
+  std::vector<DriveWork> works = work_of(plan, options);
+  make_result_folder(options.out);
+  const FolderLock lock(options.out);
+  const bool complete = run_missing(works, plan, options, interrupt);
   const std::vector<DriveFigures> drives = figures_of(works, plan);
   if (const auto report = report_of(drives, plan)) {
     write_report(*report, options.out);

@@ -6,25 +6,18 @@
 namespace hqslam::tools {
 namespace {
 
-MethodFigures method_figures(const TableMethod& method, const TableResult& result,
-                             const TableResult* all_rows,
-                             const std::optional<TrajectoryFile>& truth) {
-  MethodFigures figures;
-  figures.method = method;
-  figures.result = result;
+void add_errors(const TableResult* all_rows, const std::optional<TrajectoryFile>& truth,
+                TableResult& result) {
   for (std::size_t i = 0; i < result.trajectory.size(); ++i) {
     const Trajectory& trajectory = result.trajectory[i];
-    if (all_rows != nullptr && !is_reference(method)) {
-      figures.against_all_rows[i] = error_figures(trajectory, all_rows->trajectory[i]);
+    if (all_rows != nullptr && !is_reference(result.method)) {
+      result.against_all_rows[i] = error_figures(trajectory, all_rows->trajectory[i]);
     }
     if (!truth) continue;
     const Trajectory stamped = with_stamps_of_scans(*truth, trajectory, result.scan_of_pose);
-    figures.against_truth[i] = error_figures(trajectory, stamped);
-    if (i == kLoopClosingOff && figures.against_truth[i]) {
-      figures.slips = slips(trajectory, stamped);
-    }
+    result.against_truth[i] = error_figures(trajectory, stamped);
+    if (i == kLoopClosingOff && result.against_truth[i]) result.slips = slips(trajectory, stamped);
   }
-  return figures;
 }
 
 }  // namespace
@@ -50,20 +43,23 @@ std::optional<double> ErrorFigures::rpe_deg_per_100m() const {
   return 100.0 / kDriftPiece_m * kDegreesPerRadian * pieces.rotation_statistics.rmse;
 }
 
-std::optional<double> MethodFigures::upsampling_fps() const {
+std::optional<double> TableResult::upsampling_fps() const {
   if (method.source.empty()) return std::nullopt;
-  return 1e3 / result.timings.upsampling_ms;
+  return 1e3 / timings.upsampling_ms;
 }
 
-double MethodFigures::chain_fps(std::size_t loop_closing) const {
-  const TableTimings& timings = result.timings;
-  return static_cast<double>(result.trajectory[kLoopClosingOff].size()) /
+double TableResult::chain_fps(std::size_t loop_closing) const {
+  return static_cast<double>(trajectory[kLoopClosingOff].size()) /
          (timings.upsampling_s + timings.points_s + timings.slam[loop_closing].total_s);
 }
 
+double TableResult::slam_ms() const {
+  return 1e3 * timings.slam[kLoopClosingOff].total_s /
+         static_cast<double>(trajectory[kLoopClosingOff].size());
+}
+
 DriveFigures drive_figures(const TableDrive& drive, const std::string& sensor,
-                           const std::vector<TableMethod>& methods,
-                           const std::vector<TableResult>& results,
+                           std::vector<TableResult> results,
                            const std::optional<TrajectoryFile>& truth) {
   DriveFigures figures;
   figures.name = drive.name;
@@ -73,21 +69,20 @@ DriveFigures drive_figures(const TableDrive& drive, const std::string& sensor,
   }
   figures.sensor = sensor;
   figures.truth = truth ? truth->path : "";
+  figures.methods = std::move(results);
   const TableResult* all_rows = nullptr;
-  for (std::size_t i = 0; i < methods.size(); ++i) {
-    figures.scans = results[i].settings.scans;
-    if (results[i].left_out.scans > figures.left_out.scans) figures.left_out = results[i].left_out;
-    if (is_reference(methods[i])) all_rows = &results[i];
+  for (const TableResult& result : figures.methods) {
+    figures.scans = result.settings.scans;
+    if (result.left_out.scans > figures.left_out.scans) figures.left_out = result.left_out;
+    if (is_reference(result.method)) all_rows = &result;
   }
-  for (std::size_t i = 0; i < methods.size(); ++i) {
-    figures.methods.push_back(method_figures(methods[i], results[i], all_rows, truth));
-  }
+  for (TableResult& result : figures.methods) add_errors(all_rows, truth, result);
   return figures;
 }
 
-const MethodFigures* find_method(const DriveFigures& drive, const std::string& name) {
-  for (const MethodFigures& figures : drive.methods) {
-    if (figures.method.name == name) return &figures;
+const TableResult* find_method(const DriveFigures& drive, const std::string& name) {
+  for (const TableResult& result : drive.methods) {
+    if (result.method.name == name) return &result;
   }
   return nullptr;
 }

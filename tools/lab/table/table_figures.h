@@ -66,25 +66,6 @@ struct TableTimings {
   std::string instruction_set;  ///< of the network's kernels
 };
 
-/// One method on one drive.
-struct TableResult {
-  TableSettings settings;
-  std::optional<ImageScores> images;   ///< of methods that upsample
-  std::optional<NetworkSize> network;  ///< of methods with a network
-  /// Mapped pose of every scan, loop closing off and on; empty where SLAM did not run with it.
-  std::array<Trajectory, 2> trajectory;
-  std::int64_t loops_closed = 0;           ///< with loop closing
-  std::vector<std::int64_t> scan_of_pose;  ///< of the recording, counted from 0
-  LeftOut left_out;                        ///< unreadable scans of the recording
-  TableTimings timings;
-};
-
-/// Writes METHOD.json, METHOD-loop-closing-off.tum and -on.tum into the folder. Throws Error.
-void save_result(const TableResult& result, const std::string& folder);
-
-/// The result if it exists, is complete, and has these settings.
-std::optional<TableResult> load_result(const TableSettings& settings, const std::string& folder);
-
 /// Errors of a trajectory against another.
 struct ErrorFigures {
   AbsolutePoseError ape;     ///< SE(3)-aligned
@@ -98,13 +79,20 @@ struct ErrorFigures {
   std::optional<double> rpe_deg_per_100m() const;
 };
 
-/// Nothing if fewer than 3 poses can be paired.
-std::optional<ErrorFigures> error_figures(const Trajectory& estimate, const Trajectory& reference);
-
-/// Figures of one method on one drive; arrays: loop closing off and on.
-struct MethodFigures {
+/// One method on one drive.
+struct TableResult {
   TableMethod method;
-  TableResult result;
+  TableSettings settings;
+  std::optional<ImageScores> images;   ///< of methods that upsample
+  std::optional<NetworkSize> network;  ///< of methods with a network
+  /// Mapped pose of every scan, loop closing off and on; empty where SLAM did not run with it.
+  std::array<Trajectory, 2> trajectory;
+  std::int64_t loops_closed = 0;           ///< with loop closing
+  std::vector<std::int64_t> scan_of_pose;  ///< of the recording, counted from 0
+  LeftOut left_out;                        ///< unreadable scans of the recording
+  TableTimings timings;
+
+  // Computed by drive_figures; arrays: loop closing off and on.
   /// Against LiDAR-64's trajectory with the same loop closing; nothing for LiDAR-64 itself.
   std::array<std::optional<ErrorFigures>, 2> against_all_rows;
   std::array<std::optional<ErrorFigures>, 2> against_truth;
@@ -114,7 +102,18 @@ struct MethodFigures {
   std::optional<double> upsampling_fps() const;
   /// Of upsampling, making points and SLAM together, by the total time.
   double chain_fps(std::size_t loop_closing) const;
+  /// Mean time of SLAM per scan, loop closing off.
+  double slam_ms() const;
 };
+
+/// Writes METHOD.json, METHOD-loop-closing-off.tum and -on.tum into the folder. Throws Error.
+void save_result(const TableResult& result, const std::string& folder);
+
+/// The result if it exists, is complete, and has these settings; without its method.
+std::optional<TableResult> load_result(const TableSettings& settings, const std::string& folder);
+
+/// Nothing if fewer than 3 poses can be paired.
+std::optional<ErrorFigures> error_figures(const Trajectory& estimate, const Trajectory& reference);
 
 struct DriveFigures {
   std::string name;
@@ -123,17 +122,16 @@ struct DriveFigures {
   std::string sensor;
   std::string truth;  ///< path; empty: none
   std::int64_t scans = 0;
-  LeftOut left_out;                    ///< of these scans
-  std::vector<MethodFigures> methods;  ///< those with results
+  LeftOut left_out;                  ///< of these scans
+  std::vector<TableResult> methods;  ///< those with results
 };
 
 /// Computes every error from the results' trajectories.
 DriveFigures drive_figures(const TableDrive& drive, const std::string& sensor,
-                           const std::vector<TableMethod>& methods,
-                           const std::vector<TableResult>& results,
+                           std::vector<TableResult> results,
                            const std::optional<TrajectoryFile>& truth);
 
 /// The method of that name, nullptr if it has no result.
-const MethodFigures* find_method(const DriveFigures& drive, const std::string& name);
+const TableResult* find_method(const DriveFigures& drive, const std::string& name);
 
 }  // namespace hqslam::tools

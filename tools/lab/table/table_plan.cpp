@@ -21,6 +21,8 @@ bool any(const TableMethod&) { return true; }
 bool upsamples_rows(const TableMethod& method) { return !method.source.empty(); }
 bool sees_all_rows(const TableMethod& method) { return method.rows == kTableAllRows; }
 
+slam::MappingOptions& mapping_of(SlamSetup& setup) { return setup.options.slam_options.mapping; }
+
 namespace fs = std::filesystem;
 
 /// Names of sensors in names of weights: du-mix_os1_16to64.npz.
@@ -29,12 +31,38 @@ const std::map<std::string, std::string> kSensorInNames = {{"os1-64", "os1"},
 
 bool is_weights_file(const std::string& source) { return fs::path(source).extension() == ".npz"; }
 
-TableMethod method_with(const TableMethod& method, const SlamVariant& variant) {
-  TableMethod with = method;
-  with.name += fmt::format("+{}", variant.name);
-  with.title += fmt::format(", {}", variant.title);
-  with.variant = &variant;
-  return with;
+/// Each method, followed by its variants.
+std::vector<TableMethod> with_variants(const std::vector<TableMethod>& methods) {
+  std::vector<TableMethod> all;
+  for (const TableMethod& method : methods) {
+    all.push_back(method);
+    for (const SlamVariant& variant : slam_variants()) {
+      if (!variant.applies(method)) continue;
+      TableMethod& with = all.emplace_back(method);
+      with.name += fmt::format("+{}", variant.name);
+      with.title += fmt::format(", {}", variant.title);
+      with.variant = &variant;
+    }
+  }
+  return all;
+}
+
+/// The method of that name, itself or as a variant; nothing without one.
+std::optional<TableMethod> method_among(const std::vector<TableMethod>& methods,
+                                        const std::string& name) {
+  for (const TableMethod& method : with_variants(methods)) {
+    if (method.name == name) return method;
+  }
+  return std::nullopt;
+}
+
+/// "+NAME, +NAME, ..."
+std::string variant_names() {
+  std::vector<std::string> names;
+  for (const SlamVariant& variant : slam_variants()) {
+    names.push_back(fmt::format("+{}", variant.name));
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
 }
 
 /// FILE.npz or FILE.npz+VARIANT.
@@ -46,36 +74,17 @@ TableMethod method_of_weights(const std::string& text) {
   }
   const std::string name = fs::path(path).stem().string();
   const TableMethod method{name, name, kTableMeasuredRows, path, true};
-  if (plus == std::string::npos) return method;
-  for (const SlamVariant& variant : slam_variants()) {
-    if (variant.name == text.substr(plus + 5) && variant.applies(method)) {
-      return method_with(method, variant);
-    }
-  }
-  throw Error("--weights {}: expected one of these after the file: {}", text,
-              fmt::join(slam_variant_names(), ", "));
-}
-
-/// All possible rows: each default row, followed by its variants.
-std::vector<TableMethod> known_methods() {
-  std::vector<TableMethod> known;
-  for (const TableMethod& method : table_methods()) {
-    known.push_back(method);
-    for (const SlamVariant& variant : slam_variants()) {
-      if (variant.applies(method)) known.push_back(method_with(method, variant));
-    }
-  }
-  return known;
+  if (const auto found = method_among({method}, name + text.substr(path.size()))) return *found;
+  throw Error("--weights {}: expected one of these after the file: {}", text, variant_names());
 }
 
 TableMethod method_named(const std::string& name) {
-  for (const TableMethod& method : known_methods())
-    if (method.name == name) return method;
+  if (const auto found = method_among(table_methods(), name)) return *found;
   throw Error(
       "--methods: expected one of {}, or one of these with a variant that applies to it ({}), "
       "found "
       "'{}'; choose another",
-      fmt::join(table_method_names(), ", "), fmt::join(slam_variant_names(), ", "), name);
+      fmt::join(table_method_names(), ", "), variant_names(), name);
 }
 
 bool is_preset(const std::string& drive) {
@@ -91,8 +100,9 @@ std::string recording_name(const fs::path& path) {
 }
 
 /// Drives of a sensor with errors have names and folders of their own.
-TableDrive simulated_drive(std::string name, const std::string& drive,
-                           std::optional<std::uint64_t> seed, const TableOptions& options) {
+TableDrive simulated_drive(const std::string& drive, std::optional<std::uint64_t> seed,
+                           const TableOptions& options) {
+  std::string name = seed ? fmt::format("{}-seed-{}", drive, *seed) : drive;
   sim::DriveSpec spec = sim::drive_preset(drive);
   spec.sensor_errors = sim::sensor_errors_named(options.sensor_errors);
   if (spec.sensor_errors != sim::SensorErrors::kNone) name += "-" + options.sensor_errors;
@@ -102,7 +112,7 @@ TableDrive simulated_drive(std::string name, const std::string& drive,
 }
 
 TableDrive drive_of(const std::string& drive, const TableOptions& options) {
-  if (is_preset(drive)) return simulated_drive(drive, drive, std::nullopt, options);
+  if (is_preset(drive)) return simulated_drive(drive, std::nullopt, options);
   if (!fs::exists(drive)) {
     throw Error("--drives: '{}' is neither a simulated drive ({}) nor a file or folder", drive,
                 fmt::join(sim::drive_preset_names(), ", "));
@@ -124,8 +134,7 @@ std::vector<TableDrive> seeded_drives(const TableOptions& options) {
           fmt::join(sim::drive_preset_names(), ", "), drive);
     }
     for (const std::uint64_t seed : seeds_from(options.seeds)) {
-      drives.push_back(
-          simulated_drive(fmt::format("{}-seed-{}", drive, seed), drive, seed, options));
+      drives.push_back(simulated_drive(drive, seed, options));
     }
   }
   return drives;
@@ -170,32 +179,27 @@ const std::vector<SlamVariant>& slam_variants() {
   static const std::vector<SlamVariant> variants = {
       {"computed-rows", "computed rows matched too", upsamples_rows,
        [](S& s) { s.sensor.measured_rows.reset(); }},
-      // What a upsampling without any error would give, if it is used as the others are.
+      // What an upsampling without any error would give, if it is used as the others are.
       {"16-rows", "16 rows of it matched", sees_all_rows,
        [](S& s) { s.sensor.measured_rows = selection_for(s.sensor.rows(), kTableMeasuredRows); }},
       {"whole-map", "the whole map matched", any,
-       [](S& s) { s.options.mapping.recent_path_m = kNoLimit; }},
+       [](S& s) { mapping_of(s).recent_path_m = kNoLimit; }},
       {"plain-weights", "no robust weights", any,
-       [](S& s) { s.options.mapping.trusted_residual_m = kNoLimit; }},
+       [](S& s) { mapping_of(s).trusted_residual_m = kNoLimit; }},
       {"bent-ground", "LeGO-LOAM's ground planes", any,
-       [](S& s) {
-         s.options.mapping.max_ground_residual_m = s.options.mapping.max_plane_residual_m;
-       }},
-      {"as-published", "LeGO-LOAM as published", any, [](S& s) { s.as_published = true; }},
+       [](S& s) { mapping_of(s).max_ground_residual_m = mapping_of(s).max_plane_residual_m; }},
+      {"as-published", "LeGO-LOAM as published", any,
+       [](S& s) { s.options.slam = pipeline::SlamKind::kLegoLoam; }},
   };
   return variants;
 }
 
-std::vector<std::string> slam_variant_names() {
-  std::vector<std::string> names;
-  for (const SlamVariant& variant : slam_variants())
-    names.push_back(fmt::format("+{}", variant.name));
-  return names;
-}
-
 SlamSetup slam_setup(const TableMethod& method, const SensorModel& sensor, bool loop_closing) {
   SlamSetup setup{sensor, {}};
-  setup.options.loop_closing.enabled = loop_closing;
+  // The clouds are corrected.
+  setup.sensor.elevation_correction_rad.clear();
+  setup.sensor.range_correction_m.clear();
+  setup.options.slam_options.loop_closing.enabled = loop_closing;
   if (method.variant != nullptr) method.variant->change(setup);
   return setup;
 }
@@ -244,17 +248,15 @@ std::string weights_of(const TableMethod& method, const std::string& sensor_name
       method.name, sensor_name);
 }
 
-/// A memory is filled by the poses of the SLAM that it is for.
-bool shares_pass(const TableMethod& method, const TableMethod& other) {
-  return method.rows == other.rows && method.source == other.source &&
-         (method.variant == other.variant || !uses_network(method));
-}
-
 std::vector<std::vector<TableMethod>> passes_of(const std::vector<TableMethod>& methods) {
   std::vector<std::vector<TableMethod>> passes;
   for (const TableMethod& method : methods) {
-    const auto same = std::ranges::find_if(
-        passes, [&](const auto& pass) { return shares_pass(pass.front(), method); });
+    const auto same = std::ranges::find_if(passes, [&](const auto& pass) {
+      const TableMethod& other = pass.front();
+      // A memory is filled by the poses of the SLAM that it is for.
+      return method.rows == other.rows && method.source == other.source &&
+             (method.variant == other.variant || !uses_network(method));
+    });
     if (same != passes.end()) {
       same->push_back(method);
     } else {
@@ -269,7 +271,6 @@ std::vector<std::vector<TableMethod>> passes_of(const std::vector<TableMethod>& 
 TablePlan plan_table(const TableOptions& options) {
   TablePlan plan;
   plan.over_seeds = !options.seeds.empty();
-  plan.loop_closing = !plan.over_seeds;
   if (plan.over_seeds) {
     plan.drives = seeded_drives(options);
   } else {
@@ -278,7 +279,7 @@ TablePlan plan_table(const TableOptions& options) {
   const std::vector<std::string> names =
       options.methods.empty() ? table_method_names() : options.methods;
   for (const std::string& name : names) plan.methods.push_back(method_named(name));
-  plan.shown = known_methods();
+  plan.shown = with_variants(table_methods());
   for (const std::string& weights : options.weights) {
     plan.methods.push_back(method_of_weights(weights));
     plan.shown.insert(std::ranges::find_if(plan.shown, is_reference),

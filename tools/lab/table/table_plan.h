@@ -7,19 +7,18 @@
 #include <vector>
 
 #include "hqslam/core/sensor_model.h"
+#include "hqslam/pipeline/pipeline.h"
 #include "hqslam/sim/drive.h"
-#include "hqslam/slam/options.h"
 #include "recording/recording_choice.h"
 
 namespace hqslam::tools {
 
 struct TableMethod;
 
-/// The inputs of SLAM beside the points: their sensor, and options.
+/// The inputs of SLAM beside the points: their sensor, which SLAM, and its options.
 struct SlamSetup {
   SensorModel sensor;
-  slam::SlamOptions options;
-  bool as_published = false;  ///< LeGO-LOAM as its paper has it instead, without options
+  pipeline::PipelineOptions options;  ///< without upsampling
 };
 
 /// A change of one part of SLAM, to measure its effect: METHOD+NAME is METHOD with it.
@@ -32,9 +31,6 @@ struct SlamVariant {
 
 /// All variants.
 const std::vector<SlamVariant>& slam_variants();
-
-/// "+NAME" of each.
-std::vector<std::string> slam_variant_names();
 
 /// The setup of SLAM for a method; `sensor`: of its clouds.
 SlamSetup slam_setup(const TableMethod& method, const SensorModel& sensor, bool loop_closing);
@@ -86,8 +82,6 @@ std::string weights_of(const TableMethod& method, const std::string& sensor_name
 /// filter and SLAM. The pass of all rows is the first: its trajectory is the reference of the
 /// others.
 std::vector<std::vector<TableMethod>> passes_of(const std::vector<TableMethod>& methods);
-/// Whether two methods share a pass.
-bool shares_pass(const TableMethod& method, const TableMethod& other);
 
 /// A drive of the table.
 struct TableDrive {
@@ -99,8 +93,7 @@ struct TableDrive {
 
 struct TablePlan {
   std::vector<TableDrive> drives;
-  bool over_seeds = false;           ///< many drives, evaluated together
-  bool loop_closing = true;          ///< whether SLAM also runs with it
+  bool over_seeds = false;           ///< many drives, evaluated together, without loop closing
   std::vector<TableMethod> methods;  ///< to be run
   /// Methods in the table if they have results: those to be run and, except over seeds, all others.
   std::vector<TableMethod> shown;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstddef>
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -11,43 +11,17 @@
 
 namespace hqslam::tools {
 
-/// The trajectory of one method seen from above, in the frame of LiDAR-64's, and its error at each
-/// of its poses, evenly thinned to at most kMostPathPoses.
-struct ErrorPath {
-  std::string method;  ///< title
-  double rmse_m = 0.0;
-  std::vector<double> x_m;
-  std::vector<double> y_m;
-  std::vector<double> distance_m;  ///< along LiDAR-64's trajectory
-  std::vector<double> error_m;     ///< position, after the alignment
-};
-inline constexpr std::size_t kMostPathPoses = 1000;
-
-/// The paper's figure 2: the trajectories of one drive's methods beside LiDAR-64's.
-struct ErrorMap {
-  std::string title;
-  std::vector<double> reference_x_m;
-  std::vector<double> reference_y_m;
-  std::vector<ErrorPath> paths;
-};
-/// Nothing in it but the title where LiDAR-64 is not in the table.
-ErrorMap error_map_of(const DriveFigures& drive, std::size_t loop_closing);
-
-/// The drift of a method minus that of the method that it is paired with.
-struct PairedDrift {
-  std::string method;                       ///< title
-  std::vector<double> differences_percent;  ///< one per drive; NaN where a drive has none
-  Estimate mean_percent;
-};
-
 /// One drive, or all drives of a kind.
 struct ReportPart {
   std::string title;
   std::string text;
   std::vector<TextTable> tables;
-  std::vector<ErrorMap> error_maps = {};
+  // What the page draws, as its script takes it.
+  nlohmann::ordered_json error_maps = nlohmann::ordered_json::array();  ///< of error_map_of
   std::string paired_with = {};  ///< title of the method that the others are paired with
-  std::vector<PairedDrift> paired_drifts = {};
+  /// The drift of each other method minus that one's, %: {name, dots: one per drive, NaN where a
+  /// drive has none, mean, low, high}.
+  nlohmann::ordered_json paired_drifts = nlohmann::ordered_json::array();
 };
 
 /// The content of table.md and table.html.
@@ -73,7 +47,7 @@ std::string html_of(const TableReport& report);
 /// The data of that page, from which its script draws tables, maps and charts.
 nlohmann::ordered_json page_data(const TableReport& report);
 
-// The tables of a report on drives.
+// The parts of a report on drives.
 
 /// The paper's table: RMSE against LiDAR-64 on all drives, frames per second, parameters.
 TextTable paper_table(const std::vector<DriveFigures>& drives, std::size_t loop_closing);
@@ -81,9 +55,12 @@ TextTable paper_table(const std::vector<DriveFigures>& drives, std::size_t loop_
 TextTable trajectory_table(const DriveFigures& drive, std::size_t loop_closing);
 /// Image errors, speed and size of the upsampling.
 TextTable upsampling_table(const DriveFigures& drive);
-/// "town: 4000 scans, sensor os1-64, 2963 m of path"
-std::string drive_text(const DriveFigures& drive);
-std::vector<std::string> drives_notes(const std::vector<DriveFigures>& drives);
+/// The paper's figure 2, in the frame of LiDAR-64's trajectory: {title, reference: {x_m, y_m},
+/// paths: of each other method {name, rmse_m, x_m, y_m, distance_m: along LiDAR-64's trajectory,
+/// error_m: of the position, after the alignment}}, evenly thinned to at most kMostPathPoses.
+/// Nothing in it but the title where LiDAR-64 is not in the table.
+nlohmann::ordered_json error_map_of(const DriveFigures& drive, std::size_t loop_closing);
+inline constexpr std::size_t kMostPathPoses = 1000;
 /// A number with about three significant digits: "0.042", "3.78", "31.7", "6717".
 std::string three_digits(double value);
 

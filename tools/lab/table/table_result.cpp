@@ -33,6 +33,9 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(NetworkSize, parameters, multiply_adds)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SlamTimings, total_s, first_ms, last_ms)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TableTimings, threads, processor, instruction_set, upsampling_s,
                                    upsampling_ms, points_s, slam)
+// What is the same in every run; trajectories have files of their own.
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TableResult, images, network, loops_closed, scan_of_pose,
+                                   left_out)
 
 namespace {
 
@@ -62,14 +65,9 @@ std::optional<TableResult> read_result(const TableSettings& settings, const std:
   if (json.at("written_by") != kWrittenBy || json.at("settings") != SortedJson(settings)) {
     return std::nullopt;
   }
-  TableResult result;
-  result.settings = settings;
   const SortedJson& figures = json.at("result");
-  figures.at("images").get_to(result.images);
-  figures.at("network").get_to(result.network);
-  figures.at("loops_closed").get_to(result.loops_closed);
-  figures.at("scan_of_pose").get_to(result.scan_of_pose);
-  figures.at("left_out").get_to(result.left_out);
+  TableResult result = figures.get<TableResult>();
+  result.settings = settings;
   json.at("timings").get_to(result.timings);
   for (std::size_t i = 0; i < trajectories_of(settings); ++i) {
     const std::string path = trajectory_path(settings.method, i, folder);
@@ -85,21 +83,15 @@ void save_result(const TableResult& result, const std::string& folder) {
   std::error_code ignored;
   fs::create_directories(folder, ignored);  // the writer reports errors
   const std::string& method = result.settings.method;
-  SortedJson hashes;
+  SortedJson figures = result;
   for (std::size_t i = 0; i < trajectories_of(result.settings); ++i) {
     const std::string path = trajectory_path(method, i, folder);
     write_tum(result.trajectory[i], path);
-    hashes.push_back(content_hash(path));
+    figures["trajectory_hash"].push_back(content_hash(path));
   }
   const SortedJson json = {{"written_by", kWrittenBy},
                            {"settings", result.settings},
-                           {"result",
-                            {{"images", result.images},
-                             {"network", result.network},
-                             {"loops_closed", result.loops_closed},
-                             {"scan_of_pose", result.scan_of_pose},
-                             {"left_out", result.left_out},
-                             {"trajectory_hash", hashes}}},
+                           {"result", figures},
                            {"timings", result.timings}};
   // The trajectories come first: a result exists once this file has their hashes.
   write_text_file(json.dump(2, ' ', false, SortedJson::error_handler_t::replace) + "\n",

@@ -1,22 +1,18 @@
 #include <omp.h>
 
 #include <fstream>
-#include <iterator>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <utility>
-#include <variant>
 
 #include "compare/upsampling_comparison.h"
 #include "hqslam/core/error.h"
-#include "hqslam/lego_loam/lego_loam.h"
 #include "hqslam/nn/compare/compared_networks.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
 #include "hqslam/nn/instruction_set.h"
 #include "hqslam/nn/upsampled_cloud.h"
 #include "hqslam/pipeline/drive_memory.h"
-#include "hqslam/slam/slam.h"
+#include "hqslam/pipeline/pipeline.h"
 #include "recording/reading.h"
 #include "table/table_work.h"
 #include "timing/timing.h"
@@ -36,14 +32,13 @@ std::string processor_name() {
 
 /// What the pass's methods have in common: nothing fills the rows where they see them as recorded,
 /// and no network's last filter runs.
-pipeline::UpsampledRecording shared_input(const TablePass& pass) {
-  const TableMethod& method = pass.methods.front();
-  const std::string weights = weights_of(method, pass.drive.sensor.name);
+pipeline::UpsampledRecording shared_input(const DriveWork& work, const TableMethod& method) {
+  const std::string weights = weights_of(method, work.sensor.name);
   pipeline::UpsamplingOptions upsampling{weights.empty() ? method.source : weights, method.rows};
   upsampling.network.filter_result = false;
   upsampling.network.architectures = nn::all_architectures();
-  return pipeline::open_upsampled(pass.drive.recording.input, open_options(pass.drive.recording),
-                                  upsampling);
+  const InputChoice& recording = work.drive.recording;
+  return pipeline::open_upsampled(recording.input, open_options(recording), upsampling);
 }
 
 std::optional<nn::OutlierRemoval> filter_of(const TableMethod& method,
@@ -55,42 +50,19 @@ std::optional<nn::OutlierRemoval> filter_of(const TableMethod& method,
   return nn::OutlierRemoval(network.sensor, network.measured_rows, *filter, network.sensor.columns);
 }
 
-using SlamSystem = std::variant<slam::Slam, lego_loam::LegoLoam>;
-
-SlamSystem system_of(const SlamSetup& setup) {
-  if (setup.as_published) return lego_loam::LegoLoam(setup.sensor);
-  return slam::Slam(setup.sensor, setup.options);
-}
-
 /// SLAM with its times.
 struct TimedSlam {
-  explicit TimedSlam(const SlamSetup& setup) : system(system_of(setup)) {}
+  explicit TimedSlam(const SlamSetup& setup) : system(setup.sensor, setup.options) {}
 
   void add(const OrganizedCloud& cloud, double stamp_s) {
-    if (auto* lego_loam = std::get_if<lego_loam::LegoLoam>(&system)) {
-      times_ms.push_back(1e3 * seconds_of([&] { lego_loam->process(cloud, stamp_s); }));
-      return;
-    }
-    times_ms.push_back(
-        1e3 * seconds_of([&] { report = std::get<slam::Slam>(system).process(cloud, stamp_s); }));
+    const slam::ScanReport report = system.process(cloud, stamp_s).report;
+    times_ms.push_back(1e3 * report.times.total_s);
+    is_located = slam::is_registered(report.mapping_status);
     count(report.loop);
   }
 
-  /// Of the last scan.
-  bool is_located() const {
-    return std::holds_alternative<lego_loam::LegoLoam>(system) ||
-           slam::is_registered(report.mapping_status);
-  }
-
   void finish() {
-    auto* slam = std::get_if<slam::Slam>(&system);
-    if (slam == nullptr) return;
-    for (const slam::LoopReport& loop : slam->finish()) count(loop);
-  }
-
-  const Trajectory& trajectory() const {
-    return std::visit([](const auto& any) -> const Trajectory& { return any.trajectory(); },
-                      system);
+    for (const slam::LoopReport& loop : system.finish()) count(loop);
   }
 
   SlamTimings timings() const {
@@ -108,20 +80,23 @@ struct TimedSlam {
     loops_closed += loop.status == slam::LoopStatus::kClosed ? 1 : 0;
   }
 
-  SlamSystem system;
-  slam::ScanReport report;  ///< of our SLAM
-  std::vector<double> times_ms;
+  pipeline::Pipeline system;
+  std::vector<double> times_ms = {};
+  bool is_located = false;  ///< the last scan
   std::int64_t loops_closed = 0;
 };
 
 /// The run of one method over the drive.
 class MethodRun {
  public:
-  MethodRun(const TableMethod& method, const SensorModel& sensor, const nn::Upsampler* upsampler,
-            bool loop_closing)
-      : filter_(filter_of(method, upsampler)) {
-    slam_.emplace_back(slam_setup(method, sensor, false));
-    if (loop_closing) slam_.emplace_back(slam_setup(method, sensor, true));
+  MethodRun(const TableRun& run, const pipeline::Upsampler& upsampler)
+      : filter_(filter_of(run.method, upsampler.method())) {
+    result_.method = run.method;
+    result_.settings = run.settings;
+    slam_.emplace_back(slam_setup(run.method, upsampler.sensor(), false));
+    if (run.settings.loop_closing) {
+      slam_.emplace_back(slam_setup(run.method, upsampler.sensor(), true));
+    }
   }
 
   /// A cloud for SLAM.
@@ -149,23 +124,29 @@ class MethodRun {
   /// Without loop closing.
   const TimedSlam& slam() const { return slam_.front(); }
 
-  TableResult result(const TableSettings& settings) {
-    for (TimedSlam& slam : slam_) slam.finish();
-    TableResult result = result_;
-    result.settings = settings;
-    if (result.images) {
-      const auto scans = static_cast<double>(result.images->scans);
-      result.images->mae_all_m /= scans;
-      result.images->mae_valid_m /= scans;
-      result.images->outlier_share /= scans;
+  /// To be called once, at the end. network: what upsamples, nullptr without one.
+  TableResult result(const nn::SuperResolver* network) {
+    if (result_.images) {
+      const auto scans = static_cast<double>(result_.images->scans);
+      result_.images->mae_all_m /= scans;
+      result_.images->mae_valid_m /= scans;
+      result_.images->outlier_share /= scans;
     }
-    result.timings.upsampling_ms = distribution_of(upsampling_ms_).median;
+    if (network != nullptr) {
+      result_.network = NetworkSize{network->parameters(), network->multiply_adds()};
+    }
+    TableTimings& timings = result_.timings;
+    timings.upsampling_ms = distribution_of(upsampling_ms_).median;
+    timings.threads = omp_get_max_threads();
+    timings.processor = processor_name();
+    timings.instruction_set = nn::name(nn::chosen_instruction_set());
     for (std::size_t i = 0; i < slam_.size(); ++i) {
-      result.trajectory[i] = slam_[i].trajectory();
-      result.timings.slam[i] = slam_[i].timings();
-      result.loops_closed += slam_[i].loops_closed;
+      slam_[i].finish();
+      result_.trajectory[i] = slam_[i].system.trajectory();
+      timings.slam[i] = slam_[i].timings();
+      result_.loops_closed += slam_[i].loops_closed;
     }
-    return result;
+    return result_;
   }
 
  private:
@@ -191,19 +172,17 @@ class MethodRun {
   std::vector<std::uint8_t> rejected_;
   std::vector<TimedSlam> slam_;  ///< without and, if asked for, with loop closing
   std::vector<double> upsampling_ms_;
-  TableResult result_;  ///< sums until result() divides them
+  TableResult result_;  ///< of images sums, until result() divides them
 };
 
 /// The pass's state while it runs.
 class Pass {
  public:
-  explicit Pass(const TablePass& pass)
-      : input_(shared_input(pass)),
+  Pass(const DriveWork& work, const TablePass& pass, std::int64_t scored_scans)
+      : input_(shared_input(work, pass.front().method)),
         memory_(upsampler().method()),
-        score_every_((pass.drive.scans + pass.scored_scans - 1) / pass.scored_scans) {
-    for (const TableMethod& method : pass.methods) {
-      runs_.emplace_back(method, upsampler().sensor(), upsampler().method(), pass.loop_closing);
-    }
+        score_every_((work.scans + scored_scans - 1) / scored_scans) {
+    for (const TableRun& run : pass) runs_.emplace_back(run, upsampler());
   }
 
   recordings::Recording& recording() { return input_.recording; }
@@ -219,33 +198,25 @@ class Pass {
     nn::UpsampledImage upsampled;
     const double shared_s = seconds_of([&] {
       upsampled = method->run(
-          image, memory_.recall(measured, runs_.front().slam().trajectory(), scan.stamp_s));
+          image, memory_.recall(measured, runs_.front().slam().system.trajectory(), scan.stamp_s));
     });
     for (MethodRun& run : runs_) {
       run.add_upsampled(upsampled, shared_s, measured, *method, scan, index % score_every_ == 0);
     }
     // At the pose of the first method of the pass.
     const TimedSlam& slam = runs_.front().slam();
-    memory_.insert(measured, slam.trajectory(), slam.is_located());
+    memory_.insert(measured, slam.system.trajectory(), slam.is_located);
   }
 
-  std::vector<TableResult> results(const TablePass& pass,
-                                   const std::vector<std::int64_t>& scan_of_pose,
+  std::vector<TableResult> results(const std::vector<std::int64_t>& scan_of_pose,
                                    const LeftOut& left_out) {
+    const nn::Upsampler* method = upsampler().method();
     std::vector<TableResult> results;
-    for (std::size_t i = 0; i < runs_.size(); ++i) {
-      TableResult result = runs_[i].result(pass.settings[i]);
+    for (MethodRun& run : runs_) {
+      TableResult& result =
+          results.emplace_back(run.result(method != nullptr ? method->network() : nullptr));
       result.scan_of_pose = scan_of_pose;
       result.left_out = left_out;
-      result.timings.threads = omp_get_max_threads();
-      result.timings.processor = processor_name();
-      result.timings.instruction_set = nn::name(nn::chosen_instruction_set());
-      const nn::Upsampler* method = upsampler().method();
-      if (method != nullptr && method->network() != nullptr) {
-        result.network =
-            NetworkSize{method->network()->parameters(), method->network()->multiply_adds()};
-      }
-      results.push_back(std::move(result));
     }
     return results;
   }
@@ -270,9 +241,10 @@ void require_rising(const RecordedScan& scan, double last_stamp_s) {
 
 }  // namespace
 
-std::vector<TableResult> run_pass(const TablePass& pass, const InterruptGuard& interrupt,
+std::vector<TableResult> run_pass(const DriveWork& work, const TablePass& pass,
+                                  std::int64_t scored_scans, const InterruptGuard& interrupt,
                                   const std::function<void()>& on_scan) {
-  Pass state(pass);
+  Pass state(work, pass, scored_scans);
   Reading reading;
   std::vector<std::int64_t> scan_of_pose;
   double last_stamp_s = -std::numeric_limits<double>::infinity();
@@ -283,11 +255,11 @@ std::vector<TableResult> run_pass(const TablePass& pass, const InterruptGuard& i
     state.add(read.scan, std::ssize(scan_of_pose));
     scan_of_pose.push_back(read.index);
     on_scan();
-    return std::ssize(scan_of_pose) < pass.drive.scans;
+    return std::ssize(scan_of_pose) < work.scans;
   });
   if (reading.end == ReadingEnd::kInterrupted) return {};
   if (reading.end == ReadingEnd::kUnreadableScan) throw Error(reading.end_message);
-  return state.results(pass, scan_of_pose, reading.left_out);
+  return state.results(scan_of_pose, reading.left_out);
 }
 
 }  // namespace hqslam::tools

@@ -25,64 +25,55 @@ double percentile(const std::vector<double>& sorted, double share) {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// Translation or rotation of a drift that has pieces.
+/// Of a drift that has pieces.
 double translation_of(const Drift& drift) {
   return drift.pieces > 0 ? drift.translation_percent : kNone;
 }
-double rotation_of(const Drift& drift) {
-  return drift.pieces > 0 ? drift.rotation_deg_per_100m : kNone;
-}
 
-/// A value per drive.
+/// The values of a method, one per drive, as a function of sample and method. value: of a drive.
 template <typename Value>
-std::vector<double> per_drive(const TableSample& sample, const Value& value) {
-  std::vector<double> values;
-  for (const DriveSample& drive : sample.drives) values.push_back(value(drive));
-  return values;
+auto per_drive(const Value& value) {
+  return [=](const TableSample& sample, std::size_t method) {
+    std::vector<double> values;
+    for (const DriveFigures* drive : sample.drives) values.push_back(value(*drive, method));
+    return values;
+  };
 }
 
-std::vector<double> drifts_percent(const TableSample& sample, std::size_t method) {
-  return per_drive(sample, [&](const DriveSample& drive) {
-    return translation_of(drift(drive.methods[method].pieces));
-  });
-}
+const auto drifts_percent = per_drive([](const DriveFigures& drive, std::size_t method) {
+  return translation_of(drift(errors_of(drive, method).pieces));
+});
+
+const auto rotations_deg_per_100m = per_drive([](const DriveFigures& drive, std::size_t method) {
+  const Drift all = drift(errors_of(drive, method).pieces);
+  return all.pieces > 0 ? all.rotation_deg_per_100m : kNone;
+});
+
+const auto apes_m = per_drive([](const DriveFigures& drive, std::size_t method) {
+  return errors_of(drive, method).ape_rmse_m();
+});
+
+const auto slip_counts = per_drive([](const DriveFigures& drive, std::size_t method) {
+  return static_cast<double>(drive.methods[method].slips.size());
+});
 
 /// Over the pieces on which neither the method nor `other` slips.
 std::vector<double> drifts_without_slips_percent(const TableSample& sample, std::size_t method,
                                                  std::size_t other) {
-  return per_drive(sample, [&](const DriveSample& drive) {
+  return per_drive([=](const DriveFigures& drive, std::size_t) {
     std::vector<Slip> both = drive.methods[method].slips;
     both.insert(both.end(), drive.methods[other].slips.begin(), drive.methods[other].slips.end());
-    return translation_of(drift(drive.methods[method].pieces, both));
-  });
+    return translation_of(drift(errors_of(drive, method).pieces, both));
+  })(sample, method);
 }
 
-std::vector<double> slip_counts(const TableSample& sample, std::size_t method) {
-  return per_drive(sample, [&](const DriveSample& drive) {
-    return static_cast<double>(drive.methods[method].slips.size());
-  });
+std::vector<double> minus(std::vector<double> values, const std::vector<double>& others) {
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] -= others[i];
+  return values;
 }
 
-std::vector<double> paths_m(const TableSample& sample) {
-  return per_drive(sample, [](const DriveSample& drive) { return drive.path_m; });
-}
-
-Estimate mean_over_drives(const std::vector<double>& values) {
-  return bootstrap(values.size(), [&](const std::vector<std::size_t>& members) {
-    double sum = 0.0;
-    double count = 0.0;
-    for (const std::size_t member : members) {
-      if (!std::isfinite(values[member])) continue;
-      sum += values[member];
-      count += 1.0;
-    }
-    return count > 0.0 ? sum / count : kNone;
-  });
-}
-
-/// Of the drives that have both.
-Estimate ratio_over_drives(const std::vector<double>& numerators,
-                           const std::vector<double>& denominators) {
+/// Sum over sum, of the drives that have both.
+Estimate ratio(const std::vector<double>& numerators, const std::vector<double>& denominators) {
   return bootstrap(numerators.size(), [&](const std::vector<std::size_t>& members) {
     double numerator = 0.0;
     double denominator = 0.0;
@@ -95,33 +86,54 @@ Estimate ratio_over_drives(const std::vector<double>& numerators,
   });
 }
 
-std::vector<double> minus(std::vector<double> values, const std::vector<double>& others) {
-  for (std::size_t i = 0; i < values.size(); ++i) values[i] -= others[i];
-  return values;
+Estimate mean(const std::vector<double>& values) {
+  return ratio(values, std::vector<double>(values.size(), 1.0));
 }
 
-Estimate per_100_km(Estimate per_metre) {
+/// Per 100 km of the path of all drives together.
+Estimate per_100_km(const std::vector<double>& values, const TableSample& sample) {
   constexpr double kMetres = 100e3;
+  std::vector<double> paths_m;
+  for (const DriveFigures* drive : sample.drives) paths_m.push_back(path_m(*drive));
+  const Estimate per_metre = ratio(values, paths_m);
   return {kMetres * per_metre.value, kMetres * per_metre.low, kMetres * per_metre.high};
 }
 
+/// A figure without an interval.
+Estimate number(double value) { return {value, kNone, kNone}; }
+
 std::optional<std::size_t> position_of(const TableSample& sample, const std::string& name) {
-  for (std::size_t i = 0; i < sample.methods.size(); ++i) {
-    if (sample.methods[i].name == name) return i;
-  }
-  return std::nullopt;
+  const auto found =
+      std::ranges::find(sample.methods(), name, [](const TableResult& m) { return m.method.name; });
+  if (found == sample.methods().end()) return std::nullopt;
+  return static_cast<std::size_t>(found - sample.methods().begin());
 }
 
-/// (LiDAR-16's - the method's) / (LiDAR-16's - LiDAR-64's), sums over drives.
+/// (LiDAR-16's - the method's) / (LiDAR-16's - LiDAR-64's), sums over drives: 0 is LiDAR-16, 1 is
+/// LiDAR-64. Nothing where one of the two is not in the table.
 template <typename PerDrive>
-std::optional<Estimate> share_of_gap(const TableSample& sample, std::size_t method,
-                                     const PerDrive& values) {
+std::optional<Estimate> share_of_gap(const PerDrive& values, const TableSample& sample,
+                                     std::size_t method) {
   const auto few = position_of(sample, table_methods().front().name);
   const auto all = position_of(sample, table_methods().back().name);
   if (!few || !all) return std::nullopt;
   const std::vector<double> of_few = values(sample, *few);
-  return ratio_over_drives(minus(of_few, values(sample, method)),
-                           minus(of_few, values(sample, *all)));
+  return ratio(minus(of_few, values(sample, method)), minus(of_few, values(sample, *all)));
+}
+
+Estimates estimates_of(const TableSample& sample, const std::vector<StatisticsColumn>& columns) {
+  Estimates estimates(sample.methods().size());
+  for (std::size_t method = 0; method < estimates.size(); ++method) {
+    for (const StatisticsColumn& column : columns) {
+      estimates[method].push_back(column.of(sample, method));
+    }
+  }
+  return estimates;
+}
+
+PartStatistics part_of(const std::string& name, const TableSample& sample) {
+  return {name, sample, estimates_of(sample, summary_columns()),
+          estimates_of(sample, pair_columns())};
 }
 
 }  // namespace
@@ -145,75 +157,112 @@ Estimate bootstrap(std::size_t n, const SampleFigure& figure) {
   return estimate;
 }
 
-std::optional<DriveSample> drive_sample(const DriveFigures& drive,
-                                        const std::vector<TableMethod>& methods) {
-  DriveSample sample{drive.kind, drive.seed, drive.scans, 0.0, {}};
-  for (const TableMethod& method : methods) {
-    const MethodFigures* figures = find_method(drive, method.name);
-    if (figures == nullptr || !figures->against_truth[kLoopClosingOff]) return std::nullopt;
-    const ErrorFigures& error = *figures->against_truth[kLoopClosingOff];
-    const TableResult& result = figures->result;
-    sample.path_m = error.path_m;
-    sample.methods.push_back({error.pieces, figures->slips, error.ape_rmse_m(),
-                              1e3 * result.timings.slam[kLoopClosingOff].total_s /
-                                  static_cast<double>(result.trajectory[kLoopClosingOff].size())});
+TableSample sample_of(const std::vector<DriveFigures>& all, const TablePlan& plan) {
+  TableSample sample{plan.against, {}};
+  for (const DriveFigures& drive : all) {
+    const auto has_errors = [](const TableResult& figures) {
+      return figures.against_truth[kLoopClosingOff].has_value();
+    };
+    if (drive.methods.size() == plan.methods.size() &&
+        std::ranges::all_of(drive.methods, has_errors)) {
+      sample.drives.push_back(&drive);
+    }
   }
   return sample;
 }
 
-std::vector<std::string> drive_names(const TableSample& sample) {
-  std::vector<std::string> names;
-  for (const DriveSample& drive : sample.drives) {
-    if (std::ranges::find(names, drive.drive) == names.end()) {
-      names.push_back(drive.drive);
-    }
-  }
-  return names;
+const ErrorFigures& errors_of(const DriveFigures& drive, std::size_t method) {
+  return *drive.methods[method].against_truth[kLoopClosingOff];
 }
 
-TableSample of_drive(const TableSample& sample, const std::string& name) {
-  TableSample part{sample.methods, sample.against, {}};
-  std::ranges::copy_if(sample.drives, std::back_inserter(part.drives),
-                       [&](const DriveSample& drive) { return drive.drive == name; });
+double path_m(const DriveFigures& drive) {
+  return errors_of(drive, drive.methods.size() - 1).path_m;
+}
+
+std::vector<std::string> kinds_of(const TableSample& sample) {
+  std::vector<std::string> kinds;
+  for (const DriveFigures* drive : sample.drives) {
+    if (std::ranges::find(kinds, drive->kind) == kinds.end()) kinds.push_back(drive->kind);
+  }
+  return kinds;
+}
+
+TableSample of_kind(const TableSample& sample, const std::string& kind) {
+  TableSample part = sample;
+  std::erase_if(part.drives, [&](const DriveFigures* drive) { return drive->kind != kind; });
   return part;
 }
 
-MethodStatistics statistics_of(const TableSample& sample, std::size_t method) {
-  const std::size_t other = sample.against;
-  MethodStatistics s;
-  s.title = sample.methods[method].title;
-  s.is_paired_with = method == other;
-  const std::vector<double> drifts = drifts_percent(sample, method);
-  const std::vector<double> other_drifts = drifts_percent(sample, other);
-  s.drift_percent = mean_over_drives(drifts);
-  s.drift_deg_per_100m = mean_over_drives(per_drive(sample, [&](const DriveSample& drive) {
-    return rotation_of(drift(drive.methods[method].pieces));
-  }));
-  s.drift_percent_no_slip = mean_over_drives(drifts_without_slips_percent(sample, method, method));
-  for (const DriveSample& drive : sample.drives) {
-    s.slips += drive.methods[method].slips.size();
-    s.slam_ms += drive.methods[method].slam_ms / static_cast<double>(sample.drives.size());
-  }
-  const std::vector<double> slips = slip_counts(sample, method);
-  s.slips_per_100_km = per_100_km(ratio_over_drives(slips, paths_m(sample)));
-  s.ape_m = mean_over_drives(
-      per_drive(sample, [&](const DriveSample& drive) { return drive.methods[method].ape_m; }));
-  s.drift_differences_percent = minus(drifts, other_drifts);
-  s.drift_difference_percent = mean_over_drives(s.drift_differences_percent);
-  s.drift_ratio = ratio_over_drives(drifts, other_drifts);
-  s.drift_ratio_no_slip = ratio_over_drives(drifts_without_slips_percent(sample, method, other),
-                                            drifts_without_slips_percent(sample, other, method));
-  s.slips_difference =
-      per_100_km(ratio_over_drives(minus(slips, slip_counts(sample, other)), paths_m(sample)));
-  s.gap_closed = share_of_gap(sample, method, drifts_percent);
-  s.slip_gap_closed = share_of_gap(sample, method, slip_counts);
-  return s;
+std::vector<double> drift_differences_percent(const TableSample& sample, std::size_t method) {
+  return minus(drifts_percent(sample, method), drifts_percent(sample, sample.against));
 }
 
-std::vector<MethodStatistics> statistics_of(const TableSample& sample) {
-  std::vector<MethodStatistics> all;
-  for (std::size_t i = 0; i < sample.methods.size(); ++i) all.push_back(statistics_of(sample, i));
-  return all;
+std::size_t slips_of(const TableSample& sample, std::size_t method) {
+  std::size_t slips = 0;
+  for (const DriveFigures* drive : sample.drives) slips += drive->methods[method].slips.size();
+  return slips;
+}
+
+double slam_ms_of(const TableSample& sample, std::size_t method) {
+  double mean_ms = 0.0;
+  for (const DriveFigures* drive : sample.drives) {
+    mean_ms += drive->methods[method].slam_ms() / static_cast<double>(sample.drives.size());
+  }
+  return mean_ms;
+}
+
+const std::vector<StatisticsColumn>& summary_columns() {
+  using S = TableSample;
+  using Method = std::size_t;
+  static const std::vector<StatisticsColumn> columns = {
+      {"drift, %", "drift_percent", 4, false,
+       [](const S& s, Method m) { return mean(drifts_percent(s, m)); }},
+      {"drift, deg/100 m", "drift_deg_per_100m", 4, false,
+       [](const S& s, Method m) { return mean(rotations_deg_per_100m(s, m)); }},
+      {"drift where it does not slip, %", "drift_percent_no_slip", 4, false,
+       [](const S& s, Method m) { return mean(drifts_without_slips_percent(s, m, m)); }},
+      {"slips", nullptr, 0, false,
+       [](const S& s, Method m) { return number(static_cast<double>(slips_of(s, m))); }},
+      {"slips per 100 km", "slips_per_100_km", 0, false,
+       [](const S& s, Method m) { return per_100_km(slip_counts(s, m), s); }},
+      {"APE, m", "ape_m", 3, false, [](const S& s, Method m) { return mean(apes_m(s, m)); }},
+      {"SLAM, ms", nullptr, 1, false,
+       [](const S& s, Method m) { return number(slam_ms_of(s, m)); }}};
+  return columns;
+}
+
+const std::vector<StatisticsColumn>& pair_columns() {
+  using S = TableSample;
+  using Method = std::size_t;
+  static const std::vector<StatisticsColumn> columns = {
+      {"drift, difference in %", "drift_difference_percent", 4, true,
+       [](const S& s, Method m) { return mean(drift_differences_percent(s, m)); }},
+      {"drift, ratio", "drift_ratio", 2, true,
+       [](const S& s, Method m) {
+         return ratio(drifts_percent(s, m), drifts_percent(s, s.against));
+       }},
+      {"ratio where neither slips", "drift_ratio_no_slip", 2, true,
+       [](const S& s, Method m) {
+         return ratio(drifts_without_slips_percent(s, m, s.against),
+                      drifts_without_slips_percent(s, s.against, m));
+       }},
+      {"slips per 100 km, difference", "slips_difference_per_100_km", 0, true,
+       [](const S& s, Method m) {
+         return per_100_km(minus(slip_counts(s, m), slip_counts(s, s.against)), s);
+       }},
+      {"share of LiDAR-16's gap to LiDAR-64 closed, drift", "gap_closed", 2, false,
+       [](const S& s, Method m) { return share_of_gap(drifts_percent, s, m); }},
+      {"slips", "slip_gap_closed", 2, false,
+       [](const S& s, Method m) { return share_of_gap(slip_counts, s, m); }}};
+  return columns;
+}
+
+std::vector<PartStatistics> parts_of(const TableSample& sample) {
+  std::vector<PartStatistics> parts = {part_of("all", sample)};
+  for (const std::string& kind : kinds_of(sample)) {
+    parts.push_back(part_of(kind, of_kind(sample, kind)));
+  }
+  return parts;
 }
 
 }  // namespace hqslam::tools

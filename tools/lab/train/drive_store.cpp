@@ -14,7 +14,7 @@
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
-#include "ranks/ranks.h"
+#include "side_by_side/side_by_side.h"
 #include "terminal/progress.h"
 #include "train/drive_recall.h"
 
@@ -174,20 +174,16 @@ std::string path_in_store(const fs::path& folder, const StoredDrive& drive,
 
 bool store_drives(const DriveStore& store, const std::vector<StoredDrive>& drives,
                   const SensorModel& sensor, const char* label, const InterruptGuard& interrupt) {
-  Ranks& ranks = store.ranks;
-  ranks.rank_0_first([&] {
-    if (ranks.rank() == 0) remove_abandoned_parts(store.path);  // while no rank writes one
-  });
-  // Shares go by the place among all drives: the missing ones change while other ranks work.
+  remove_abandoned_parts(store.path);
   std::vector<StoredDrive> missing;
   std::set<std::string> named;  // a drive may be in a recipe twice, to be shown more often
-  for (std::size_t i = 0; i < drives.size(); ++i) {
-    sim::validate(drives[i].spec);
-    const std::string path = path_in_store(store.path, drives[i], sensor);
+  for (const StoredDrive& drive : drives) {
+    sim::validate(drive.spec);
+    const std::string path = path_in_store(store.path, drive, sensor);
     const bool is_first = named.insert(path).second;
-    if (is_first && is_own(i, ranks) && !is_stored(path, drives[i])) missing.push_back(drives[i]);
+    if (is_first && !is_stored(path, drive)) missing.push_back(drive);
   }
-  return !ranks.any(!missing.empty() && !store_all(store, missing, sensor, label, interrupt));
+  return missing.empty() || store_all(store, missing, sensor, label, interrupt);
 }
 
 }  // namespace hqslam::tools

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "hqslam/core/sensor_model.h"
-#include "hqslam/nn/training/ranks.h"
 #include "hqslam/sim/drive.h"
 #include "terminal/terminal.h"
 
@@ -30,17 +29,16 @@ struct StoredDrive {
 std::string path_in_store(const std::filesystem::path& folder, const StoredDrive& drive,
                           const SensorModel& sensor);
 
-/// The folder of simulated drives, the ranks that fill it, and the number of threads of each.
+/// The folder of simulated drives and the number of threads that fill it.
 struct DriveStore {
   std::filesystem::path path;
   int threads;
-  Ranks& ranks;
 };
 
-/// Simulates the drives that are not in the folder yet: each rank its share, as many drives at a
-/// time as the store has threads. A file gets its name when it is complete, so a later call
-/// continues with the missing drives; several programs may share a folder. Shows progress on
-/// stderr. Returns false if it was interrupted. Throws Error.
+/// Simulates the drives that are not in the folder yet, as many at a time as the store has threads.
+/// A file gets its name when it is complete, so a later call continues with the missing drives;
+/// several programs may share a folder. Shows progress on stderr. Returns false if it was
+/// interrupted. Throws Error.
 bool store_drives(const DriveStore& store, const std::vector<StoredDrive>& drives,
                   const SensorModel& sensor, const char* label, const InterruptGuard& interrupt);
 

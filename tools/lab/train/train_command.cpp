@@ -20,7 +20,6 @@
 #include "hqslam/nn/training/starting_parameters.h"
 #include "hqslam/nn/training/training_configuration.h"
 #include "hqslam/nn/weights_file.h"
-#include "ranks/ranks.h"
 #include "recording/recording_choice.h"
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
@@ -51,15 +50,6 @@ void guard_training(const Training& training) {
   guard_results(training.out, kResults, std::filesystem::exists(training.checkpoint_path()),
                 "there is no checkpoint.npz of a training",
                 {training.configuration_path, training.configuration.start_from});
-}
-
-/// Throws Error, before hours of simulation, if the processes cannot share the batches.
-void require_shares(const Training& training, const Ranks& ranks) {
-  try {
-    nn::require_shares(training.configuration.network, training.configuration.plan, ranks);
-  } catch (const Error& error) {
-    throw Error("{}: {}", training.configuration_path, error.what());
-  }
 }
 
 /// The checkpoint's state, or else a new one: with the parameters of the weights file to start from
@@ -186,19 +176,17 @@ void print_without_memory(nn::Trainer& trainer, const nn::NetworkDescription& ne
   to_stdout("              without memory: {}\n", of_linear(trainer.validate(scans), network));
 }
 
-/// Trains until the last step or until any rank is interrupted; rank 0 validates and writes.
-/// Returns an ExitStatus.
-int train(Training& training, nn::Trainer& trainer, const InterruptGuard& interrupt, Ranks& ranks) {
+/// Trains until the last step or until it is interrupted. Returns an ExitStatus.
+int train(Training& training, nn::Trainer& trainer, const InterruptGuard& interrupt) {
   const std::int64_t steps = training.configuration.plan.steps;
   const std::int64_t first = trainer.state().optimiser.steps;
   Progress progress("train", steps, stderr, "steps");
   const SteadyClock::time_point start = SteadyClock::now();
-  for (std::int64_t step = first; step < steps && !ranks.any(interrupt.stop_requested());) {
+  for (std::int64_t step = first; step < steps && !interrupt.stop_requested();) {
     training.loss_sum += trainer.step().loss;
     ++step;
     progress.update(step);
     if (step % training.configuration.validate_every != 0 && step != steps) continue;
-    if (ranks.rank() > 0) continue;
     const double elapsed_s = seconds_since(start);
     const std::int64_t steps_since_point =
         step - (training.curve.empty() ? 0 : training.curve.back().step);
@@ -210,8 +198,6 @@ int train(Training& training, nn::Trainer& trainer, const InterruptGuard& interr
     print_without_memory(trainer, training.configuration.network, training.validation);
     write_results(training, trainer.state());
   }
-  const int status = trainer.state().optimiser.steps < steps ? kInterrupted : kOk;
-  if (ranks.rank() > 0) return status;
   if (first >= steps && !training.curve.empty()) {  // the training had ended: write the results
     training.curve.back().validation = trainer.validate(training.validation);
     write_results(training, trainer.state());
@@ -219,7 +205,7 @@ int train(Training& training, nn::Trainer& trainer, const InterruptGuard& interr
   progress.finish();
   write_checkpoint(training,
                    trainer.state());  // between two points of the curve only this is written
-  return status;
+  return trainer.state().optimiser.steps < steps ? kInterrupted : kOk;
 }
 
 }  // namespace
@@ -232,9 +218,7 @@ curve.json: the errors of network and linear interpolation over the steps.
 The drives of the recipe are simulated once into --drives (0.26 MB for a scan of 64 x 1024)
 and read from there scan by scan.
 Ctrl-C stops after the current step; the same command then continues exactly there. The
-recipes of the weights that come with hqslam are weights/*.json.
-mpirun -n N shares each batch among N processes and gives the same bytes; N must divide
-the batch, and all processes must have access to the same folders.)");
+recipes of the weights that come with hqslam are weights/*.json.)");
   command
       .option("--config", &options.config, "Network, data and recipe (.json)", {.required = true})
       .option("--out", &options.out,
@@ -248,35 +232,27 @@ the batch, and all processes must have access to the same folders.)");
 
 int run(const TrainOptions& options) {
   const InterruptGuard interrupt;
-  const std::unique_ptr<Ranks> ranks = launched_ranks();
   Training training;
   training.configuration_path = options.config;
-  std::optional<FolderLock> lock;
-  std::optional<nn::TrainingState> state;
-  ranks->rank_0_first([&] {
-    training.configuration_text =
-        whole_file(options.config, "a training configuration (.json)", 1U << 20U);
-    training.configuration = nn::training_configuration(training.configuration_text, options.config,
-                                                        nn::all_architectures());
-    training.out = options.out;
-    if (ranks->rank() == 0) {
-      guard_training(training);
-      require_shares(training, *ranks);
-      make_result_folder(training.out);
-      lock.emplace(training.out);
-    }
-    state = starting_state(training);
-  });
+  training.configuration_text =
+      whole_file(options.config, "a training configuration (.json)", 1U << 20U);
+  training.configuration = nn::training_configuration(training.configuration_text, options.config,
+                                                      nn::all_architectures());
+  training.out = options.out;
+  guard_training(training);
+  make_result_folder(training.out);
+  const FolderLock lock(training.out);
+  nn::TrainingState state = starting_state(training);
   const nn::TrainingConfiguration& c = training.configuration;
   const int threads = options.threads > 0 ? options.threads : omp_get_max_threads();
   std::optional<nn::Trainer> prepared;
   try {
     const DriveStore store{
         options.drives.empty() ? training.out / "drives" : std::filesystem::path(options.drives),
-        threads, *ranks};
+        threads};
     auto scans = load_scans(training, store, interrupt);
     if (scans == nullptr) return kInterrupted;
-    prepared.emplace(c.network, c.plan, std::move(scans), std::move(*state), threads, *ranks);
+    prepared.emplace(c.network, c.plan, std::move(scans), std::move(state), threads);
   } catch (const Error& error) {
     throw Error("{}: {}", options.config, error.what());
   }
@@ -284,8 +260,8 @@ int run(const TrainOptions& options) {
   to_stdout("{}: {} parameters, {} training scans, {} validation scans, from step {}\n",
             nn::name(c.network), trainer.state().parameters.size(), training.training_scans,
             training.validation.size(), trainer.state().optimiser.steps);
-  const int status = train(training, trainer, interrupt, *ranks);
-  if (status == kInterrupted && ranks->rank() == 0) {
+  const int status = train(training, trainer, interrupt);
+  if (status == kInterrupted) {
     to_stderr("hqslam-lab: interrupted at step {}; the same command continues from there\n",
               trainer.state().optimiser.steps);
   }

@@ -135,13 +135,11 @@ std::unique_ptr<const StoredScans> stored_scans(const nn::ScanSet& set,
                                                 const InterruptGuard& interrupt) {
   const SensorModel& sensor = network.sensor;
   std::vector<std::string> paths;
-  store.ranks.rank_0_first([&] {
-    for (const std::string& stack : set.stacks) {
-      const std::string path = expanded(stack);
-      paths.push_back(std::filesystem::is_directory(path) ? stack_of_recording(path, sensor, store)
-                                                          : path);
-    }
-  });
+  for (const std::string& stack : set.stacks) {
+    const std::string path = expanded(stack);
+    paths.push_back(std::filesystem::is_directory(path) ? stack_of_recording(path, sensor, store)
+                                                        : path);
+  }
   // Errors in a stack are reported before hours of simulation.
   static_cast<void>(StoredScans(paths, sensor));
   const std::vector<StoredDrive> drives = drives_of(set, network);

@@ -25,7 +25,7 @@ DriveFigures three_methods_drive(bool with_truth) {
   if (with_truth) truth = TrajectoryFile{"truth.tum", example_trajectory(0.0), true};
   TableDrive drive;
   drive.name = "town";
-  return drive_figures(drive, "os1-64", methods, results, truth);
+  return drive_figures(drive, "os1-64", results, truth);
 }
 
 }  // namespace
@@ -35,7 +35,7 @@ DriveFigures three_methods_drive(bool with_truth) {
 TEST_CASE("errors are those of the bumps, against LiDAR-64 and against the truth") {
   const DriveFigures drive = three_methods_drive(true);
   REQUIRE(drive.methods.size() == 3);
-  const MethodFigures& du_or = drive.methods[1];
+  const TableResult& du_or = drive.methods[1];
   CHECK(du_or.against_all_rows[kLoopClosingOff]->ape_rmse_m() ==
         doctest::Approx(0.15).epsilon(0.01));
   CHECK(du_or.against_all_rows[kLoopClosingOn]->ape_rmse_m() == doctest::Approx(0.3).epsilon(0.01));
@@ -54,8 +54,8 @@ TEST_CASE("without LiDAR-64 or without the truth the errors against it are not t
   const DriveFigures drive = three_methods_drive(false);
   CHECK(drive.truth.empty());
   CHECK_FALSE(drive.methods[0].against_truth[kLoopClosingOff]);
-  const DriveFigures alone = drive_figures({}, "os1-64", {table_methods()[0]},
-                                           {example_result(table_methods()[0], 0.4)}, {});
+  const DriveFigures alone =
+      drive_figures({}, "os1-64", {example_result(table_methods()[0], 0.4)}, {});
   CHECK_FALSE(alone.methods[0].against_all_rows[kLoopClosingOff]);
 }
 
@@ -150,8 +150,8 @@ TEST_CASE("the page of Markdown holds every table, the machine and the weights")
 TEST_CASE("times are only in the JSON's timings: other times leave the rest as it is") {
   DriveFigures drive = three_methods_drive(true);
   const std::string before = drives_json({drive});
-  drive.methods[1].result.timings.upsampling_ms = 8.0;
-  drive.methods[1].result.timings.slam[0] = {9.0, 9.0, 9.0};
+  drive.methods[1].timings.upsampling_ms = 8.0;
+  drive.methods[1].timings.slam[0] = {9.0, 9.0, 9.0};
   const std::string after = drives_json({drive});
   const std::size_t timings = before.find("\"timings\"");
   REQUIRE(timings != std::string::npos);

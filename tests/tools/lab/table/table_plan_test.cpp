@@ -36,14 +36,13 @@ TEST_CASE("--scans shortens simulated drives and --methods chooses among the row
   CHECK(plan.methods[0].title == "DU-OR");
 }
 
-TEST_CASE("over seeds every drive is there from each seed, without loop closing") {
+TEST_CASE("over seeds every drive is there from each seed") {
   const TablePlan plan = plan_table({.drives = {"town", "hills"},
                                      .scans = 50,
                                      .sensor_errors = "none",
                                      .seeds = "3..4",
                                      .out = "out"});
   CHECK(plan.over_seeds);
-  CHECK_FALSE(plan.loop_closing);
   REQUIRE(plan.drives.size() == 4);
   CHECK(plan.drives[1].name == "town-seed-4");
   CHECK(plan.drives[2].simulated->name == "hills");
@@ -202,11 +201,11 @@ SlamSetup setup_of(const std::string& method, const SensorModel& sensor) {
 TEST_CASE("without a variant SLAM runs as hqslam run does") {
   const SlamSetup plain = setup_of("du-or", upsampled_sensor());
   const slam::MappingOptions usual;
-  CHECK(plain.options.loop_closing.enabled);
+  CHECK(plain.options.slam_options.loop_closing.enabled);
   CHECK(plain.sensor.measured_rows.has_value());
-  CHECK(plain.options.mapping.recent_path_m == usual.recent_path_m);
-  CHECK(plain.options.mapping.trusted_residual_m == usual.trusted_residual_m);
-  CHECK(plain.options.mapping.max_ground_residual_m == usual.max_ground_residual_m);
+  CHECK(plain.options.slam_options.mapping.recent_path_m == usual.recent_path_m);
+  CHECK(plain.options.slam_options.mapping.trusted_residual_m == usual.trusted_residual_m);
+  CHECK(plain.options.slam_options.mapping.max_ground_residual_m == usual.max_ground_residual_m);
 }
 
 TEST_CASE("every variant takes away the part that it names, and the options stay valid") {
@@ -216,15 +215,18 @@ TEST_CASE("every variant takes away the part that it names, and the options stay
   const std::optional<RowSelection> matched = setup_of("rows-64+16-rows", all).sensor.measured_rows;
   REQUIRE(matched);
   CHECK(*matched == selection_for(kTableAllRows, kTableMeasuredRows));
-  CHECK(setup_of("rows-16+whole-map", all).options.mapping.recent_path_m > 1e9);
-  CHECK(setup_of("rows-16+plain-weights", all).options.mapping.trusted_residual_m > 1e9);
-  CHECK(setup_of("rows-64+bent-ground", all).options.mapping.max_ground_residual_m == 0.2);
+  CHECK(setup_of("rows-16+whole-map", all).options.slam_options.mapping.recent_path_m > 1e9);
+  CHECK(setup_of("rows-16+plain-weights", all).options.slam_options.mapping.trusted_residual_m >
+        1e9);
+  CHECK(setup_of("rows-16+as-published", all).options.slam == pipeline::SlamKind::kLegoLoam);
+  CHECK(setup_of("rows-64+bent-ground", all).options.slam_options.mapping.max_ground_residual_m ==
+        0.2);
   for (const SlamVariant& variant : slam_variants()) {
     for (const TableMethod& method : table_methods()) {
       if (!variant.applies(method)) continue;
       CAPTURE(method.name);
       CAPTURE(variant.name);
-      slam::validate(setup_of(method.name + "+" + variant.name, all).options);
+      slam::validate(setup_of(method.name + "+" + variant.name, all).options.slam_options);
     }
   }
 }

@@ -78,8 +78,9 @@ Trajectory straight_drive(double scale, int jump = kScans) {
   return trajectory;
 }
 
-TableResult result_of(const Trajectory& trajectory) {
+TableResult result_of(const TableMethod& method, const Trajectory& trajectory) {
   TableResult result;
+  result.method = method;
   result.settings.scans = kScans;
   result.settings.loop_closing = false;
   result.trajectory[kLoopClosingOff] = trajectory;
@@ -90,113 +91,136 @@ TableResult result_of(const Trajectory& trajectory) {
 const std::vector<TableMethod> kMethods = {table_methods()[0], table_methods()[2],
                                            table_methods().back()};
 
-/// A drive of that name from that seed, on which each method did as its result says.
-std::optional<DriveSample> drive_of(const std::string& name, std::uint64_t seed,
-                                    const std::vector<TableResult>& results,
-                                    const Trajectory& truth) {
+/// A drive of that kind from that seed, on which kMethods drove these trajectories.
+DriveFigures drive_of(const std::string& kind, std::uint64_t seed,
+                      const std::vector<Trajectory>& trajectories, const Trajectory& truth) {
   TableDrive drive;
   drive.simulated = sim::DriveSpec();
-  drive.simulated->name = name;
+  drive.simulated->name = kind;
   drive.simulated->seed = seed;
-  const std::vector<TableMethod> methods(
-      kMethods.begin(), kMethods.begin() + static_cast<std::ptrdiff_t>(results.size()));
-  return drive_sample(
-      drive_figures(drive, "os1-64", methods, results, TrajectoryFile{"truth.tum", truth, true}),
-      methods);
+  std::vector<TableResult> results;
+  for (std::size_t i = 0; i < trajectories.size(); ++i) {
+    results.push_back(result_of(kMethods[i], trajectories[i]));
+  }
+  return drive_figures(drive, "os1-64", results, TrajectoryFile{"truth.tum", truth, true});
 }
 
 /// LiDAR-16 drifts by 2.5 % and 2 %, linear by 2 % and 1 %, LiDAR-64 by 1 % and 0.5 %, on a drive
-/// each of two names; on the second LiDAR-16 slips once.
-TableSample example_sample() {
-  TableSample sample{kMethods, 1, {}};
+/// each of two kinds; on the second LiDAR-16 slips once.
+std::vector<DriveFigures> example_drives() {
   const Trajectory truth = straight_drive(1.0);
-  sample.drives.push_back(
-      *drive_of("town", 4,
-                {result_of(straight_drive(1.025)), result_of(straight_drive(1.02)),
-                 result_of(straight_drive(1.01))},
-                truth));
-  sample.drives.push_back(
-      *drive_of("<hills>", 5,
-                {result_of(straight_drive(1.02, 150)), result_of(straight_drive(1.01)),
-                 result_of(straight_drive(1.005))},
-                truth));
-  return sample;
+  return {
+      drive_of("town", 4, {straight_drive(1.025), straight_drive(1.02), straight_drive(1.01)},
+               truth),
+      drive_of("<hills>", 5,
+               {straight_drive(1.02, 150), straight_drive(1.01), straight_drive(1.005)}, truth)};
+}
+
+/// Paired with linear.
+TableSample sample_with(const std::vector<DriveFigures>& drives) {
+  TablePlan plan;
+  plan.methods.assign(drives.front().methods.size(), {});
+  plan.against = 1;
+  return sample_of(drives, plan);
+}
+
+TableSample example_sample() {
+  static const std::vector<DriveFigures> drives = example_drives();
+  return sample_with(drives);
+}
+
+std::optional<Estimate> estimate(const TableSample& sample, std::size_t method,
+                                 const std::string& key) {
+  for (const auto* columns : {&summary_columns(), &pair_columns()}) {
+    for (const StatisticsColumn& column : *columns) {
+      if (column.key != nullptr && column.key == key) return column.of(sample, method);
+    }
+  }
+  FAIL("no column " << key);
+  return std::nullopt;
 }
 
 }  // namespace
 
 TEST_CASE("a drive has drift, slips, position error and times of every method") {
   const TableSample sample = example_sample();
-  const DriveSample& hills = sample.drives[1];
-  CHECK(hills.drive == "<hills>");
+  const DriveFigures& hills = *sample.drives[1];
+  CHECK(hills.kind == "<hills>");
   CHECK(hills.seed == 5);
-  CHECK(hills.path_m == doctest::Approx(299.0));
+  CHECK(path_m(hills) == doctest::Approx(299.0));
   REQUIRE(hills.methods.size() == 3);
   CHECK(hills.methods[0].slips.size() == 1);
-  CHECK(hills.methods[0].slam_ms == doctest::Approx(10.0));
-  CHECK(drift(hills.methods[1].pieces).translation_percent == doctest::Approx(1.0));
+  CHECK(hills.methods[0].slam_ms() == doctest::Approx(10.0));
+  CHECK(drift(errors_of(hills, 1).pieces).translation_percent == doctest::Approx(1.0));
   // Aligned by its centre, a line that is 1 % long is off by 1 % of the distance from there: of
   // positions 0 to 299 the deviation is sqrt((300^2 - 1) / 12).
-  CHECK(hills.methods[1].ape_m == doctest::Approx(0.01 * std::sqrt((300.0 * 300.0 - 1.0) / 12.0)));
+  CHECK(errors_of(hills, 1).ape_rmse_m() ==
+        doctest::Approx(0.01 * std::sqrt((300.0 * 300.0 - 1.0) / 12.0)));
 }
 
-TEST_CASE("a drive whose stamps are not the truth's has no figures") {
+TEST_CASE(
+    "a drive whose stamps are not the truth's, or that lacks a method, is not in the sample") {
   Trajectory later = straight_drive(1.0);
   for (StampedPose& pose : later) pose.stamp_s += 1000.0;
-  CHECK_FALSE(drive_of("town", 1, {result_of(later)}, straight_drive(1.0)));
+  const Trajectory truth = straight_drive(1.0);
+  CHECK(sample_with({drive_of("town", 1, {later}, truth)}).drives.empty());
+  const std::vector<DriveFigures> drives = {drive_of("town", 1, {truth, truth}, truth),
+                                            drive_of("town", 2, {truth}, truth)};
+  CHECK(sample_with(drives).drives == std::vector<const DriveFigures*>{&drives.front()});
 }
 
 TEST_CASE("the truth of a longer drive is cut where the scans end") {
   Trajectory half = straight_drive(1.0);
   half.resize(200);
-  const auto drive = drive_of("town", 1, {result_of(half)}, straight_drive(1.0));
-  CHECK(drive->path_m == doctest::Approx(199.0));
+  CHECK(path_m(drive_of("town", 1, {half}, straight_drive(1.0))) == doctest::Approx(199.0));
 }
 
 TEST_CASE("a summary is the mean over drives, slips are per 100 km of all of them") {
-  const MethodStatistics sixteen = statistics_of(example_sample(), 0);
+  const TableSample sample = example_sample();
   // On the second drive half of the 200 pieces hold the jump: sqrt(2^2 + 0.5^2) % instead of 2 %.
   const double second = 0.5 * (2.0 + std::sqrt(4.25));
-  CHECK(sixteen.drift_percent.value == doctest::Approx((2.5 + second) / 2.0));
-  CHECK(sixteen.drift_percent_no_slip.value == doctest::Approx(2.25));
-  CHECK(sixteen.slips == 1);
-  CHECK(sixteen.slips_per_100_km.value == doctest::Approx(1e5 / 598.0));
-  CHECK(sixteen.slips_per_100_km.low == 0.0);
-  CHECK(sixteen.slam_ms == doctest::Approx(10.0));
-  CHECK(statistics_of(example_sample(), 2).drift_percent.value == doctest::Approx(0.75));
+  CHECK(estimate(sample, 0, "drift_percent")->value == doctest::Approx((2.5 + second) / 2.0));
+  CHECK(estimate(sample, 0, "drift_percent_no_slip")->value == doctest::Approx(2.25));
+  CHECK(slips_of(sample, 0) == 1);
+  CHECK(estimate(sample, 0, "slips_per_100_km")->value == doctest::Approx(1e5 / 598.0));
+  CHECK(estimate(sample, 0, "slips_per_100_km")->low == 0.0);
+  CHECK(slam_ms_of(sample, 0) == doctest::Approx(10.0));
+  CHECK(estimate(sample, 2, "drift_percent")->value == doctest::Approx(0.75));
 }
 
 TEST_CASE("pairs are differences and ratios drive by drive, and the share of the gap closed") {
   const TableSample sample = example_sample();
-  const MethodStatistics all_rows = statistics_of(sample, 2);
-  CHECK(all_rows.drift_difference_percent.value == doctest::Approx(-0.75));
-  CHECK(all_rows.drift_difference_percent.low == doctest::Approx(-1.0));
-  CHECK(all_rows.drift_difference_percent.high == doctest::Approx(-0.5));
-  CHECK(all_rows.drift_ratio.value == doctest::Approx(0.5));
-  CHECK(all_rows.gap_closed->value == doctest::Approx(1.0));
-  const MethodStatistics sixteen = statistics_of(sample, 0);
-  CHECK(sixteen.drift_ratio_no_slip.value == doctest::Approx(1.5));
-  CHECK(sixteen.slips_difference.value == doctest::Approx(1e5 / 598.0));
-  CHECK(sixteen.gap_closed->value == doctest::Approx(0.0));
-  const MethodStatistics linear = statistics_of(of_drive(sample, "town"), 1);
-  CHECK(linear.gap_closed->value == doctest::Approx(1.0 / 3.0));
-  CHECK(linear.drift_ratio.value == doctest::Approx(1.0));
+  const auto value = [&](std::size_t method, const char* key) {
+    return estimate(sample, method, key)->value;
+  };
+  const Estimate difference = *estimate(sample, 2, "drift_difference_percent");
+  CHECK(difference.value == doctest::Approx(-0.75));
+  CHECK(difference.low == doctest::Approx(-1.0));
+  CHECK(difference.high == doctest::Approx(-0.5));
+  CHECK(value(2, "drift_ratio") == doctest::Approx(0.5));
+  CHECK(value(2, "gap_closed") == doctest::Approx(1.0));
+  CHECK(value(0, "drift_ratio_no_slip") == doctest::Approx(1.5));
+  CHECK(value(0, "slips_difference_per_100_km") == doctest::Approx(1e5 / 598.0));
+  CHECK(value(0, "gap_closed") == doctest::Approx(0.0));
+  const TableSample town = of_kind(sample, "town");
+  CHECK(estimate(town, 1, "gap_closed")->value == doctest::Approx(1.0 / 3.0));
+  CHECK(estimate(town, 1, "drift_ratio")->value == doctest::Approx(1.0));
 }
 
 TEST_CASE("without LiDAR-16 or LiDAR-64 there is no gap to close") {
-  TableSample sample = example_sample();
-  sample.methods.pop_back();
-  for (DriveSample& drive : sample.drives) drive.methods.pop_back();
-  CHECK_FALSE(statistics_of(sample, 1).gap_closed);
+  std::vector<DriveFigures> drives = example_drives();
+  for (DriveFigures& drive : drives) drive.methods.pop_back();
+  CHECK_FALSE(estimate(sample_with(drives), 1, "gap_closed"));
 }
 
 TEST_CASE("a drive shorter than a piece has slips but no drift, and does not spoil the mean") {
-  TableSample sample = example_sample();
+  std::vector<DriveFigures> drives = example_drives();
   Trajectory shorter = straight_drive(1.0);
   shorter.resize(50);
-  const TableResult result = result_of(shorter);
-  sample.drives.push_back(*drive_of("town", 9, {result, result, result}, straight_drive(1.0)));
-  CHECK(statistics_of(sample, 1).drift_percent.value == doctest::Approx(1.5));
+  drives.push_back(drive_of("town", 9, {shorter, shorter, shorter}, straight_drive(1.0)));
+  const TableSample sample = sample_with(drives);
+  CHECK(sample.drives.size() == 3);
+  CHECK(estimate(sample, 1, "drift_percent")->value == doctest::Approx(1.5));
 }
 
 TEST_CASE("the texts have a row per method and a part per drive, and need no other file") {

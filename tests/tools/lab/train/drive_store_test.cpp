@@ -11,7 +11,6 @@
 #include "hqslam/core/npy.h"
 #include "hqslam/sim/drive.h"
 #include "temporary_directory.h"
-#include "thread_ranks.h"
 
 namespace hqslam::tools {
 namespace {
@@ -36,9 +35,7 @@ SensorModel narrow_sensor() {
 
 bool store(const TemporaryDirectory& folder, const std::vector<StoredDrive>& drives, int threads) {
   const InterruptGuard interrupt;
-  Ranks alone;
-  return store_drives({folder.path(), threads, alone}, drives, narrow_sensor(), "drives",
-                      interrupt);
+  return store_drives({folder.path(), threads}, drives, narrow_sensor(), "drives", interrupt);
 }
 
 std::string path_of(const TemporaryDirectory& folder, const StoredDrive& drive) {
@@ -114,10 +111,9 @@ TEST_CASE("whatever decides the bytes decides the name") {
 TEST_CASE("asked to stop, it leaves whole drives only and says so") {
   const TemporaryDirectory folder;
   const InterruptGuard interrupt;
-  Ranks alone;
   std::raise(SIGTERM);
-  CHECK_FALSE(store_drives({folder.path(), 2, alone}, {block(1, 2, 1), block(2, 2, 1)},
-                           narrow_sensor(), "drives", interrupt));
+  CHECK_FALSE(store_drives({folder.path(), 2}, {block(1, 2, 1), block(2, 2, 1)}, narrow_sensor(),
+                           "drives", interrupt));
   CHECK(files_in(folder) == 0);
 }
 
@@ -145,36 +141,15 @@ TEST_CASE("files of somebody else that end as its own do stay") {
   }
 }
 
-TEST_CASE("several ranks make each drive once, and stop together") {
-  const TemporaryDirectory folder;
-  const std::vector<StoredDrive> drives = {block(1, 2, 1), block(2, 2, 1), block(3, 2, 1)};
-  REQUIRE(store(folder, {drives[1]}, 1));
-  const std::string there = path_of(folder, drives[1]);
-  const auto before = fs::last_write_time(there);
-  const InterruptGuard interrupt;
-  test::on_ranks(2, [&](Ranks& ranks) {
-    CHECK(store_drives({folder.path(), 1, ranks}, drives, narrow_sensor(), "drives", interrupt));
-    for (const StoredDrive& drive : drives) CHECK(fs::exists(path_of(folder, drive)));
-  });
-  CHECK(files_in(folder) == 3);
-  CHECK(fs::last_write_time(there) == before);
-  const TemporaryDirectory alone;
-  REQUIRE(store(alone, drives, 1));
-  for (const StoredDrive& drive : drives) {
-    CHECK(file_contents(path_of(folder, drive)) == file_contents(path_of(alone, drive)));
-  }
-}
-
 TEST_CASE("a drive that cannot be, and a folder that cannot be, are one line") {
   const TemporaryDirectory folder;
   CHECK(test::refused_with([&] { store(folder, {block(1, 0, 1)}, 1); }, "scans is 0"));
   write_file(folder.file("file"), "x");
   const InterruptGuard interrupt;
-  Ranks alone;
   CHECK(test::refused_with(
       [&] {
-        store_drives({folder.path() / "file", 1, alone}, {block(1, 1, 1)}, narrow_sensor(),
-                     "drives", interrupt);
+        store_drives({folder.path() / "file", 1}, {block(1, 1, 1)}, narrow_sensor(), "drives",
+                     interrupt);
       },
       "file"));
 }

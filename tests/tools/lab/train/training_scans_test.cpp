@@ -108,9 +108,8 @@ TEST_CASE("a set is its stacks, then its drives, usual or varied, of a sensor th
       {.drive = "block", .seeds = {5}, .scans = 1},
       {.drive = "block", .seeds = {6}, .scans = 1, .conditions = nn::DriveConditions::kVaried}};
   const InterruptGuard interrupt;
-  Ranks alone;
-  const auto scans = stored_scans(set, network_for(tiny_sensor()),
-                                  {folder.path() / "drives", 2, alone}, "scans", interrupt);
+  const auto scans = stored_scans(set, network_for(tiny_sensor()), {folder.path() / "drives", 2},
+                                  "scans", interrupt);
   REQUIRE(scans != nullptr);
   REQUIRE(scans->size() == 3);
   CHECK(scans->read(0).truth.range_m.front() == 10.0F);
@@ -131,8 +130,7 @@ TEST_CASE("a network with a memory gets what every scan recalls of those before 
   nn::ScanSet set;
   set.simulated = {{.drive = "block", .seeds = {5}, .scans = 7, .every = 3}};
   const InterruptGuard interrupt;
-  Ranks alone;
-  const DriveStore store{folder.path(), 1, alone};
+  const DriveStore store{folder.path(), 1};
   const auto scans = stored_scans(set, network_for(tiny_sensor(), true), store, "scans", interrupt);
   const auto without = stored_scans(set, network_for(tiny_sensor()), store, "scans", interrupt);
   REQUIRE(scans->size() == 3);
@@ -153,13 +151,12 @@ TEST_CASE("a network with a memory gets what every scan recalls of those before 
 TEST_CASE("a drive that looks ahead gets what every scan recalls of those around it") {
   const TemporaryDirectory folder;
   const InterruptGuard interrupt;
-  Ranks alone;
   const auto recalled_pixels = [&](bool look_ahead) {
     nn::ScanSet set;
     set.simulated = {{.drive = "block", .seeds = {5}, .scans = 30, .every = 4}};
     set.simulated.front().look_ahead = look_ahead;
-    const auto scans = stored_scans(set, network_for(tiny_sensor(), true),
-                                    {folder.path(), 1, alone}, "scans", interrupt);
+    const auto scans =
+        stored_scans(set, network_for(tiny_sensor(), true), {folder.path(), 1}, "scans", interrupt);
     REQUIRE(scans->size() == 8);
     std::vector<std::int64_t> pixels;
     for (std::int64_t i = 0; i < 8; ++i) {
@@ -180,12 +177,10 @@ TEST_CASE("a recording's folder is what is in it now, without the scans that are
   SensorModel sensor = sensor_preset("os1-16");
   std::filesystem::create_directory(folder.file("scans"));
   const InterruptGuard interrupt;
-  Ranks alone;
   nn::ScanSet set;
   set.stacks = {folder.file("scans")};
   const auto scans_now = [&] {
-    return stored_scans(set, network_for(sensor), {folder.path() / "store", 1, alone}, "scans",
-                        interrupt)
+    return stored_scans(set, network_for(sensor), {folder.path() / "store", 1}, "scans", interrupt)
         ->size();
   };
   for (int i = 0; i < 3; ++i) {

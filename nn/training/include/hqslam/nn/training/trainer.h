@@ -8,7 +8,6 @@
 #include "hqslam/nn/network_description.h"
 #include "hqslam/nn/training/adamw.h"
 #include "hqslam/nn/training/augmentation.h"
-#include "hqslam/nn/training/ranks.h"
 
 namespace hqslam::nn {
 
@@ -30,10 +29,6 @@ struct TrainingPlan {
 };
 /// Throws Error with field, value and constraint.
 void validate(const TrainingPlan& plan, const SensorModel& sensor);
-
-/// Throws Error if these processes cannot share the plan's batches.
-void require_shares(const NetworkDescription& description, const TrainingPlan& plan,
-                    const Ranks& ranks);
 
 /// The scans that a network is trained on: all of one shape, ranges in metres, 0
 /// where nothing returned, never NaN, infinite or negative.
@@ -85,22 +80,18 @@ struct TrainingState {
 
 /// Trains on scans with all of the sensor's rows. Each step draws its samples from seed, step and
 /// place in the batch alone, and sums gradients in that order: the result depends neither on the
-/// number of threads nor on interruptions, nor on the number of processes that share the batch.
+/// number of threads nor on interruptions.
 class Trainer {
  public:
-  /// ranks: the processes that share each batch in equal parts; they must outlive the trainer. All
-  /// have the same plan, scans and state, call the same functions and get the same state. Throws
-  /// Error, also if the scans do not have the sensor's shape, the state not the network's number of
-  /// parameters, or if the batch cannot be shared.
+  /// Throws Error, also if the scans do not have the sensor's shape or the state not the network's
+  /// number of parameters.
   Trainer(const NetworkDescription& description, const TrainingPlan& plan,
-          std::unique_ptr<const TrainingScans> scans, TrainingState state, int threads,
-          Ranks& ranks);
+          std::unique_ptr<const TrainingScans> scans, TrainingState state, int threads);
   ~Trainer();
 
   /// Throws Error if a scan cannot be read or the loss is not finite.
   TrainingStep step();
-  /// By this process alone: no other need call it. Throws Error if a scan does not have the
-  /// sensor's shape.
+  /// Throws Error if a scan does not have the sensor's shape.
   Validation validate(const std::vector<TrainingScan>& scans);
   const TrainingState& state() const;
 

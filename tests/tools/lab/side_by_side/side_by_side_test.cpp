@@ -1,4 +1,4 @@
-#include "ranks/ranks.h"
+#include "side_by_side/side_by_side.h"
 
 #include <doctest/doctest.h>
 #include <omp.h>
