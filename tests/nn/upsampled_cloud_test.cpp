@@ -7,7 +7,6 @@
 #include <string>
 
 #include "core/real_data.h"
-#include "error_message.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/recordings/recording.h"

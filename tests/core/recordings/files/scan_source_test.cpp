@@ -5,13 +5,11 @@
 #include <filesystem>
 #include <limits>
 
-#include "core/real_data.h"
 #include "error_message.h"
 #include "file_contents.h"
 #include "files/scan_files.h"
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/npy.h"
-#include "hqslam/core/trajectory.h"
 #include "points_file.h"
 #include "recording_complaint.h"
 #include "temporary_directory.h"
@@ -319,32 +317,4 @@ TEST_CASE("scans of another sensor or in other units are refused") {
   const NpyStackWriter no_images(directory.file("none.npy"), 64, 1024);
   CHECK(one_line_with(recording_complaint(directory.file("none.npy"), os1_64), "none.npy",
                       "one image"));
-}
-
-TEST_CASE("real recordings are opened and keep nearly all of their points") {
-  const auto data = real_data("");
-  if (!data) return;
-  const std::string& folder = *data;
-  const auto drive = open_scan_files(folder + "kitti_drive_0005", sensor_preset("hdl-64e"));
-  CHECK(drive->size() == 80);
-  const auto scan = drive->next();
-  CHECK(scan->counts.outside_rows == 0);
-  CHECK(scan->counts.kept > 50'000);
-  CHECK(refused_with(
-      [&] { open_scan_files(folder + "kitti_drive_0005", sensor_preset("os1-64"))->next(); },
-      "000000.bin", "os1-64"));
-
-  SensorModel os1 = sensor_preset("os1-64");
-  os1.columns = 2048;
-  const auto rellis =
-      open_scan_files(folder + "ouster/rellis_os1-64_2048x64_000104.bin", os1)->next();
-  CHECK(rellis->invalid_points == 53364);
-  CHECK(rellis->counts.kept > 60'000);
-
-  const auto singles =
-      open_scan_files(folder + "hdl64e_singles/train_64x1024.npy", sensor_preset("hdl-64e"));
-  CHECK(singles->size() == 98);
-  int images = 0;
-  while (singles->next()) ++images;
-  CHECK(images == 98);
 }

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 
 #include "captures.h"
 #include "hqslam/core/angles.h"
