@@ -105,17 +105,6 @@ TEST_CASE("Simple DU equals PyTorch, gradients included") {
   check_against_pytorch(small_simple_du(), "simple_du");
 }
 
-TEST_CASE("one, two and three threads give the same bits") {
-  for (const HqsPlan& plan : {filtered(small_du_or()), small_simple_du()}) {
-    for (const InstructionSet any : available_instruction_sets()) {
-      const std::vector<float> parameters = large_parameters(plan, 1);
-      const HqsRun one = run_of(plan, parameters, measured_scene(plan), any, 1);
-      CHECK(same_bits(one, run_of(plan, parameters, measured_scene(plan), any, 2)));
-      CHECK(same_bits(one, run_of(plan, parameters, measured_scene(plan), any, 3)));
-    }
-  }
-}
-
 TEST_CASE("what was in the state before does not matter, backwards neither") {
   for (const HqsPlan& plan : {filtered(small_du_or()), small_simple_du()}) {
     const std::vector<float> parameters = large_parameters(plan, 2);
@@ -238,28 +227,6 @@ TEST_CASE("the start is L, its measured neighbours and their interpolation; zero
   const HqsPlan simple = small_simple_du();
   const HqsRun of_simple = run_of(simple, large_parameters(simple, 1), measured);
   for (const float value : image_of(simple, of_simple.hqs.z0)) REQUIRE(value == 0.0F);
-}
-
-TEST_CASE("Y is H, and Z where the filter rejects H") {
-  const HqsPlan d = filtered(small_du_or());
-  const HqsRun run = run_of(d, large_parameters(d, 5), measured_scene(d));
-  for (const HqsLayer& layer : run.state.slots) {
-    const std::vector<float> h = image_of(d, layer.prior.h());
-    const std::vector<float> z = image_of(d, layer.prior.z);
-    const std::vector<float> y = image_of(d, layer.y);
-    std::vector<float> seen = h;  // nearer than 0.5 m the sensor has no return
-    for (float& range : seen) range = range >= 0.5F / 80.0F ? range : 0.0F;
-    std::vector<std::uint8_t> expected_mask(y.size());
-    OutlierRemoval(d.sensor, d.measured_rows, d.filter, 64).find(seen.data(), expected_mask.data());
-    REQUIRE(layer.rejected == expected_mask);
-    int rejected = 0;
-    for (std::size_t i = 0; i < y.size(); ++i) {
-      rejected += layer.rejected[i];
-      REQUIRE(y[i] == (layer.rejected[i] != 0 ? z[i] : h[i]));
-    }
-    CHECK(rejected > 0);
-    CHECK(rejected < 16 * 64);
-  }
 }
 
 TEST_CASE(
