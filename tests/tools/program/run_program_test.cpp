@@ -77,33 +77,6 @@ TEST_CASE("a simulated drive needs no sensor and no reference: both are in its f
         0.2);
 }
 
-TEST_CASE("two runs give the same bytes, with one thread and with two") {
-  std::vector<std::string> trajectories;
-  std::vector<std::string> maps;
-  for (const int threads : {1, 1, 2}) {
-    const TemporaryDirectory out;
-    succeeds("run '{}' --threads {} --out '{}'", simulated_drive(), threads, out.path().string());
-    trajectories.push_back(file_contents(out.file("trajectory.tum")));
-    maps.push_back(file_contents(out.file("map.pcd")));
-  }
-  CHECK(trajectories[0].size() > 100);
-  CHECK(trajectories[0] == trajectories[1]);
-  CHECK(trajectories[0] == trajectories[2]);
-  CHECK(maps[0] == maps[1]);
-  CHECK(maps[0] == maps[2]);
-}
-
-TEST_CASE("the same drive is read from its stack, its .bin files and its .pcd files") {
-  for (const char* part : {"scans.npy", "bin", "pcd"}) {
-    CAPTURE(part);
-    const TemporaryDirectory out;
-    succeeds("run '{}/{}' --sensor os1-16 --rows 8 --out '{}'", simulated_drive(), part,
-             out.path().string());
-    CHECK(timings(out)["rows"] == 8);
-    CHECK(timings(out)["scans"] == kDriveScans);
-  }
-}
-
 TEST_CASE("bad files in mid-drive are left out and named, and the run goes on") {
   const TemporaryDirectory folder;
   fs::copy(simulated_drive() + "/bin", folder.file("bin"));

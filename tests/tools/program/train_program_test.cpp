@@ -73,27 +73,6 @@ TEST_CASE("training leaves weights that load, a checkpoint and a learning curve"
   CHECK(holds(other.error, "another training configuration"));
 }
 
-TEST_CASE("a training with a memory says how good the network is without it, too") {
-  const TemporaryDirectory folder;
-  CHECK_FALSE(holds(train(folder, small_configuration(), "plain").out, "without memory"));
-  const ProgramResult result = train(folder, R"({
-    "network": {"kind": "du-mix", "sensor": "os1-64", "measured_rows": 16,
-                "denoiser": {"scan_memory": true,
-                             "layers": [{"channels": 8, "lower_channels": 8, "residual_blocks": 0}]}},
-    "training": [{"drive": "block", "seeds": [5], "scans": 4, "every": 2}],
-    "validation": [{"drive": "block", "seeds": [6], "scans": 9, "every": 4}],
-    "steps": 2, "batch": 2, "validate_every": 2
-  })",
-                                     "a");
-  REQUIRE(result.status == 0);
-  const auto mae_valid = [&](const std::string& line) {
-    const std::size_t begin = result.out.find(", valid ", result.out.find(line));
-    REQUIRE(begin != std::string::npos);
-    return std::stod(result.out.substr(begin + 8));
-  };
-  CHECK(mae_valid("without memory") != mae_valid("step       2/2"));
-}
-
 TEST_CASE("trainings share a folder of drives; one of varied conditions is simulated for itself") {
   const TemporaryDirectory folder;
   const auto train_with = [&](const std::string& configuration, const std::string& out) {
