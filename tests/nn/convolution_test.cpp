@@ -184,13 +184,6 @@ TEST_CASE("new parameters count forward and backward, whichever kernel computes 
   }
 }
 
-TEST_CASE("a single row is refused where the kernel has more") {
-  const ConvolutionProblem p =
-      problem({{3, 8, 3, 3, 1, 1, 1}, 4, 32, ColumnPadding::kCircular}, false);
-  std::vector<float> row(static_cast<std::size_t>(8) * 32);
-  CHECK_THROWS_AS(p.layer().forward_row(p.input, 0, row.data(), 32), Error);
-}
-
 TEST_CASE("skip and activation are applied to the sum") {
   const ConvolutionProblem p =
       problem({{3, 8, 3, 3, 1, 1, 1}, 4, 32, ColumnPadding::kCircular}, false);

@@ -76,53 +76,6 @@ TEST_CASE("a folder of KITTI files gives the images that they were made from, in
   }
 }
 
-TEST_CASE("a folder of .pcd files and a single file are recordings too") {
-  const TemporaryDirectory directory;
-  const SensorModel sensor = sensor_preset("os1-16");
-  const RangeImage image = an_image(sensor);
-  write_points(as_scan(image, sensor).points_m, directory.file("0.pcd"));
-  for (const std::string& path : {directory.path().string(), directory.file("0.pcd")}) {
-    const auto source = open_scan_files(path, sensor);
-    CHECK(source->size() == 1);
-    CHECK(largest_difference_m(source->next()->cloud, image) < 1e-3);
-    CHECK_FALSE(source->next());
-  }
-}
-
-TEST_CASE("points stored column after column take their rows from the elevation") {
-  const TemporaryDirectory directory;
-  const SensorModel sensor = sensor_preset("os1-16");
-  const RangeImage image = an_image(sensor);
-  const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kMotionCorrected);
-  Scan scan;
-  for (int column = 0; column < image.columns; ++column) {
-    for (int row = 0; row < image.rows; ++row) {
-      scan.points_m.push_back(cloud.points_m[image.index(row, column)]);  // zeros: no return
-    }
-  }
-  write_kitti_bin(scan, directory.file("0.bin"));
-  const auto recorded = open_scan_files(directory.file("0.bin"), sensor)->next();
-  REQUIRE(recorded);
-  CHECK(largest_difference_m(recorded->cloud, image) < 1e-3);
-  CHECK(recorded->invalid_points == 16 * 200);
-}
-
-TEST_CASE("rings whose points are in no order of azimuth are refused with the file's name") {
-  const TemporaryDirectory directory;
-  const SensorModel sensor = sensor_preset("os1-16");
-  const RangeImage image = an_image(sensor);
-  const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kMotionCorrected);
-  Scan scan;
-  for (int row = 0; row < image.rows; ++row) {
-    for (int i = 0; i < image.columns; ++i) {
-      scan.points_m.push_back(cloud.points_m[image.index(row, i * 333 % image.columns)]);
-    }
-  }
-  write_kitti_bin(scan, directory.file("0.bin"));
-  CHECK(one_line_with(recording_complaint(directory.file("0.bin"), sensor), "0.bin",
-                      "ring after ring", "jumps"));
-}
-
 TEST_CASE("an .npy stack gives its images, in either order of rows, rolling or corrected") {
   const TemporaryDirectory directory;
   const SensorModel sensor = sensor_preset("os1-16");

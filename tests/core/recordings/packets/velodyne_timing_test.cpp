@@ -265,8 +265,12 @@ TEST_CASE("the azimuth is interpolated over the front, where 360 degrees become 
   std::vector<int> azimuths;
   for (int i = 0; i < 12; ++i) azimuths.push_back((35950 + 20 * i) % 36000);  // 35990, 10
   Payload packet = velodyne_packet(0, azimuths, 0);
-  set_measurement(packet, 2, 16, 2500);  // laser 0 of the second firing: half a block later
+  set_measurement(packet, 2, 16, 2500);      // laser 0 of the second firing: half a block later
+  set_measurement(packet, 5, 16 + 3, 5000);  // -15, 1, -13, 3 degrees
   const auto seen = decoded(packet, VelodyneModel::kVlp16, false, KeptReturn::kStrongest, 180.0);
-  REQUIRE(seen.size() == 1);
+  REQUIRE(seen.size() == 2);
+  const double laser_us = 55.296 + 3 * 2.304;
+  check_seen(seen.at(10000), 5 * 110.592 + laser_us, 0.5 + 0.2 * laser_us / 110.592);
+  CHECK(seen.at(10000).elevation_deg == doctest::Approx(3.0));
   CHECK(std::abs(seen.at(5000).azimuth_deg) < 2e-4);
 }
