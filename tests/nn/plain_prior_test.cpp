@@ -44,6 +44,12 @@ double zero_share(const Tensor& tensor) {
 
 constexpr PlainPriorShape kDropout{.features = 12, .convolutions = 3, .dropout = 0.25F};
 
+double sum_of(const Tensor& z) {
+  double sum = 0.0;
+  for (const float value : values_of(z)) sum += value;
+  return sum;
+}
+
 }  // namespace
 
 TEST_CASE("Simple DU's denoiser has the 111,744 weights of the authors' code and no bias") {
@@ -74,6 +80,36 @@ TEST_CASE("without a seed nothing is dropped; with one, the share that was asked
 TEST_CASE("the same dropout seed gives the same bits on one and two threads, another does not") {
   CHECK(same_bits(run(kDropout, 5).state.z, run(kDropout, 5, 2).state.z));
   CHECK_FALSE(same_bits(run(kDropout, 5).state.z, run(kDropout, 6).state.z));
+}
+
+TEST_CASE("with dropout the gradient is that of the activations that were left") {
+  // Z is linear in each weight as long as no ReLU changes sides: compare with differences.
+  Run r = run(kDropout, 5);
+  const std::vector<float>& parameters = r.parameters;
+  PriorState gradient = r.prior->make_state();
+  for (int y = 0; y < 8; ++y) std::fill_n(gradient.z.row(0, y), 40, 1.0F);
+  std::vector<float> d_parameters(parameters.size());
+  const auto backward = backward_of(*r.prior);
+  backward->take_parameters(parameters);
+  backward->backward(r.candidates, r.state, gradient, d_parameters);
+  const double before = sum_of(r.state.z);
+  const auto change = [&](std::size_t i, float by) {
+    std::vector<float> changed = parameters;
+    changed[i] += by;
+    r.prior->set_parameters(changed);
+    r.prior->forward(r.candidates, r.state, {.dropout_seed = 5});
+    return sum_of(r.state.z) - before;
+  };
+  float largest = 0.0F;
+  for (const float d : d_parameters) largest = std::max(largest, std::fabs(d));
+  for (std::size_t i = parameters.size() - 100; i < parameters.size(); i += 9) {  // the last layer
+    CHECK(change(i, 0.25F) / 0.25 == doctest::Approx(d_parameters[i]).epsilon(1e-3).scale(largest));
+  }
+  int close = 0;
+  for (std::size_t i = 0; i < 108; i += 9) {  // the first, where a ReLU may change sides
+    close += std::fabs(change(i, 1e-3F) / 1e-3 - d_parameters[i]) < 0.02 * largest;
+  }
+  CHECK(close >= 10);
 }
 
 TEST_CASE("plain denoisers of senseless shapes are refused") {
