@@ -70,80 +70,6 @@ def save(name, arrays):
 # --- layers, by PyTorch in float64 -----------------------------------------------------------------
 
 
-def padded(x, rows, columns, circular):
-    """Columns continue round the circle or with zeros, rows with zeros."""
-    if columns > 0:
-        x = functional.pad(x, (columns, columns, 0, 0), mode="circular" if circular else "constant")
-    return functional.pad(x, (0, 0, rows, rows))
-
-
-def conv2d(x, weight, bias, stride, padding, circular):
-    return functional.conv2d(padded(x, *padding, circular), weight, bias, stride)
-
-
-def conv_transpose2d(x, weight, bias, stride, padding, circular, rows, columns):
-    """Without padding first; then rows beyond the edge are dropped and columns folded round."""
-    full = functional.conv_transpose2d(x, weight, None, stride)
-    full = functional.pad(full, (0, 0, 0, rows))[:, :, padding[0] : padding[0] + rows]
-    if circular:
-        to = (torch.arange(full.shape[3]) - padding[1]) % columns
-        output = torch.zeros(*full.shape[:3], columns, dtype=full.dtype)
-        output = output.index_add(3, to, full)
-    else:
-        output = functional.pad(full, (0, columns))[:, :, :, padding[1] : padding[1] + columns]
-    return output if bias is None else output + bias[None, :, None, None]
-
-
-def layer_case(arrays, name, generator, shape, wide, circular, with_bias):
-    """shape: input channels, output channels, kernel rows and columns, stride, padding of both.
-    wide: rows and columns of conv2d's input, of conv_transpose2d's output."""
-    inputs, outputs, kernel_rows, kernel_columns, stride, padding_rows, padding_columns = shape
-    transposed = name.startswith("conv_transpose2d")
-    narrow = ((wide[0] + 2 * padding_rows - kernel_rows) // stride + 1,
-              wide[1] // stride if circular
-              else (wide[1] + 2 * padding_columns - kernel_columns) // stride + 1)
-    size_in, size_out = (narrow, wide) if transposed else (wide, narrow)
-    channels = (inputs, outputs) if transposed else (outputs, inputs)
-    x = torch.tensor(random_array(generator, 1, inputs, *size_in), requires_grad=True)
-    weight = torch.tensor(random_array(generator, *channels, kernel_rows, kernel_columns),
-                          requires_grad=True)
-    bias = torch.tensor(random_array(generator, outputs), requires_grad=True) if with_bias else None
-    padding = (padding_rows, padding_columns)
-    if transposed:
-        y = conv_transpose2d(x, weight, bias, stride, padding, circular, *wide)
-    else:
-        y = conv2d(x, weight, bias, stride, padding, circular)
-    assert y.shape[2:] == torch.Size(size_out), (y.shape, size_out)
-    d_y = torch.tensor(random_array(generator, *y.shape))
-    y.backward(d_y)
-    arrays.update({
-        f"{name}.shape": numpy.array([*shape, *size_in, *size_out, int(circular)], "<i8"),
-        f"{name}.input": x[0], f"{name}.weight": weight, f"{name}.output": y[0],
-        f"{name}.d_output": d_y[0], f"{name}.d_input": x.grad[0], f"{name}.d_weight": weight.grad,
-    })
-    if with_bias:
-        arrays.update({f"{name}.bias": bias, f"{name}.d_bias": bias.grad})
-
-
-def make_convolutions():
-    generator = numpy.random.RandomState(1)
-    arrays = {}
-    conv = [((3, 5, 3, 3, 1, 1, 1), (4, 20), True, True),
-            ((3, 9, 3, 3, 2, 1, 1), (6, 24), True, True),
-            ((2, 3, 3, 3, 1, 1, 1), (3, 17), False, False),
-            ((4, 6, 1, 1, 1, 0, 0), (3, 16), True, True),
-            ((2, 3, 4, 4, 2, 1, 1), (4, 12), True, True),
-            ((2, 3, 3, 5, 1, 1, 2), (3, 8), True, False)]
-    transposed = [((5, 3, 2, 2, 2, 0, 0), (4, 20), True, True),
-                  ((3, 4, 4, 4, 2, 1, 1), (6, 24), True, True),
-                  ((3, 2, 3, 3, 2, 1, 1), (4, 12), True, False),
-                  ((3, 2, 3, 3, 1, 1, 1), (3, 17), False, True)]
-    for kind, cases in (("conv2d", conv), ("conv_transpose2d", transposed)):
-        for i, case in enumerate(cases):
-            layer_case(arrays, f"{kind}.{i}", generator, *case)
-    save("convolutions", arrays)
-
-
 def selection(scores, above, below, here):
     """scores: above, below, here, nothing, correction."""
     weights = torch.softmax(4.0 * scores[:4], 0)
@@ -573,7 +499,6 @@ def make_networks():
 
 SECTIONS = {
     "npz": make_npz,
-    "convolutions": make_convolutions,
     "layers": make_layers,
     "network_layers": make_network_layers,
     "adamw": make_adamw,

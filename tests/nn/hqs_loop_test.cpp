@@ -105,17 +105,6 @@ TEST_CASE("Simple DU equals PyTorch, gradients included") {
   check_against_pytorch(small_simple_du(), "simple_du");
 }
 
-TEST_CASE("one, two and three threads give the same bits") {
-  for (const HqsPlan& plan : {filtered(small_du_or()), small_simple_du()}) {
-    for (const InstructionSet any : available_instruction_sets()) {
-      const std::vector<float> parameters = large_parameters(plan, 1);
-      const HqsRun one = run_of(plan, parameters, measured_scene(plan), any, 1);
-      CHECK(same_bits(one, run_of(plan, parameters, measured_scene(plan), any, 2)));
-      CHECK(same_bits(one, run_of(plan, parameters, measured_scene(plan), any, 3)));
-    }
-  }
-}
-
 TEST_CASE("what was in the state before does not matter, backwards neither") {
   for (const HqsPlan& plan : {filtered(small_du_or()), small_simple_du()}) {
     const std::vector<float> parameters = large_parameters(plan, 2);
@@ -132,60 +121,6 @@ TEST_CASE("what was in the state before does not matter, backwards neither") {
   }
 }
 
-TEST_CASE("what stands in the borders of d loss / d Z does not matter") {
-  for (const HqsPlan& plan : {filtered(small_du_or()), small_simple_du()}) {
-    const std::vector<float> parameters = large_parameters(plan, 8);
-    RangeImage measured(4, 40);
-    for (int i = 0; i < 4 * 40; ++i) measured.range_m[i] = small_scene().range_m[i];
-    HqsRun run = run_of(plan, parameters, measured);
-    Tensor d_z = run.hqs.z0;
-    fill_random(1, d_z);
-    std::vector<float> clean(parameters.size());
-    add_gradient(run, std::span(&d_z, 1), clean);
-    for (int c = 0; c < d_z.channels(); ++c) {
-      for (int y = 0; y < d_z.rows(); ++y) {
-        float* row = d_z.row(c, y);
-        std::fill(row - Tensor::kBorderColumns, row, 1e6F);
-        std::fill(row + d_z.columns(), row + d_z.padded_columns() + Tensor::kBorderColumns, 1e6F);
-      }
-    }
-    std::vector<float> soiled(parameters.size());
-    add_gradient(run, std::span(&d_z, 1), soiled);
-    CHECK(soiled == clean);
-  }
-}
-
-TEST_CASE("the first layers do not depend on how many come after them, nor do their gradients") {
-  HqsPlan three = filtered(small_du_or());
-  HqsPlan two = three;
-  two.layers = 2;
-  const std::vector<float> parameters = large_parameters(three, 3);
-  const std::size_t of_one = (parameters.size() - 3) / 3;
-  std::vector<float> fewer(parameters.begin(),
-                           parameters.begin() + static_cast<std::ptrdiff_t>(2 * of_one));
-  fewer.insert(fewer.end(), parameters.end() - 3, parameters.end() - 1);
-  HqsRun whole = run_of(three, parameters, measured_scene(three));
-  HqsRun shorter = run_of(two, fewer, measured_scene(two));
-  for (int k = 0; k < 2; ++k) {
-    CHECK(nn::same_bits(shorter.z(k), whole.z(k)));
-    CHECK(nn::same_bits(shorter.layer(k).y, whole.layer(k).y));
-  }
-  // A loss on an inner layer has the gradient of the network that ends there.
-  Tensor d_inner = whole.hqs.z0;
-  fill_random(5, d_inner);
-  Tensor nothing = whole.hqs.z0;
-  nothing.set_zero();
-  std::vector<float> gradient(parameters.size());
-  add_gradient(whole, std::vector<Tensor>{d_inner, nothing}, gradient);
-  std::vector<float> expected(fewer.size());
-  add_gradient(shorter, std::span(&d_inner, 1), expected);
-  for (std::size_t i = 0; i < 2 * of_one; ++i) {
-    REQUIRE(gradient[i] == doctest::Approx(expected[i]).epsilon(1e-5).scale(1e-3));
-  }
-  CHECK(gradient[3 * of_one + 1] == doctest::Approx(expected[2 * of_one + 1]));
-  for (std::size_t i = 2 * of_one; i < 3 * of_one; ++i) REQUIRE(gradient[i] == 0.0F);
-}
-
 TEST_CASE("a state of two layers has the same result as one of all") {
   for (const HqsPlan& plan : {filtered(small_du_or()), small_simple_du()}) {
     const std::vector<float> parameters = large_parameters(plan, 7);
@@ -198,27 +133,6 @@ TEST_CASE("a state of two layers has the same result as one of all") {
     REQUIRE(run.state.slots.size() == 2);
     CHECK(nn::same_bits(run.z(2), run_of(plan, parameters, measured_scene(plan)).z(2)));
   }
-}
-
-TEST_CASE("a small penalty keeps measured rows at L, a large one lets them go") {
-  const HqsPlan plan = small_du_or();
-  const RangeImage measured = measured_scene(plan);
-  const auto distance_m = [&](float penalty) {
-    std::vector<float> parameters = large_parameters(plan, 4);
-    std::fill(parameters.end() - 3, parameters.end(), std::log(penalty));
-    const HqsRun run = run_of(plan, parameters, measured);
-    const std::vector<float> h = image_of(plan, run.layer(2).prior.h());
-    double sum_m = 0.0;
-    for (int row = 0; row < 4; ++row) {
-      for (int column = 0; column < 64; ++column) {
-        sum_m += std::fabs(80.0 * h[(4 * row + 3) * 64 + column] - measured.at(row, column));
-      }
-    }
-    return sum_m / (4 * 64);
-  };
-  CHECK(distance_m(1e-6F) < 1e-3);
-  CHECK(distance_m(0.01F) < distance_m(0.1F));
-  CHECK(distance_m(0.1F) < distance_m(10.0F));
 }
 
 TEST_CASE("the start is L, its measured neighbours and their interpolation; zero for Simple DU") {
@@ -238,28 +152,6 @@ TEST_CASE("the start is L, its measured neighbours and their interpolation; zero
   const HqsPlan simple = small_simple_du();
   const HqsRun of_simple = run_of(simple, large_parameters(simple, 1), measured);
   for (const float value : image_of(simple, of_simple.hqs.z0)) REQUIRE(value == 0.0F);
-}
-
-TEST_CASE("Y is H, and Z where the filter rejects H") {
-  const HqsPlan d = filtered(small_du_or());
-  const HqsRun run = run_of(d, large_parameters(d, 5), measured_scene(d));
-  for (const HqsLayer& layer : run.state.slots) {
-    const std::vector<float> h = image_of(d, layer.prior.h());
-    const std::vector<float> z = image_of(d, layer.prior.z);
-    const std::vector<float> y = image_of(d, layer.y);
-    std::vector<float> seen = h;  // nearer than 0.5 m the sensor has no return
-    for (float& range : seen) range = range >= 0.5F / 80.0F ? range : 0.0F;
-    std::vector<std::uint8_t> expected_mask(y.size());
-    OutlierRemoval(d.sensor, d.measured_rows, d.filter, 64).find(seen.data(), expected_mask.data());
-    REQUIRE(layer.rejected == expected_mask);
-    int rejected = 0;
-    for (std::size_t i = 0; i < y.size(); ++i) {
-      rejected += layer.rejected[i];
-      REQUIRE(y[i] == (layer.rejected[i] != 0 ? z[i] : h[i]));
-    }
-    CHECK(rejected > 0);
-    CHECK(rejected < 16 * 64);
-  }
 }
 
 TEST_CASE(

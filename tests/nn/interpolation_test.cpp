@@ -3,7 +3,6 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "error_message.h"
 
@@ -60,31 +59,6 @@ TEST_CASE("rows beyond the outermost measured ones repeat them") {
     CHECK(filled({3, 5}, {3, 1}, 5, any) == Ranges{3, 3, 3, 3, 5});
     CHECK(filled({3}, {0, 4}, 4, any) == Ranges{3, 3, 3, 3});
     CHECK(filled({3, 5, 4}, {0, 1}, 3, any) == Ranges{3, 5, 4});
-  }
-}
-
-TEST_CASE("inverse interpolation fits a plane under equal beam steps to step^2 / 8") {
-  // 1 / range of a plane is a sine of the elevation, and linear interpolation of a sine errs by
-  // that share of it. A ground 2 m below and a wall 10 m away.
-  constexpr double kStepRad = 2.0 * std::numbers::pi / 180.0;
-  for (const bool ground : {true, false}) {
-    const auto range_m = [&](int row) {
-      const double elevation_rad = -0.1 - row * kStepRad / 4.0;
-      return static_cast<float>(ground ? -2.0 / std::sin(elevation_rad)
-                                       : 10.0 / std::cos(elevation_rad));
-    };
-    Ranges measured;
-    for (int row = 0; row < 41; row += 4) measured.push_back(range_m(row));
-    const Ranges inverse = filled(measured, {0, 4}, 41, Interpolation::kInverse);
-    const Ranges linear = filled(measured, {0, 4}, 41, Interpolation::kLinear);
-    double inverse_error = 0.0;
-    double linear_error = 0.0;
-    for (int row = 0; row < 41; ++row) {
-      inverse_error += std::fabs(inverse[row] - range_m(row));
-      linear_error += std::fabs(linear[row] - range_m(row));
-      CHECK(inverse[row] == doctest::Approx(range_m(row)).epsilon(kStepRad * kStepRad / 8));
-    }
-    CHECK(inverse_error < linear_error);
   }
 }
 

@@ -41,15 +41,6 @@ void check_activation(float slope, const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("a graph names its arrays in the order of its layers") {
-  std::vector<std::string> names;
-  for (const ParameterShape& shape : small_graph().parameter_shapes()) names.push_back(shape.name);
-  CHECK(names == std::vector<std::string>{"wide.weight", "wide.bias", "wide.row_bias",
-                                          "narrow.weight", "narrow.bias", "residual.weight",
-                                          "residual.bias", "back.weight", "back.bias",
-                                          "head.weight", "head.bias"});
-}
-
 TEST_CASE("a graph's gradients are what small changes of input and parameters do") {
   constexpr float kStep = 1.0F / 16384.0F;  // few ReLUs turn within it
   constexpr std::uint64_t kSeed = 5;
@@ -135,26 +126,6 @@ TEST_CASE("no mask of a dropout comes again in a graph whose seed is 10 more") {
   for (int a = 1; a <= kDropouts; ++a) {
     for (int b = 1; b <= kDropouts; ++b) CHECK_FALSE(same_bits(values[0][a], values[1][b]));
   }
-}
-
-TEST_CASE("a tensor that two layers use gets the sum of both gradients") {
-  LayerGraph graph({1, 2, 16}, {});
-  const ConvolutionOptions linear{.bias = false, .linear = true};
-  const int once = graph.add("once", linear, {0});
-  graph.add("sum", linear, {once, 0});
-  graph.set_parameters(std::vector<float>{3.0F, 5.0F});
-  GraphBackward backward(graph);
-  backward.set_parameters(std::vector<float>{3.0F, 5.0F});
-  LayerGraph::Values values = graph.make_values();
-  LayerGraph::Values gradients = graph.make_values();
-  fill_random(1, values.front());
-  for (int x = 0; x < 16; ++x) gradients.back().at(0, 1, x) = 1.0F;
-  std::vector<float> d_parameters(2);
-  graph.forward(values);
-  backward.backward({&values, 1}, {&gradients, 1}, d_parameters);
-  CHECK(values.back().at(0, 1, 4) == doctest::Approx(16.0F * values.front().at(0, 1, 4)));
-  CHECK(gradients.front().at(0, 1, 4) == 16.0F);  // 5 * 3 + 1
-  CHECK(gradients.front().at(0, 0, 4) == 0.0F);
 }
 
 TEST_CASE("a sum of tensors of different shapes is refused") {

@@ -103,6 +103,29 @@ TEST_CASE("more than 1024 threads and fewer than one are refused") {
   }
 }
 
+TEST_CASE("every kind gives the same bytes with any number of threads and instruction set") {
+  HqsPlan filtered = small_du_or();
+  filtered.filter.min_pixels = 30;
+  std::vector<NetworkDescription> kinds = every_kind();
+  kinds.push_back(filtered);
+  for (const NetworkDescription& description : kinds) {
+    const RangeImage measured = measured_scene(description);
+    const std::vector<float> parameters = large_parameters(description, 1);
+    for (const InstructionSet set : available_instruction_sets()) {
+      CAPTURE(name(description));
+      CAPTURE(name(set));
+      const UpsampledImage expected =
+          made(description, parameters, 1, set)->upsample(measured, 0.5F);
+      for (const int threads : {2, 3, 5}) {
+        const UpsampledImage found =
+            made(description, parameters, threads, set)->upsample(measured, 0.5F);
+        CHECK(found.image.range_m == expected.image.range_m);
+        CHECK(found.confidence == expected.confidence);
+      }
+    }
+  }
+}
+
 TEST_CASE("gradients inside a parallel region of the caller's are those outside, bit for bit") {
   const RangeImage truth = small_scene();
   for (const NetworkDescription& description : every_kind()) {

@@ -127,18 +127,6 @@ TEST_CASE("the filter at the end can be left out") {
   CHECK(empty.has_return(3, 0));
 }
 
-TEST_CASE("one and two threads give the same image with each instruction set") {
-  const Weights weights = weights_of(small_du_or());
-  const RangeImage scene = small_scene();
-  for (const InstructionSet instruction_set : available_instruction_sets()) {
-    SuperResolver one(weights,
-                      {.threads = 1, .filter_result = false, .instruction_set = instruction_set});
-    SuperResolver two(weights,
-                      {.threads = 2, .filter_result = false, .instruction_set = instruction_set});
-    CHECK(one.run(scene).image.range_m == two.run(scene).image.range_m);
-  }
-}
-
 TEST_CASE("a weights file is loaded, checked and counted") {
   const test::TemporaryDirectory directory;
   const std::string path = directory.file("weights.npz");

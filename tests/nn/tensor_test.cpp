@@ -1,6 +1,5 @@
 #include "tensor.h"
 
-#include "error_message.h"
 #include "golden.h"
 #include "random_values.h"
 #include "tiles.h"
@@ -63,27 +62,6 @@ TEST_CASE("filling one row's border leaves the other rows alone") {
   CHECK(tensor.at(1, 0, -1) == 0.0F);
   CHECK(tensor.at(1, 2, -1) == 0.0F);
   CHECK(tensor.at(0, 1, -1) == 0.0F);
-}
-
-TEST_CASE("rows are a whole number of the widest vector apart") {
-  for (const int columns : {1, 16, 17, 100}) {
-    const Tensor tensor(1, 1, columns, ColumnPadding::kZero);
-    CHECK(tensor.row_stride() % 16 == 0);
-    CHECK(tensor.padded_columns() >= columns);
-    CHECK(tensor.padded_columns() < columns + 16);
-  }
-}
-
-TEST_CASE("a tensor without channels, rows or columns, or with a wrong border is refused") {
-  const auto message = [](int channels, int rows, int columns, int border_rows) {
-    return test::error_message(
-        [&] { Tensor(channels, rows, columns, ColumnPadding::kZero, border_rows); });
-  };
-  CHECK(test::one_line_with(message(0, 2, 3, 1), "0 channels", "expected"));
-  CHECK(test::one_line_with(message(1, 0, 3, 1), "0 rows"));
-  CHECK(test::one_line_with(message(1, 2, -3, 1), "-3 columns"));
-  CHECK(test::one_line_with(message(1, 2, 3, 17), "17 border rows"));
-  CHECK(test::one_line_with(message(1, 2, 3, -1), "-1 border rows"));
 }
 
 TEST_CASE("tiles are PyTorch's pixel_unshuffle, and from_tiles is its inverse") {

@@ -78,20 +78,6 @@ TEST_CASE("the loss is the mean over the columns, where they are no whole vector
   }
 }
 
-TEST_CASE("any number of threads gives the same bytes") {
-  const NetworkDescription description = small_du_mix();
-  const std::vector<float> parameters = initial_parameters(description, 3);
-  const RangeImage measured = measured_scene(description);
-  const auto one = made(description, parameters);
-  const UpsampledImage expected = one->upsample(measured, 0.5F);
-  for (const int threads : {2, 3, 5}) {
-    const auto several = made(description, parameters, threads);
-    const UpsampledImage& upsampled = several->upsample(measured, 0.5F);
-    CHECK(upsampled.image.range_m == expected.image.range_m);
-    CHECK(upsampled.confidence == expected.confidence);
-  }
-}
-
 TEST_CASE(
     "measured returns come out as they were with confidence 1, and nothing where nothing is") {
   const NetworkDescription description = small_du_mix();
@@ -130,27 +116,6 @@ TEST_CASE("the confidence grows with the tolerance") {
     gain += wide[i] - narrow[i];
   }
   CHECK(gain > 0.01 * static_cast<double>(narrow.size()));
-}
-
-TEST_CASE("a scan that is turned comes out turned, by a whole number of tiles") {
-  const NetworkDescription description = small_du_mix();
-  const RangeImage measured = measured_scene(description);
-  RangeImage turned = measured;
-  constexpr int kTurn = 24;
-  for (int row = 0; row < measured.rows; ++row) {
-    for (int column = 0; column < 64; ++column) {
-      turned.at(row, column) = measured.at(row, (column + kTurn) % 64);
-    }
-  }
-  const auto network = made(description, initial_parameters(description, 3));
-  const UpsampledImage first = network->upsample(measured, 0.5F);
-  const UpsampledImage& second = network->upsample(turned, 0.5F);
-  for (int row = 0; row < first.image.rows; ++row) {
-    for (int column = 0; column < 64; ++column) {
-      REQUIRE(second.image.at(row, column) ==
-              doctest::Approx(first.image.at(row, (column + kTurn) % 64)).epsilon(1e-5));
-    }
-  }
 }
 
 TEST_CASE("a DU-Mix that cannot be is refused with the field") {

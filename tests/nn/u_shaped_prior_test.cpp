@@ -84,32 +84,6 @@ TEST_CASE("with a head of zeros Z is the mean of the candidates and nothing") {
   }
 }
 
-TEST_CASE("Z turns with the scan: columns are a circle without a seam") {
-  const auto prior = small_prior(chosen_instruction_set());
-  prior->set_parameters(initial_parameters(4));
-  PriorState state = prior->make_state();
-  PriorState turned = prior->make_state();
-  Candidates candidates{state.z, state.z};
-  fill_random(1, candidates.above);
-  fill_random(2, candidates.below);
-  fill_random(3, state.input());
-  constexpr int kTurn = 4;  // tiles: the lowest level halves twice
-  const auto turn = [](const Tensor& from, Tensor& to) {
-    for_each_value(from, 0,
-                   [&](int c, int y, int x) { to.at(c, y, x) = from.at(c, y, (x + kTurn) % 8); });
-    to.fill_borders();
-  };
-  Candidates turned_candidates = candidates;
-  turn(candidates.above, turned_candidates.above);
-  turn(candidates.below, turned_candidates.below);
-  turn(state.input(), turned.input());
-  prior->forward(candidates, state, {});
-  prior->forward(turned_candidates, turned, {});
-  Tensor expected = state.z;
-  turn(state.z, expected);
-  CHECK(same_bits(turned.z, expected));
-}
-
 TEST_CASE("images that cannot be halved often enough and senseless shapes are refused") {
   CHECK(message(kSmall, 8, 32) == "no Error");
   CHECK(test::one_line_with(message(kSmall, 12, 32), "12 x 32", "8 x 16"));
@@ -130,13 +104,6 @@ TEST_CASE("images that cannot be halved often enough and senseless shapes are re
   CHECK(with([](UShapedPriorShape& s) { s.tile.rows = 0; }) != "no Error");
   CHECK(with([](UShapedPriorShape& s) { s.memory = -1; }) != "no Error");
   CHECK(with([](UShapedPriorShape& s) { s.negative_slope = 1.5F; }) != "no Error");
-}
-
-TEST_CASE("the U-shaped denoiser refuses another number of parameters") {
-  const auto prior = small_prior();
-  std::vector<float> parameters = initial_parameters(1);
-  parameters.pop_back();
-  CHECK_THROWS_AS(prior->set_parameters(parameters), Error);
 }
 
 }  // namespace hqslam::nn

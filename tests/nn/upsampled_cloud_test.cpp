@@ -3,19 +3,12 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <optional>
-#include <string>
 
-#include "core/real_data.h"
-#include "error_message.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/core/projection.h"
-#include "hqslam/recordings/recording.h"
 
 namespace hqslam::nn {
 namespace {
-
-using namespace hqslam::test;
 
 constexpr RowSelection kMeasuredRows = {1, 2};
 
@@ -215,27 +208,6 @@ TEST_CASE("a computed point is as late as the nearer one of the rows above and b
   };
   CHECK(late_s(2) == doctest::Approx(0.01).epsilon(1e-4));
   CHECK(late_s(3) == doctest::Approx(0.02).epsilon(1e-4));
-}
-
-TEST_CASE(
-    "on a real scan the true ranges become points nearer to the true ones than by the table") {
-  const std::optional<std::string> drive = real_data("kitti_drive_0005");
-  if (!drive) return;
-  const SensorModel sensor = sensor_preset("hdl-64e");
-  const RowSelection rows = selection_for(64, 16);
-  const OrganizedCloud truth =
-      recordings::Recording::open(*drive, {.sensor = "hdl-64e"}).next()->cloud;
-  const OrganizedCloud joined =
-      upsampled_cloud({range_image(truth), {}}, select_rows(truth, rows), rows, sensor);
-  const OrganizedCloud by_table =
-      unproject(range_image(truth), sensor, CaptureTime::kMotionCorrected);
-  double joined_sum_m = 0.0;
-  double table_sum_m = 0.0;
-  for (std::size_t pixel = 0; pixel < truth.points_m.size(); ++pixel) {
-    joined_sum_m += (joined.points_m[pixel] - truth.points_m[pixel]).norm();
-    table_sum_m += (by_table.points_m[pixel] - truth.points_m[pixel]).norm();
-  }
-  CHECK(joined_sum_m < 0.6 * table_sum_m);
 }
 
 TEST_CASE("the confidence of a upsampled image is that of its cloud") {

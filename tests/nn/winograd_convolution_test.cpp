@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "hqslam/core/error.h"
 #include "random_values.h"
 
 namespace hqslam::nn::kernels {
@@ -160,17 +159,6 @@ TEST_CASE("Winograd's convolution ends as the others do: skip, then activation o
       REQUIRE(gradient.at(c, y, x) == doctest::Approx(slope * value).epsilon(1e-5).scale(1));
     });
   }
-}
-
-TEST_CASE("Winograd's convolution refuses other kernels and another number of weights") {
-  const Tensor image(4, 8, 32, ColumnPadding::kCircular);
-  const InstructionSet any = chosen_instruction_set();
-  CHECK_NOTHROW(WinogradConvolution({4, 4, 3, 3, 1, 1, 1}, image, any, 1));
-  CHECK_THROWS_AS(WinogradConvolution({4, 4, 5, 5, 1, 2, 2}, image, any, 1), Error);
-  CHECK_THROWS_AS(WinogradConvolution({4, 4, 3, 3, 2, 1, 1}, image, any, 1), Error);
-  CHECK_THROWS_AS(WinogradConvolution({4, 4, 3, 3, 1, 1, 0}, image, any, 1), Error);
-  WinogradConvolution convolution({4, 4, 3, 3, 1, 1, 1}, image, any, 1);
-  CHECK_THROWS_AS(convolution.set_weights(std::vector<float>(143)), Error);
 }
 
 }  // namespace hqslam::nn::kernels

@@ -4,7 +4,6 @@
 #include <omp.h>
 
 #include <cmath>
-#include <filesystem>
 #include <iterator>
 #include <random>
 #include <thread>
@@ -139,17 +138,6 @@ TEST_CASE("empty, nearly empty and garbage scans are survived, reported and reco
   }
 }
 
-TEST_CASE("a drive that begins with empty scans begins where the first good scan is") {
-  const SensorModel sensor = test::small_sensor(16, 512);
-  slam::Slam slam(sensor);
-  const OrganizedCloud empty(sensor.rows(), sensor.columns);
-  CHECK(slam.process(empty, 0.0).mapping_status == Status::kTooFewFeatures);
-  CHECK(slam.process(empty, 0.1).mapping_status == Status::kTooFewFeatures);
-  CHECK(slam.process(drive_scan(sensor, 2), 0.2).mapping_status == Status::kOk);
-  CHECK(slam.process(drive_scan(sensor, 3), 0.3).mapping_status == Status::kOk);
-  CHECK(slam.map_points_m().size() > 100);
-}
-
 TEST_CASE("a covered sensor is predicted to go on for a second, then less and less") {
   const SensorModel sensor = test::small_sensor(16, 512);
   slam::Slam slam(sensor);
@@ -268,29 +256,4 @@ TEST_CASE("the number of threads is an option, and the caller's own stays as it 
     CHECK(omp_get_max_threads() == before);
   }
   CHECK(last[0].matrix() == last[1].matrix());
-}
-
-TEST_CASE("the map is made by the number of threads of the option") {
-  constexpr int kOfCaller = 40;
-  const auto threads = [] {
-    const auto tasks = std::filesystem::directory_iterator("/proc/self/task");
-    return std::distance(begin(tasks), end(tasks));
-  };
-  std::ptrdiff_t more = 0;
-  // A thread of its own has no OpenMP threads yet.
-  std::thread caller([&] {
-    omp_set_num_threads(kOfCaller);
-    const SensorModel sensor = test::small_sensor(16, 512);
-    slam::SlamOptions options;
-    options.threads = 1;
-    slam::Slam slam(sensor, options);
-    for (int i = 0; i < 5; ++i) slam.process(drive_scan(sensor, i), i * test::kDrivePeriod_s);
-    const std::ptrdiff_t before = threads();
-    CHECK(slam.map_points_m().size() > 100);
-    CHECK(slam.saved_map().planes_m.size() > 100);
-    slam.finish();
-    more = threads() - before;
-  });
-  caller.join();
-  CHECK(more < kOfCaller / 2);
 }

@@ -8,7 +8,6 @@
 #include "file_contents.h"
 #include "files/pcd_header.h"
 #include "hqslam/core/cloud_file.h"
-#include "points_file.h"
 #include "temporary_directory.h"
 
 using namespace hqslam;
@@ -221,16 +220,6 @@ TEST_CASE("some rings of a sensor, its own or a little off, are taken as they ar
   REQUIRE(scan.row.size() == 1600);
   CHECK(scan.row.front() == 3);
   CHECK(scan.row.back() == 63);
-}
-
-TEST_CASE("points written as .pcd come back bit by bit") {
-  const TemporaryDirectory directory;
-  const std::vector<Eigen::Vector3f> points_m = {{1, 2, 3}, {-0.1F, 1e-7F, 123.456F}};
-  write_points(points_m, directory.file("map.pcd"));
-  CHECK(read_cloud(directory.file("map.pcd")).points_m == points_m);
-  write_points({}, directory.file("empty.pcd"));
-  CHECK(read_cloud(directory.file("empty.pcd")).points_m.empty());
-  CHECK(refused_with([] { write_points({}, "/nowhere/map.pcd"); }, "/nowhere"));
 }
 
 TEST_CASE("a file that is no point cloud is refused with file, expected and found") {

@@ -261,10 +261,19 @@ std::string ouster_metadata_text(recordings::OusterProfile profile, int rows) {
 }
 
 std::vector<Captured> ouster_turn(recordings::OusterProfile profile, std::uint32_t frame_id,
-                                  int rows, std::uint16_t port) {
+                                  int rows) {
+  return ouster_turn(
+      recordings::ouster_metadata_from_json(ouster_metadata_text(profile, rows), "a test"),
+      frame_id, [](int row, int column) { return 2000 + 10 * row + column; });
+}
+
+std::vector<Captured> ouster_turn(const recordings::OusterMetadata& metadata,
+                                  std::uint32_t frame_id,
+                                  const std::function<std::uint32_t(int, int)>& of_pixel_mm) {
   using recordings::OusterProfile;
-  const auto metadata =
-      recordings::ouster_metadata_from_json(ouster_metadata_text(profile, rows), "a test");
+  const OusterProfile profile = metadata.profile;
+  const int rows = metadata.sensor.rows();
+  const int columns = metadata.sensor.columns;
   const bool legacy = profile == OusterProfile::kLegacy;
   const bool fusa = profile == OusterProfile::kFusaDual;
   const std::size_t header = legacy ? 16 : 12;
@@ -275,7 +284,7 @@ std::vector<Captured> ouster_turn(recordings::OusterProfile profile, std::uint32
   const std::size_t column_bytes =
       header + pixel * static_cast<std::size_t>(rows) + (legacy ? 4 : 0);
   std::vector<Captured> packets;
-  for (int first = 0; first < 512; first += 16) {
+  for (int first = 0; first < columns; first += 16) {
     Payload bytes(metadata.packet_bytes());
     if (fusa) {
       put(bytes, 4, frame_id);
@@ -283,10 +292,11 @@ std::vector<Captured> ouster_turn(recordings::OusterProfile profile, std::uint32
       put(bytes, 0, std::uint16_t{1});
       put(bytes, 2, static_cast<std::uint16_t>(frame_id));
     }
-    const std::uint64_t turn_ns = 50'000'000;
+    const auto turn_ns =
+        static_cast<std::uint64_t>(std::llround(1e9 * metadata.sensor.scan_period_s));
     const auto time_of = [&](int column) {
       return 5'000'000'000 + frame_id * turn_ns +
-             static_cast<std::uint64_t>(column) * turn_ns / 512;
+             static_cast<std::uint64_t>(column) * turn_ns / columns;
     };
     for (int i = 0; i < 16; ++i) {
       const int column = first + i;
@@ -301,7 +311,7 @@ std::vector<Captured> ouster_turn(recordings::OusterProfile profile, std::uint32
       }
       for (int row = 0; row < rows; ++row) {
         const std::size_t p = at + header + pixel * static_cast<std::size_t>(row);
-        const auto range_mm = static_cast<std::uint32_t>(2000 + 10 * row + column);
+        const std::uint32_t range_mm = of_pixel_mm(row, column);
         if (pixel == 4 || pixel == 8) {
           put(bytes, p, static_cast<std::uint16_t>(range_mm / 8 | 0x8000));  // and a flag
         } else {
@@ -311,7 +321,7 @@ std::vector<Captured> ouster_turn(recordings::OusterProfile profile, std::uint32
         if (pixel == 16) put(bytes, p + 4, range_mm + 500);
       }
     }
-    packets.push_back({1'600'000'000'000'000'000 + static_cast<std::int64_t>(time_of(first)), port,
+    packets.push_back({1'600'000'000'000'000'000 + static_cast<std::int64_t>(time_of(first)), 7502,
                        std::move(bytes)});
   }
   return packets;

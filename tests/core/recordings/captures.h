@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -109,7 +110,11 @@ std::string ouster_metadata_text(recordings::OusterProfile profile, int rows = 8
 /// The lidar packets of one of its turns: range of row r at column c is 2000 + 10 r + c mm, rounded
 /// down to the profile's unit; the second return is 500 mm farther.
 std::vector<Captured> ouster_turn(recordings::OusterProfile profile, std::uint32_t frame_id,
-                                  int rows = 8, std::uint16_t port = 7502);
+                                  int rows = 8);
+/// The same of an Ouster whose beam `row` measures range_mm(row, column).
+std::vector<Captured> ouster_turn(const recordings::OusterMetadata& metadata,
+                                  std::uint32_t frame_id,
+                                  const std::function<std::uint32_t(int, int)>& range_mm);
 
 /// Those of the turns with these numbers.
 std::vector<Captured> ouster_turns(recordings::OusterProfile profile,

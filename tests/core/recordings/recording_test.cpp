@@ -12,7 +12,6 @@
 #include "core/real_data.h"
 #include "error_message.h"
 #include "file_contents.h"
-#include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
 #include "temporary_directory.h"
 

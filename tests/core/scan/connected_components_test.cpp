@@ -87,27 +87,6 @@ TEST_CASE("a near column splits the scan in two, because the scan is a circle") 
   CHECK(cut_out.label(image).components.size() == 3);
 }
 
-TEST_CASE("two points connect exactly when the angle exceeds the threshold") {
-  // 10 m and 9 m under 1 degree: beta = atan2(9 sin 1, 10 - 9 cos 1) = 8.92 degrees.
-  const SensorModel sensor = small_sensor(2, 360);
-  RangeImage image(2, 360);
-  image.at(0, 7) = 10.0F;
-  image.at(1, 7) = 9.0F;
-  CHECK(components_of(image, sensor, 8.9 * kDegree_rad).components.size() == 1);
-  CHECK(components_of(image, sensor, 8.95 * kDegree_rad).components.size() == 2);
-}
-
-TEST_CASE("the criterion does not depend on the scale of the ranges") {
-  const SensorModel sensor = sensor_preset("vlp-16");
-  RangeImage image(16, 1800);
-  std::mt19937 generator(5);
-  for (float& range_m : image.range_m)
-    range_m = 8.0F + 0.0005F * static_cast<float>(generator() % 1000);
-  const auto once = components_of(image, sensor, 10 * kDegree_rad);
-  for (float& range_m : image.range_m) range_m *= 0.25F;  // exact in binary
-  CHECK(components_of(image, sensor, 10 * kDegree_rad).label == once.label);
-}
-
 TEST_CASE("labels equal those of a slow union-find on random images, with and without a mask") {
   std::mt19937 generator(11);
   for (int trial = 0; trial < 30; ++trial) {

@@ -68,17 +68,6 @@ TEST_CASE("analytic Jacobians equal central differences") {
   }
 }
 
-TEST_CASE("only the requested Jacobian is computed") {
-  const auto constraints = constraints_of(Pose::Identity(), 5, 1);
-  MotionParameters p = some_parameters();
-  double* blocks[2] = {p.data(), p.data() + 3};
-  std::vector<double> residuals(5);
-  std::vector<double> out_of_plane(15, 0.0);
-  double* jacobians[2] = {nullptr, out_of_plane.data()};
-  slam::evaluate(constraints, blocks, residuals.data(), jacobians);
-  CHECK(out_of_plane[0] == doctest::Approx(constraints[0].weight * constraints[0].normal.z()));
-}
-
 TEST_CASE("a known motion is found by full steps, not by small fractions of one") {
   const Pose T = pose_from_xyz_rpy({0.8, -0.3, 0.1}, 0.02, -0.03, 0.15);
   const auto constraints = constraints_of(T, 300, 2);

@@ -46,30 +46,3 @@ TEST_CASE("correction is that of a body with a constant twist, for random twists
     CHECK((corrected[0].cast<double>() - T * point.point_m.cast<double>()).norm() < 2e-5);
   }
 }
-
-TEST_CASE("a scan from a sensor that turns, rolls and pitches, corrected, is the walls again") {
-  const SensorModel sensor = test::small_sensor(8, 360);
-  test::Yard yard;
-  yard.pillars = false;
-  const test::SteadyDrive drive{test::yard_pose(3, -2, 0.4), {12, 1, 0.5}, {0.4, -0.3, 1.2}};
-  const OrganizedCloud cloud =
-      yard.rolling_scan(sensor, [&](double time_s) { return drive.at(time_s); });
-  std::vector<FeaturePoint> points;
-  for (std::size_t i = 0; i < cloud.range_m.size(); ++i) {
-    if (cloud.range_m[i] > 0.0F) points.push_back({cloud.points_m[i], cloud.time_offset_s[i], 0});
-  }
-  const auto distance_from_yard = [&](const Eigen::Vector3f& p) {
-    const Eigen::Vector3d in_yard = drive.T_start * p.cast<double>();
-    return std::min({std::abs(in_yard.z()), std::abs(std::abs(in_yard.x()) - yard.half_length_m),
-                     std::abs(std::abs(in_yard.y()) - yard.half_width_m)});
-  };
-  double worst_m = 0.0;
-  double worst_raw_m = 0.0;
-  const Twist velocity{drive.velocity_mps, drive.turn_rad_per_s};
-  for (const auto& p : slam::motion_corrected(points, velocity)) {
-    worst_m = std::max(worst_m, distance_from_yard(p));
-  }
-  for (const auto& p : points) worst_raw_m = std::max(worst_raw_m, distance_from_yard(p.point_m));
-  CHECK(worst_m < 1e-4);
-  CHECK(worst_raw_m > 0.5);
-}

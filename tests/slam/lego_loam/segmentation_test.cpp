@@ -7,7 +7,6 @@
 
 #include "hqslam/core/projection.h"
 #include "hqslam/lego_loam/lego_loam.h"
-#include "slam/poses.h"
 #include "slam/village.h"
 
 using namespace hqslam;

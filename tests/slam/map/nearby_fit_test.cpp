@@ -92,18 +92,3 @@ TEST_CASE("a fit of the nearest point alone is stored likewise") {
   }
   CHECK(found > 500);
 }
-
-TEST_CASE("a feature that does not move is searched once") {
-  std::mt19937 generator(2);
-  const FeatureMap map = random_map(generator);
-  NearbyFit<MapPlane> nearby;
-  int searches = 0;
-  const auto counted = [&](const Neighbours& neighbours) {
-    ++searches;
-    return mean_of(neighbours);
-  };
-  for (int i = 0; i < 5; ++i) {
-    CHECK(nearby.at(map, Eigen::Vector3f::Zero(), 1.0, counted).has_value());
-  }
-  CHECK(searches == 1);
-}

@@ -17,35 +17,6 @@ Options parsed(const std::vector<std::string>& arguments) {
 
 }  // namespace
 
-TEST_CASE("the options of run arrive where they belong") {
-  const auto run = parsed<RunOptions>({"run", "/", "--sensor", "os1-64", "--rows", "16", "--out",
-                                       "x", "--row-order", "lowest-first", "--motion-corrected",
-                                       "--threads", "2", "--upsample", "linear"});
-  CHECK(run.input == "/");
-  CHECK(run.sensor == "os1-64");
-  CHECK(run.rows == 16);
-  CHECK(run.out == "x");
-  CHECK(run.row_order == "lowest-first");
-  CHECK(run.motion_corrected);
-  CHECK(run.threads == 2);
-  CHECK(run.upsample == "linear");
-}
-
-TEST_CASE("the options of upsample arrive where they belong") {
-  const auto upsample = parsed<UpsampleOptions>({"upsample", "/", "--method", "inverse", "--sensor",
-                                                 "os1-64", "--out", "x", "--bin", "--png",
-                                                 "--threads", "2", "--row-order", "lowest-first"});
-  CHECK(upsample.input == "/");
-  CHECK(upsample.upsample == "inverse");
-  CHECK(upsample.sensor == "os1-64");
-  CHECK(upsample.out == "x");
-  CHECK(upsample.formats.kitti_bin);
-  CHECK_FALSE(upsample.formats.pcd);
-  CHECK(upsample.formats.png);
-  CHECK(upsample.threads == 2);
-  CHECK(upsample.row_order == "lowest-first");
-}
-
 TEST_CASE("the options of live arrive where they belong, --view with a port and without") {
   const auto live = parsed<LiveOptions>({"live",     "--sensor",   "os1-16",
                                          "--port",   "7000",       "--rows",
@@ -90,15 +61,6 @@ TEST_CASE("every command that opens recordings reads them as run does") {
     CHECK(choice.stamps == "names");
     CHECK(choice.row_order == "lowest-first");
   }
-}
-
-TEST_CASE("the options of view arrive where they belong") {
-  const auto view = parsed<ViewOptions>(
-      {"view", "/", "/proc", "--sensor", "vlp-16", "--scan", "3", "--out", "x"});
-  CHECK(view.files == std::vector<std::string>{"/", "/proc"});
-  CHECK(view.sensor == "vlp-16");
-  CHECK(view.scan == 3);
-  CHECK(view.out == "x");
 }
 
 TEST_CASE("what makes no sense is refused") {

@@ -53,23 +53,6 @@ TEST_CASE("the options of table arrive where they belong, lists split at commas"
         std::vector<std::string>{"town", "hills"});
 }
 
-TEST_CASE("the options of simulate, demo and bench arrive where they belong") {
-  const auto simulate =
-      parsed<SimulateOptions>({"simulate", "--drive", "town", "--sensor", "vlp-16", "--out", "x",
-                               "--scans", "7", "--seed", "9", "--bin"});
-  CHECK(simulate.drive == "town");
-  CHECK(simulate.scans == 7);
-  CHECK(simulate.seed == 9);
-  CHECK(simulate.bin);
-  CHECK_FALSE(simulate.pcd);
-  CHECK(parsed<DemoOptions>({"demo", "--out", "y"}).out == "y");
-  CHECK(parsed<BenchOptions>({"bench", "--json", "--scans", "20"}).json);
-  CHECK(parsed<BenchOptions>({"bench", "--drive", "hills"}).drive == "hills");
-  CHECK(parsed<BenchOptions>({"bench", "--cpu"}).cpu);
-  CHECK(parsed<BenchOptions>({"bench", "--weights", "/dev/null", "--weights", "/dev/null"})
-            .weights.size() == 2);
-}
-
 TEST_CASE("what makes no sense is refused") {
   const std::vector<std::vector<std::string>> wrong = {
       {"simulate", "--drive", "town", "--sensor", "os1-64", "--out", "x", "--scans", "-3"},

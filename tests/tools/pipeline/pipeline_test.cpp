@@ -2,10 +2,6 @@
 
 #include <doctest/doctest.h>
 
-#include <cmath>
-#include <vector>
-
-#include "error_message.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/slam/scan_trace.h"
 #include "slam/yard_drive.h"

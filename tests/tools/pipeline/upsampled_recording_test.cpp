@@ -104,11 +104,4 @@ TEST_CASE("the sensor of the measured rows may be named by its own name or by th
   CHECK(is_refused(files.stack(64), "", files.stack(64), "64.npy"));
 }
 
-TEST_CASE("weights of a name are chosen by the recording's sensor") {
-  const Files files;
-  CHECK(open_upsampled(files.cloud("vlp-16"), {}, {.method = "du-mix"}).upsampler.sensor().rows() ==
-        64);
-  CHECK(is_refused(files.cloud("hdl-32e"), "hdl-32e", "du-mix", "hdl-32e"));
-}
-
 }  // namespace hqslam::pipeline

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "error_message.h"
-#include "hqslam/core/error.h"
 #include "hqslam/core/projection.h"
 #include "temporary_directory.h"
 #include "tools/program/untrained_weights.h"

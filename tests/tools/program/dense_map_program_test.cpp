@@ -84,6 +84,7 @@ TEST_CASE("the files of a dense map are whole and the report shows its pictures"
            simulated_drive(), out.path().string());
   const std::size_t points = read_cloud(out.file("dense_map.pcd")).points_m.size();
   CHECK(points > 1000);
+  CHECK(read_cloud(out.file("dense_map.pcd")).intensity.size() == points);
   CHECK(
       holds(file_contents(out.file("dense_map.ply")), fmt::format("element vertex {}\n", points)));
   CHECK(holds(file_contents(out.file("report.html")), R"("name":"dense map")"));
@@ -119,18 +120,6 @@ TEST_CASE(
   CHECK(missing(result.error, {"within 100 km", "found one 5400 km away"}) == "");
 }
 
-TEST_CASE("poses of another time make no map, and that is said") {
-  const TemporaryDirectory out;
-  write_file(out.file("late.tum"), "1000 0 0 0 0 0 0 1\n1001 1 0 0 0 0 0 1\n");
-  const ProgramResult result = run_hqslam("map '{}' --poses '{}' --out '{}'", simulated_drive(),
-                                          out.file("late.tum"), out.file("map"));
-  CHECK(result.status == 2);
-  CHECK(is_one_line(result.error.substr(result.error.rfind("hqslam: "))));
-  CHECK(holds(result.error, "none of its poses is within 0.02 s of one of 12 scans"));
-  CHECK(holds(result.error, "; give poses with the stamps of the scans"));
-  CHECK_FALSE(fs::exists(out.file("map/dense_map.pcd")));
-}
-
 TEST_CASE("a map is aligned by the trajectory beside it, however the map is named") {
   const TemporaryDirectory folder;
   fs::copy(simulated_drive() + "/truth.tum", folder.file("trajectory.tum"));
@@ -156,37 +145,6 @@ TEST_CASE("a map that cannot be made costs that map alone") {
   CHECK(result.status == 2);
   CHECK(holds(last_line(result.error), "occupancy grid: expected scans that were located"));
   CHECK(missing(result.out, {"results: ", "dense_map.ply"}) == "");
-}
-
-TEST_CASE("of a simulation that was stopped a map is held against the scans that there are") {
-  const TemporaryDirectory folder;
-  write_points({{5.0F, 0.0F, -1.0F}}, folder.file("map.pcd"));
-  const std::string stopped = folder.file("stopped");
-  fs::copy(simulated_drive(), stopped);
-  std::string json = file_contents(stopped + "/drive.json");
-  const std::string scans = fmt::format("\"scans\": {}", kDriveScans);
-  REQUIRE(holds(json, scans));
-  write_file(stopped + "/drive.json",
-             json.replace(json.find(scans), scans.size(), "\"scans\": 40"));
-  const auto said = [&](const std::string& drive) {
-    return succeeds("evaluate-map '{}' --drive '{}'", folder.file("map.pcd"), drive).out;
-  };
-  CHECK(said(stopped) == said(simulated_drive()));
-}
-
-TEST_CASE("wrong input of maps is one line") {
-  const TemporaryDirectory out;
-  write_file(out.file("dense_map.pcd"), "mine");
-  const std::string in = out.path().string();
-  for (const auto& [arguments, with] : {
-           std::pair("run '{0}' --dense-map --map-voxel 0 --out '{1}/x'", "--map-voxel"),
-           std::pair("evaluate-map '{1}/dense_map.pcd' --drive '{1}'", "drive.json"),
-           std::pair("map '{0}' --poses '{0}/truth.tum' --confidence 0.9 --out '{1}/x'",
-                     "--confidence"),
-           std::pair("evaluate-map '{1}/dense_map.pcd' --drive '{0}'", "dense_map.pcd"),
-       }) {
-    CHECK(holds(refused(fmt::format(fmt::runtime(arguments), simulated_drive(), in)).error, with));
-  }
 }
 
 }  // namespace hqslam::test

@@ -1,10 +1,8 @@
 #include <doctest/doctest.h>
 
-#include <cstdio>
 #include <filesystem>
 #include <sstream>
 #include <string>
-#include <utility>
 
 #include "file_contents.h"
 #include "hqslam/core/trajectory.h"
@@ -69,50 +67,6 @@ TEST_CASE(
   const ProgramResult result = refused("run '{}' --imu '{}' --out '{}'", drive,
                                        folder.file("bad.csv"), folder.file("refused"));
   CHECK(holds(result.error, "bad.csv:1: expected 7 numbers"));
-}
-
-TEST_CASE("inertial data that disagree with the scans are left out with a reason") {
-  const TemporaryDirectory folder;
-  const std::string drive = folder.file("drive");
-  succeeds("simulate --drive handheld --sensor os1-16 --scans 60 --seed 4 --imu --out '{}'", drive);
-  const auto run = [&](const std::string& imu) {
-    const std::string out =
-        succeeds("run '{}' --imu '{}' --no-loop-closing --out '{}'", drive, imu, folder.file("out"))
-            .out;
-    return std::pair(out, error_m(folder.file("out"), drive));
-  };
-  const auto [alone, alone_m] = run("none");
-  CHECK_FALSE(holds(alone, "inertial"));
-  const auto written = [&](const std::string& name, const auto& changed) {
-    std::istringstream all(file_contents(drive + "/imu.csv"));
-    std::string text;
-    std::getline(all, text);  // the names of the columns
-    text.clear();
-    double v[7];
-    for (std::string line; std::getline(all, line);) {
-      REQUIRE(std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf,%lf", v, v + 1, v + 2, v + 3,
-                          v + 4, v + 5, v + 6) == 7);
-      changed(v);
-      text += fmt::format("{},{},{},{},{},{},{}\n", v[0], v[1], v[2], v[3], v[4], v[5], v[6]);
-    }
-    write_file(folder.file(name), text);
-    return folder.file(name);
-  };
-  const auto [stuck, stuck_m] = run(written("stuck.csv", [](double* v) {
-    for (int i = 1; i < 7; ++i) v[i] = i == 6 ? 9.80665 : 0.0;
-  }));
-  CHECK(holds(stuck, "left out: it"));
-  CHECK(stuck_m < alone_m + 0.05);
-  const auto [degrees, degrees_m] = run(written("degrees.csv", [](double* v) {
-    for (int i = 1; i < 4; ++i) v[i] *= 57.29578;
-  }));
-  CHECK(holds(degrees, "degrees per second?"));
-  CHECK(degrees_m < alone_m + 0.05);
-  const auto [downwards, downwards_m] = run(written("downwards.csv", [](double* v) {
-    for (int i = 4; i < 7; ++i) v[i] *= -1.0;
-  }));
-  CHECK(holds(downwards, "point downwards"));
-  CHECK(downwards_m < alone_m + 0.05);
 }
 
 }  // namespace hqslam::test

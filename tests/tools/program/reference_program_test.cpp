@@ -1,7 +1,6 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 
@@ -70,31 +69,6 @@ TEST_CASE("a reference with other stamps than the scans' is named with both") {
                   "stamps of trajectory.tum",
                   kDriveScans * 0.1 - 0.05, kDriveScans * 0.1 - 0.1)));
   CHECK(holds(run("--capture rolling").out, fmt::format("over {} poses", kDriveScans)));
-}
-
-TEST_CASE("real KITTI files and poses are compared scan by scan") {
-  const char* data = std::getenv("HQSLAM_DATA");
-  if (data == nullptr) {
-    MESSAGE("SKIPPED: HQSLAM_DATA is not set");
-    return;
-  }
-  const std::string drive = std::string(data) + "/kitti_drive_0005";
-  const TemporaryDirectory folder;
-  fs::create_directory(folder.file("bin"));
-  Trajectory poses = read_kitti_poses(drive + "/poses_icp.txt");
-  poses.resize(10);
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    const std::string name = fmt::format("{:06}.bin", i);
-    fs::create_symlink(drive + "/velodyne/" + name, folder.file("bin/" + name));
-  }
-  write_kitti_poses(poses, folder.file("poses.txt"));
-  const ProgramResult result =
-      succeeds("run '{0}/bin' --sensor hdl-64e --reference '{0}/poses.txt' --out '{0}/out'",
-               folder.path().string());
-  CHECK(holds(result.out, "over 10 poses"));
-  const AbsolutePoseError error = absolute_pose_error(
-      read_kitti_poses(folder.file("out/trajectory.kitti")), poses, Alignment::kSe3);
-  CHECK(error.translation_statistics.max < 0.1);
 }
 
 }  // namespace hqslam::test

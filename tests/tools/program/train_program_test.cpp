@@ -1,6 +1,5 @@
 #include <doctest/doctest.h>
 
-#include <array>
 #include <filesystem>
 #include <iterator>
 #include <sstream>
@@ -71,69 +70,6 @@ TEST_CASE("training leaves weights that load, a checkpoint and a learning curve"
       train(folder, small_configuration("\"batch\": 2", "\"batch\": 3"), "a");
   CHECK(other.status == 2);
   CHECK(holds(other.error, "another training configuration"));
-}
-
-TEST_CASE("a training with a memory says how good the network is without it, too") {
-  const TemporaryDirectory folder;
-  CHECK_FALSE(holds(train(folder, small_configuration(), "plain").out, "without memory"));
-  const ProgramResult result = train(folder, R"({
-    "network": {"kind": "du-mix", "sensor": "os1-64", "measured_rows": 16,
-                "denoiser": {"scan_memory": true,
-                             "layers": [{"channels": 8, "lower_channels": 8, "residual_blocks": 0}]}},
-    "training": [{"drive": "block", "seeds": [5], "scans": 4, "every": 2}],
-    "validation": [{"drive": "block", "seeds": [6], "scans": 9, "every": 4}],
-    "steps": 2, "batch": 2, "validate_every": 2
-  })",
-                                     "a");
-  REQUIRE(result.status == 0);
-  const auto mae_valid = [&](const std::string& line) {
-    const std::size_t begin = result.out.find(", valid ", result.out.find(line));
-    REQUIRE(begin != std::string::npos);
-    return std::stod(result.out.substr(begin + 8));
-  };
-  CHECK(mae_valid("without memory") != mae_valid("step       2/2"));
-}
-
-TEST_CASE("trainings share a folder of drives; one of varied conditions is simulated for itself") {
-  const TemporaryDirectory folder;
-  const auto train_with = [&](const std::string& configuration, const std::string& out) {
-    return train(folder, configuration, out, "--drives '" + folder.file("drives") + "'");
-  };
-  const auto files = [&] {
-    const fs::directory_iterator begin(folder.file("drives"));
-    return std::distance(begin, fs::directory_iterator());
-  };
-  REQUIRE(train_with(small_configuration(), "a").status == 0);
-  CHECK(files() == 2);
-  const ProgramResult again = train_with(small_configuration(), "b");
-  REQUIRE(again.status == 0);
-  CHECK_FALSE(holds(again.error, "training scans"));  // nothing left to simulate
-  CHECK(file_contents(folder.file("b/weights.npz")) == file_contents(folder.file("a/weights.npz")));
-  CHECK(files() == 2);
-  REQUIRE(
-      train_with(small_configuration("\"every\": 2", R"("every": 2, "conditions": "varied")"), "c")
-          .status == 0);
-  CHECK(files() == 3);
-}
-
-TEST_CASE("a wrong recipe is one line on stderr and status 2") {
-  const TemporaryDirectory folder;
-  using Change = std::array<const char*, 3>;
-  for (const auto& [from, to, with] :
-       {Change{R"("steps": 4)", R"("stepz": 4)", "unknown field 'stepz'"},
-        Change{R"({"drive": "block", "seeds": [5], "scans": 4, "every": 2})",
-               R"({"stack": "$HQSLAM_NO_SUCH_FOLDER/a.npy"})", "HQSLAM_NO_SUCH_FOLDER is not set"},
-        Change{R"("drive": "block", "seeds": [5])", R"("drive": "moon", "seeds": [5])",
-               "recipe.json: "},
-        Change{R"("scans": 4)", R"("scans": 4000000000000)", "recipe.json: "},
-        Change{R"("crop_columns": 64)", R"("crop_columns": 63)", "recipe.json: "},
-        Change{R"("measured_rows": 16)", R"("measured_rows": 17)", "recipe.json: "}}) {
-    const ProgramResult wrong = train(folder, small_configuration(from, to), "a");
-    CAPTURE(wrong.error);
-    CHECK(wrong.status == 2);
-    CHECK(holds(wrong.error, with));
-  }
-  CHECK(run_hqslam("train --config /nowhere.json --out '" + folder.file("a") + "'").status == 2);
 }
 
 TEST_CASE("compare puts interpolation and networks side by side, inspect shows the layers") {

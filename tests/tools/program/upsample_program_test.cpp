@@ -2,15 +2,11 @@
 #include <fmt/format.h>
 #include <signal.h>
 
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <vector>
 
-#include "hqslam/core/cloud_file.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/point_fields.h"
-#include "hqslam/core/projection.h"
 #include "hqslam/core/trajectory.h"
 #include "hqslam/recordings/recording.h"
 #include "tools/program/child.h"
@@ -62,23 +58,6 @@ TEST_CASE("a stack of 16 rows and one of 64 whose 16 rows are looked at give the
     CHECK(stacks[0] == stacks[1]);
     CHECK(stacks[0] == stacks[2]);
   }
-}
-
-TEST_CASE("the measured rows of the result are those of the recording, the others are filled") {
-  const Material& files = material();
-  const TemporaryDirectory out;
-  succeeds("upsample '{}' --method linear --out '{}' --bin --pcd --png", files.drive,
-           out.path().string());
-  const RangeImage truth = NpyStackReader(files.drive + "/scans.npy").read(2);
-  const RangeImage image = NpyStackReader(out.file("scans.npy")).read(2);
-  CHECK(select_rows(image, {3, 4}).range_m == select_rows(truth, {3, 4}).range_m);
-  CHECK(image.range_m != truth.range_m);
-  const auto returns =
-      std::ranges::count_if(image.range_m, [](float range_m) { return range_m > 0.0F; });
-  CHECK(read_cloud(out.file("pcd/000002.pcd")).points_m.size() ==
-        static_cast<std::size_t>(returns));
-  CHECK(fs::file_size(out.file("bin/000002.bin")) == 16 * static_cast<std::uintmax_t>(returns));
-  CHECK(fs::file_size(out.file("png/000003.png")) > 1000);
 }
 
 TEST_CASE("upsampling and then running is running with --upsample") {
@@ -153,17 +132,6 @@ TEST_CASE("where the poses are known a network with a memory recalls the scans a
     CHECK(with.read(scan).range_m != without.read(scan).range_m);
   }
 
-  write_file(folder.file("late.tum"), "1000 0 0 0 0 0 0 1\n1001 1 0 0 0 0 0 1\n");
-  for (const char* command : {"upsample '{}' --weights '{}' --poses '{}' --out '{}/late'",
-                              "compare '{}' --weights '{}' --poses '{}' --json '{}/late.json'",
-                              "inspect '{}' --weights '{}' --poses '{}' --out '{}/late.html'"}) {
-    const std::string arguments = fmt::format(fmt::runtime(command), files.drive, weights,
-                                              folder.file("late.tum"), folder.path().string());
-    const ProgramResult result = run_hqslam(arguments);
-    CHECK(result.status == 2);
-    CHECK(holds(result.error, "late.tum: none of its poses is within 0.02 s of one of"));
-  }
-
   succeeds("compare '{0}' --weights '{1}' --poses '{0}/truth.tum' --json '{2}'", files.drive,
            weights, folder.file("with.json"));
   succeeds("compare '{}' --weights '{}' --json '{}'", files.drive, weights,
@@ -209,125 +177,6 @@ TEST_CASE("a upsampled recording says whether it was corrected for motion, as it
     succeeds("upsample '{}/{}' --sensor os1-64 --method linear --out '{}'", files.drive, part,
              out.path().string());
     CHECK(read_sensor_json(out.file("sensor.json")).motion_corrected == corrected);
-  }
-}
-
-TEST_CASE("wrong input of upsample is one line on stderr and status 2, and writes nothing") {
-  const Material& files = material();
-  const TemporaryDirectory folder;
-  const std::string out = folder.file("out");
-  write_file(folder.file("text.npz"), "these are no weights\n");
-  const std::string weights = "--weights '" + files.weights + "'";
-  const std::vector<std::string> wrong = {
-      "upsample /no/such/folder " + weights,
-      "upsample '" + files.drive + "'",
-      "upsample '" + files.drive + "' --method linear " + weights,
-      "upsample '" + files.drive + "' --method cubic",
-      "upsample '" + files.drive + "' --weights /no/such/file",
-      "upsample '" + files.drive + "' --sensor hdl-64e " + weights,
-      "run '" + files.drive + "' --upsample cubic",
-      "run '" + files.drive + "' --upsample '" + folder.file("text.npz") + "'",
-  };
-  for (const std::string& arguments : wrong) {
-    CAPTURE(arguments);
-    CHECK(refused(arguments + " --out '" + out + "'").out.empty());
-  }
-  CHECK_FALSE(fs::exists(out));
-}
-
-TEST_CASE("a bad file in mid-drive is left out of the stack and named") {
-  const TemporaryDirectory folder;
-  fs::copy(material().drive + "/pcd", folder.file("pcd"));
-  const auto files = std::distance(fs::directory_iterator(folder.file("pcd")), {});
-  fs::resize_file(folder.file("pcd/000002.pcd"), 1001);
-  const ProgramResult result = succeeds(
-      "upsample '{0}/pcd' --method linear --sensor os1-64 --out '{0}/out'", folder.path().string());
-  CHECK(holds(result.error, "000002.pcd"));
-  CHECK(NpyStackReader(folder.file("out/scans.npy")).images() == files - 1);
-}
-
-TEST_CASE("a upsampled recording keeps the stamps that its scans had") {
-  const TemporaryDirectory folder;
-  fs::copy(material().drive + "/pcd", folder.file("pcd"));
-  const auto files = std::distance(fs::directory_iterator(folder.file("pcd")), {});
-  std::string stamps;
-  for (int i = 0; i < files; ++i) stamps += fmt::format("{}\n", 100.0 + 0.1 * i + (i > 1 ? 5 : 0));
-  write_file(folder.file("stamps.txt"), stamps);
-  const std::string in = folder.path().string();
-  succeeds(
-      "upsample '{0}/pcd' --method linear --sensor os1-64 --stamps '{0}/stamps.txt' --out '{0}/up'",
-      in);
-  succeeds("run '{0}/up' --out '{0}/run'", in);
-  const Trajectory trajectory = read_tum(folder.file("run/trajectory.tum"));
-  REQUIRE(std::ssize(trajectory) == files);
-  CHECK(trajectory[1].stamp_s == doctest::Approx(100.1));
-  CHECK(trajectory[2].stamp_s == doctest::Approx(105.2));
-}
-
-TEST_CASE("a recording's intensities come through upsampling into clouds and into the dense map") {
-  const TemporaryDirectory folder;
-  fs::create_directory(folder.file("in"));
-  const SensorModel sensor = sensor_preset("os1-64");
-  std::string stamps;
-  NpyStackReader drive(material().drive + "/scans.npy");
-  for (std::int64_t i = 0; i < drive.images(); ++i) {
-    OrganizedCloud cloud = unproject(drive.read(i), sensor, CaptureTime::kRolling);
-    for (int row = 0; row < 64; ++row) {
-      cloud.intensity.resize(cloud.index(row + 1, 0), 2.0F * static_cast<float>(row));
-    }
-    write_cloud(returns_of(cloud), folder.file(fmt::format("in/{}.ply", i)));
-    stamps += fmt::format("{}\n", 0.1 * (static_cast<double>(i) + 0.5));
-  }
-  write_file(folder.file("in/timestamps.txt"), stamps);
-  const std::string in = folder.path().string();
-  const std::string upsample = fmt::format("--upsample '{}'", material().weights);
-  succeeds("upsample '{0}/in' --weights '{1}' --pcd --bin --out '{0}/up'", in, material().weights);
-  const RawPoints upsampled = read_point_file(folder.file("up/pcd/000001.pcd"));
-  REQUIRE(upsampled.scan.intensity.size() == upsampled.scan.points_m.size());
-  std::size_t computed = 0;
-  for (std::size_t i = 0; i < upsampled.ring.size(); ++i) {
-    const float intensity = upsampled.scan.intensity[i];
-    const bool measured = static_cast<int>(upsampled.ring[i]) % 4 == 3;
-    if (measured) CHECK(intensity == 2.0F * static_cast<float>(upsampled.ring[i]));
-    if (measured || std::isnan(intensity)) continue;
-    CHECK(std::abs(intensity - 2.0F * static_cast<float>(upsampled.ring[i])) <= 6.0F);
-    ++computed;
-  }
-  CHECK(computed > 1000);
-  CHECK(scan_of(upsampled, &sensor, "").time_offset_s.size() == upsampled.scan.points_m.size());
-  auto images = recordings::Recording::open(folder.file("up"));
-  images.next();
-  const std::vector<float> of_image = returns_of(images.next()->cloud).intensity;
-  CHECK(std::ranges::equal(of_image, upsampled.scan.intensity, [](float a, float b) {
-    return a == b || (std::isnan(a) && std::isnan(b));
-  }));
-  CHECK(read_point_file(folder.file("up/bin/000001.bin")).scan.intensity.size() ==
-        upsampled.scan.points_m.size());
-
-  succeeds("map '{0}/in' {1} --poses '{2}/truth.tum' --out '{0}/map'", in, upsample,
-           material().drive);
-  const Scan map = read_point_file(folder.file("map/dense_map.ply")).scan;
-  CHECK(map.intensity.size() == map.points_m.size());
-  CHECK(*std::ranges::max_element(map.intensity) == doctest::Approx(126.0).epsilon(0.02));
-  succeeds("view '{0}/map/dense_map.ply' '{0}/in' --sensor os1-64 --out '{0}/page.html'", in);
-  const std::string page = file_contents(folder.file("page.html"));
-  CHECK(count(page, "\"brightness\":\"\"") == 0);
-  CHECK(count(page, "\"brightness\":\"") == 2);
-}
-
-TEST_CASE("a recording of which nothing can be used is not upsampled and not compared") {
-  const TemporaryDirectory folder;
-  fs::copy(material().drive + "/pcd", folder.file("pcd"));
-  for (const fs::path& file : fs::directory_iterator(folder.file("pcd"))) {
-    fs::resize_file(file, 1001);
-  }
-  for (const char* command : {"upsample '{0}/pcd' --method linear --sensor os1-64 --out '{0}/out'",
-                              "compare '{0}/pcd' --sensor os1-64"}) {
-    CAPTURE(command);
-    const ProgramResult result =
-        refused(fmt::format(fmt::runtime(command), folder.path().string()));
-    CHECK(holds(result.error, ".pcd"));
-    CHECK(result.out.empty());
   }
 }
 

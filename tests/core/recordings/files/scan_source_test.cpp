@@ -5,13 +5,11 @@
 #include <filesystem>
 #include <limits>
 
-#include "core/real_data.h"
 #include "error_message.h"
 #include "file_contents.h"
 #include "files/scan_files.h"
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/npy.h"
-#include "hqslam/core/trajectory.h"
 #include "points_file.h"
 #include "recording_complaint.h"
 #include "temporary_directory.h"
@@ -76,53 +74,6 @@ TEST_CASE("a folder of KITTI files gives the images that they were made from, in
     }
     CHECK_FALSE(source->next());
   }
-}
-
-TEST_CASE("a folder of .pcd files and a single file are recordings too") {
-  const TemporaryDirectory directory;
-  const SensorModel sensor = sensor_preset("os1-16");
-  const RangeImage image = an_image(sensor);
-  write_points(as_scan(image, sensor).points_m, directory.file("0.pcd"));
-  for (const std::string& path : {directory.path().string(), directory.file("0.pcd")}) {
-    const auto source = open_scan_files(path, sensor);
-    CHECK(source->size() == 1);
-    CHECK(largest_difference_m(source->next()->cloud, image) < 1e-3);
-    CHECK_FALSE(source->next());
-  }
-}
-
-TEST_CASE("points stored column after column take their rows from the elevation") {
-  const TemporaryDirectory directory;
-  const SensorModel sensor = sensor_preset("os1-16");
-  const RangeImage image = an_image(sensor);
-  const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kMotionCorrected);
-  Scan scan;
-  for (int column = 0; column < image.columns; ++column) {
-    for (int row = 0; row < image.rows; ++row) {
-      scan.points_m.push_back(cloud.points_m[image.index(row, column)]);  // zeros: no return
-    }
-  }
-  write_kitti_bin(scan, directory.file("0.bin"));
-  const auto recorded = open_scan_files(directory.file("0.bin"), sensor)->next();
-  REQUIRE(recorded);
-  CHECK(largest_difference_m(recorded->cloud, image) < 1e-3);
-  CHECK(recorded->invalid_points == 16 * 200);
-}
-
-TEST_CASE("rings whose points are in no order of azimuth are refused with the file's name") {
-  const TemporaryDirectory directory;
-  const SensorModel sensor = sensor_preset("os1-16");
-  const RangeImage image = an_image(sensor);
-  const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kMotionCorrected);
-  Scan scan;
-  for (int row = 0; row < image.rows; ++row) {
-    for (int i = 0; i < image.columns; ++i) {
-      scan.points_m.push_back(cloud.points_m[image.index(row, i * 333 % image.columns)]);
-    }
-  }
-  write_kitti_bin(scan, directory.file("0.bin"));
-  CHECK(one_line_with(recording_complaint(directory.file("0.bin"), sensor), "0.bin",
-                      "ring after ring", "jumps"));
 }
 
 TEST_CASE("an .npy stack gives its images, in either order of rows, rolling or corrected") {
@@ -319,32 +270,4 @@ TEST_CASE("scans of another sensor or in other units are refused") {
   const NpyStackWriter no_images(directory.file("none.npy"), 64, 1024);
   CHECK(one_line_with(recording_complaint(directory.file("none.npy"), os1_64), "none.npy",
                       "one image"));
-}
-
-TEST_CASE("real recordings are opened and keep nearly all of their points") {
-  const auto data = real_data("");
-  if (!data) return;
-  const std::string& folder = *data;
-  const auto drive = open_scan_files(folder + "kitti_drive_0005", sensor_preset("hdl-64e"));
-  CHECK(drive->size() == 80);
-  const auto scan = drive->next();
-  CHECK(scan->counts.outside_rows == 0);
-  CHECK(scan->counts.kept > 50'000);
-  CHECK(refused_with(
-      [&] { open_scan_files(folder + "kitti_drive_0005", sensor_preset("os1-64"))->next(); },
-      "000000.bin", "os1-64"));
-
-  SensorModel os1 = sensor_preset("os1-64");
-  os1.columns = 2048;
-  const auto rellis =
-      open_scan_files(folder + "ouster/rellis_os1-64_2048x64_000104.bin", os1)->next();
-  CHECK(rellis->invalid_points == 53364);
-  CHECK(rellis->counts.kept > 60'000);
-
-  const auto singles =
-      open_scan_files(folder + "hdl64e_singles/train_64x1024.npy", sensor_preset("hdl-64e"));
-  CHECK(singles->size() == 98);
-  int images = 0;
-  while (singles->next()) ++images;
-  CHECK(images == 98);
 }

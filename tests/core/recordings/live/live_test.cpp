@@ -213,31 +213,6 @@ TEST_CASE("an Ouster's turn is complete with its last packet, whatever its metad
   CHECK(file_contents(folder.file("kept.json")) == ouster_metadata_text(profile));
 }
 
-TEST_CASE("what was recorded live is opened as any capture, an Ouster's metadata included") {
-  const TemporaryDirectory folder;
-  const OusterProfile profile = OusterProfile::kRng15;
-  LiveOptions options = ouster(folder, profile);
-  options.record = folder.file("kept.pcap");
-  std::vector<float> live_range_m;
-  {
-    LiveSensor sensor(options);
-    const LoopbackSender sender(options.port);
-    sender.send(ouster_turn(profile, 2)[0].payload);
-    start(sensor);
-    send_turn(sender, profile, 3);
-    REQUIRE(sensor.next(kPatience_s));  // the packet that it was recognised by
-    const auto scan = sensor.next(kPatience_s);
-    REQUIRE(scan);
-    live_range_m = scan->scan.cloud.range_m;
-  }
-  const RecordingInfo info = inspect(folder.file("kept.pcap"));
-  CHECK(info.format == "Ouster packets, RNG15_RFL8_NIR8");
-  CHECK(info.packets.used == 33);
-  auto source = Recording::open(folder.file("kept.pcap"));
-  CHECK(source.next()->counts.kept <= 8 * 16);
-  CHECK(source.next()->cloud.range_m == live_range_m);
-}
-
 TEST_CASE("captures are written with any sender and size, and never over another file") {
   const TemporaryDirectory folder;
   std::vector<Captured> packets;
@@ -416,10 +391,4 @@ TEST_CASE("a sensor of which no scan may wait is refused before a file is begun 
                        std::to_string(most_waiting)));
     CHECK_FALSE(std::filesystem::exists(options.record));
   }
-}
-
-TEST_CASE("without packets nothing is recognised, and nobody waits longer than asked") {
-  LiveSensor sensor(vlp16());
-  CHECK_FALSE(sensor.recognise(0.05));
-  CHECK(sensor.packets_seen() == 0);
 }

@@ -7,7 +7,6 @@
 
 #include "bags.h"
 #include "captures.h"
-#include "core/real_data.h"
 #include "error_message.h"
 #include "file_contents.h"
 #include "files/scan_files.h"
@@ -227,25 +226,4 @@ TEST_CASE("inertial data that are given win over the recording's own") {
   const auto scans =
       all_scans(*with_imu(std::make_unique<Recording>(Recording::open(path)), {given}));
   for (std::size_t i = 0; i < scans.size(); ++i) CHECK(scans[i].imu.size() == (i == 2 ? 1 : 0));
-}
-
-TEST_CASE("gravity of real Ousters points up in the frame of their scans") {
-  for (const char* name :
-       {"ouster/OS-1-64_1024x10_fw20.pcap", "packets/ouster/OS-0-128-U1_v2.3.0_1024x10.pcap",
-        "packets/ouster/OS-0-32-U1_v2.2.0_1024x10.pcap"}) {
-    const auto path = real_data(name);
-    if (!path) return;
-    CAPTURE(name);
-    const auto scan = Recording::open(*path).next();
-    REQUIRE(scan);
-    REQUIRE(scan->imu.size() >= 8);  // packets of the lidar come 17 ms later than these
-    Eigen::Vector3d force_mps2 = Eigen::Vector3d::Zero();
-    for (const ImuSample& sample : scan->imu) {
-      CHECK(std::abs(sample.stamp_s - scan->stamp_s) < 0.06);
-      CHECK(sample.angular_rate_rad_per_s.norm() < 0.06);
-      force_mps2 += sample.specific_force_mps2 / static_cast<double>(scan->imu.size());
-    }
-    CHECK(force_mps2.norm() == doctest::Approx(kGravity_mps2).epsilon(0.04));
-    CHECK(force_mps2.normalized().z() > 0.99);
-  }
 }

@@ -82,15 +82,6 @@ TEST_CASE("fragments are put together, in whichever order they come") {
   CHECK(datagrams.incomplete() == 0);
 }
 
-TEST_CASE("a datagram of which a fragment is missing is counted and its memory given back") {
-  IpDatagrams datagrams;
-  for (int i = 0; i < 200; ++i) {
-    const auto frames = ethernet_frames({i * 1000, 7502, Payload(2000), 201}, 1480);
-    CHECK_FALSE(datagrams.add(Bytes(frames[0]).subspan(14)));
-  }
-  CHECK(datagrams.incomplete() == 200);
-}
-
 TEST_CASE("of unfinished datagrams the latest 64 are kept") {
   const auto frames_of = [](int number) {
     return ethernet_frames({number * 1000, 7502, Payload(2000), 201}, 1480);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "captures.h"
 #include "error_message.h"
@@ -91,35 +90,6 @@ TEST_CASE("the lasers of every model are the beams of its preset") {
     CHECK(vls.beam_azimuth_offset_rad[static_cast<std::size_t>(rows[laser])] ==
           doctest::Approx(radians(column_deg[laser % 8])));
   }
-}
-
-TEST_CASE("a point of a VLP-16 is where and when its laser fired") {
-  // Blocks 0.4 degrees apart; laser 3 of the second firing of block 5: -15 + 3 * ... = +3 degrees.
-  auto packet = velodyne_packet(1000, azimuths(9000, 40), 0);
-  set_measurement(packet, 5, 16 + 3, 5000);  // 10 m
-  VelodyneDecoder decoder(VelodyneStream{}, sensor_preset("vlp-16"));
-  // A turn before and behind it, so that the scan is whole.
-  for (const Captured& captured :
-       {Captured{0, 2368, velodyne_packet(0, azimuths(35700, 40), 0)},
-        Captured{1'000'000, 2368, packet},
-        Captured{90'000'000, 2368, velodyne_packet(90000, azimuths(35900, 40), 0)}}) {
-    decoder.add(as_packet(captured));
-  }
-  const std::vector<Scan> scans = decoder.take_scans();
-  REQUIRE(scans.size() == 1);
-  const Scan& scan = scans[0];
-  REQUIRE(scan.points_m.size() == 1);
-  const double laser_us = 55.296 + 3 * 2.304;
-  const double azimuth_rad = radians(92.0 + 0.4 * laser_us / 110.592);
-  const double elevation_rad = radians(3.0);
-  const Eigen::Vector3d expected_m(10.0 * std::cos(elevation_rad) * std::cos(azimuth_rad),
-                                   -10.0 * std::cos(elevation_rad) * std::sin(azimuth_rad),
-                                   10.0 * std::sin(elevation_rad));
-  CHECK((scan.points_m[0].cast<double>() - expected_m).norm() < 1e-5);
-  CHECK(scan.row[0] == 6);  // 15, 13, 11, 9, 7, 5, 3
-  const double time_us = 1000.0 + 5 * 110.592 + laser_us;
-  CHECK(scan.stamp_s + scan.time_offset_s[0] ==
-        doctest::Approx(1e-6 * time_us).scale(0).epsilon(1e-5));
 }
 
 TEST_CASE("the spacing of the packets tells the model, whatever the factory byte says") {

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 
 #include "captures.h"
 #include "hqslam/core/angles.h"
@@ -24,6 +23,7 @@ struct Seen {
   double time_us = 0.0;      ///< after the time of the packet
   double azimuth_deg = 0.0;  ///< clockwise
   double elevation_deg = 0.0;
+  float intensity = 0.0F;
 };
 
 /// What the decoder makes of one packet, recorded at its time 0: by the range in millimetres.
@@ -34,7 +34,8 @@ std::map<int, Seen> decoded(const Payload& packet, VelodyneModel model, bool dua
   stream.dual_return = dual;
   stream.cut_azimuth_deg = cut_deg;
   stream.field_of_view_deg = 0.0;  // a packet is a scan
-  VelodyneDecoder decoder(stream, sensor_preset(name(model)), {kept, true});
+  const SensorModel sensor = sensor_preset(name(model));
+  VelodyneDecoder decoder(stream, sensor, {kept, true});
   const std::vector<Scan> scans = test::decoded(decoder, {{0, 2368, packet}});
   REQUIRE(scans.size() == 1);
   std::map<int, Seen> seen;
@@ -44,6 +45,9 @@ std::map<int, Seen> decoded(const Payload& packet, VelodyneModel model, bool dua
     one.time_us = 1e6 * (scans[0].stamp_s + double{scans[0].time_offset_s[i]});
     one.azimuth_deg = degrees(std::atan2(-point_m.y(), point_m.x()));
     one.elevation_deg = degrees(std::asin(point_m.z() / point_m.norm()));
+    one.intensity = scans[0].intensity[i];
+    const double beam_rad = sensor.beam_elevation_rad[scans[0].row[i]];
+    CHECK(std::abs(one.elevation_deg - degrees(beam_rad)) < 0.02);
     const bool first =
         seen.emplace(static_cast<int>(std::lround(1000.0 * point_m.norm())), one).second;
     CHECK(first);
@@ -257,6 +261,8 @@ TEST_CASE("with two returns a pair of blocks fires as one, and the last pair tur
     for (const auto& seen : {strongest, last}) {
       check_seen(seen.at(5000), 4 * c.block_us + c.laser_us, 90.8 + within_deg);
     }
+    CHECK(strongest.at(6000).intensity == 9.0F);
+    CHECK(last.at(9000).intensity == 5.0F);
     check_seen(last.at(9000), 3 * c.block_us + c.laser_us, 90.6 + within_deg);
     check_seen(last.at(8000), 5 * c.block_us + c.laser_us, 91.0 + within_deg);
   }
@@ -266,8 +272,12 @@ TEST_CASE("the azimuth is interpolated over the front, where 360 degrees become 
   std::vector<int> azimuths;
   for (int i = 0; i < 12; ++i) azimuths.push_back((35950 + 20 * i) % 36000);  // 35990, 10
   Payload packet = velodyne_packet(0, azimuths, 0);
-  set_measurement(packet, 2, 16, 2500);  // laser 0 of the second firing: half a block later
+  set_measurement(packet, 2, 16, 2500);      // laser 0 of the second firing: half a block later
+  set_measurement(packet, 5, 16 + 3, 5000);  // -15, 1, -13, 3 degrees
   const auto seen = decoded(packet, VelodyneModel::kVlp16, false, KeptReturn::kStrongest, 180.0);
-  REQUIRE(seen.size() == 1);
+  REQUIRE(seen.size() == 2);
+  const double laser_us = 55.296 + 3 * 2.304;
+  check_seen(seen.at(10000), 5 * 110.592 + laser_us, 0.5 + 0.2 * laser_us / 110.592);
+  CHECK(seen.at(10000).elevation_deg == doctest::Approx(3.0));
   CHECK(std::abs(seen.at(5000).azimuth_deg) < 2e-4);
 }

@@ -34,7 +34,7 @@ TEST_CASE("the beams that packets tell are found within 0.1 degrees in their poi
   for (const std::string name :
        {"packets/velodyne/hdl-32e_driving_18rev.pcap", "packets/velodyne/vlp-16_dual_return.db3",
         "packets/velodyne/vlp-32c.db3", "ouster/OS-1-64_1024x10_fw20.pcap",
-        "ouster/OS-1-32-G_v2.1.1_1024x10.pcap"}) {
+        "ouster/OS-1-32-G_v2.1.1_1024x10.pcap", "handheld_os0"}) {
     CAPTURE(name);
     const auto path = real_data(name);
     if (!path) return;

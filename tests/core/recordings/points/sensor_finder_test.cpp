@@ -5,15 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <numbers>
 #include <random>
 
 #include "core/real_data.h"
 #include "error_message.h"
 #include "files/scan_files.h"
 #include "hqslam/core/angles.h"
-#include "hqslam/core/npy.h"
-#include "hqslam/core/projection.h"
 #include "points_file.h"
 #include "temporary_directory.h"
 
@@ -216,26 +213,6 @@ TEST_CASE("the beams of other real sensors are found in their clouds") {
   CHECK(found_in(*drive).sensor.name == "vlp-16");
   CHECK(found_in(*real_data("packets/velodyne/vlp-32c_1713492677464078412.pcd")).sensor.name ==
         "vlp-32c");
-  {
-    const SensorModel sensor = read_sensor_json(*real_data("handheld_os0/sensor.json"));
-    const auto images = open_scan_files(*real_data("handheld_os0/scans.npy"), sensor);
-    std::vector<RawPoints> scans;
-    for (int i = 0; i < 5; ++i) {
-      RawPoints raw{Scan{}};
-      const OrganizedCloud cloud = images->next()->cloud;
-      for (int column = 0; column < cloud.columns; ++column) {
-        for (int row = 0; row < cloud.rows; ++row) {
-          const std::size_t pixel = cloud.index(row, column);
-          if (cloud.range_m[pixel] > 0.0F) raw.scan.points_m.push_back(cloud.points_m[pixel]);
-        }
-      }
-      scans.push_back(raw);
-    }
-    const FoundSensor found = find_sensor(scans, 0.5, "os0");
-    MESSAGE(found.note);
-    CHECK(found.sensor.columns == 1024);
-    CHECK(largest_difference_deg(found.beam_elevation_rad, sensor.beam_elevation_rad) < 0.1);
-  }
 }
 
 TEST_CASE("beams that a fast motion's correction blurs are found as they are or not at all") {

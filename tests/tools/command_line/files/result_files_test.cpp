@@ -3,7 +3,6 @@
 #include <doctest/doctest.h>
 #include <sys/stat.h>
 
-#include <array>
 #include <filesystem>
 
 #include "error_message.h"
@@ -16,22 +15,9 @@ namespace {
 namespace fs = std::filesystem;
 using namespace hqslam::test;
 
-bool never(const std::string&) { return false; }
 bool always(const std::string&) { return true; }
 
 }  // namespace
-
-TEST_CASE("a file may be written where nothing is, and where its own kind is") {
-  const TemporaryDirectory folder;
-  CHECK_NOTHROW(guard_output_file(folder.file("new"), {}, never));
-  write_file(folder.file("mine"), "marker");
-  CHECK_NOTHROW(guard_output_file(folder.file("mine"), {folder.file("other")}, always));
-  CHECK(refused_with([&] { guard_output_file(folder.file("mine"), {}, never); }, "mine",
-                     "give another --out"));
-  CHECK(refused_with([&] { guard_output_file(folder.file("no/new"), {}, never); }, "no",
-                     "existing folder"));
-  CHECK(file_contents(folder.file("mine")) == "marker");
-}
 
 TEST_CASE("no device, no pipe, no folder and no input is written over, whoever made it") {
   const TemporaryDirectory folder;
@@ -48,18 +34,6 @@ TEST_CASE("no device, no pipe, no folder and no input is written over, whoever m
   }
   CHECK(refused_with([] { guard_output_file("/dev/null", {}, always); }, "/dev/null",
                      "no regular file"));
-}
-
-TEST_CASE("results are replaced in a command's own folder alone") {
-  const TemporaryDirectory folder;
-  constexpr std::array<const char*, 2> kNames = {"a", "b"};
-  CHECK_NOTHROW(guard_results(folder.path(), kNames, false, "is foreign"));
-  write_file(folder.file("b"), "x");
-  CHECK_NOTHROW(guard_results(folder.path(), kNames, true, "is foreign"));
-  CHECK(refused_with([&] { guard_results(folder.path(), kNames, false, "is foreign"); }, "b",
-                     "is there already and is foreign"));
-  CHECK(refused_with([&] { guard_results(folder.path(), kNames, true, "", {folder.file("b")}); },
-                     "read by this command"));
 }
 
 TEST_CASE("an earlier drive makes room, files beside it stay") {

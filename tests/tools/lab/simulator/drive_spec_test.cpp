@@ -23,13 +23,6 @@ DriveSpec block_with_seed(std::uint64_t seed) {
   return spec;
 }
 
-double share_of_returns(const DriveSpec& spec) {
-  const RangeImage image = DriveSimulator(spec, small_sensor()).next()->image;
-  double returns = 0.0;
-  for (const float range_m : image.range_m) returns += range_m > 0.0F ? 1.0 : 0.0;
-  return returns / static_cast<double>(image.range_m.size());
-}
-
 /// Of the lowest beam, straight ahead and straight behind, left and right.
 double range_at(const DriveSpec& spec, double share_of_circle) {
   const SensorModel sensor = small_sensor();
@@ -67,12 +60,6 @@ TEST_CASE("conditions are drawn from the seed, within their bounds, and differ b
   CHECK(steepest_rad <= 0.0873);
   CHECK(steepest_rad > 0.06);
   CHECK(clear == doctest::Approx(0.75 * kSeeds).epsilon(0.1));
-}
-
-TEST_CASE("fog hides what is far") {
-  DriveSpec foggy = block_with_seed(1);
-  foggy.conditions.extinction_per_m = 0.05;
-  CHECK(share_of_returns(foggy) < share_of_returns(block_with_seed(1)) - 0.05);
 }
 
 TEST_CASE("a lower sensor sees the street nearer, a tilted one nearer on the side it leans to") {

@@ -83,30 +83,6 @@ TEST_CASE("range noise has mean 0 and the stated deviation, in whole millimetres
   CHECK(deviation_of(errors_m) == doctest::Approx(0.008 + 0.008 / 5.0).epsilon(0.03));
 }
 
-TEST_CASE("ranges outside the sensor's limits are no returns") {
-  for (std::uint64_t k = 0; k < 200; ++k) {
-    CHECK(detected_range_m({0.4, 1e6}, 0.5, 120.0, seed_of(1, k)) == 0.0F);
-    CHECK(detected_range_m({120.2, 1e6}, 0.5, 120.0, seed_of(1, k)) == 0.0F);
-  }
-}
-
-TEST_CASE("neighbouring pixels of a window mostly agree, and some windows lose the beam") {
-  int lost = 0;
-  int disagreements = 0;
-  constexpr int kPatches = 2000;
-  for (std::uint64_t patch = 0; patch < kPatches; ++patch) {
-    const RayHit hit{12.0, 0.7, {Material::kGlass, static_cast<std::uint8_t>(patch % 256)}};
-    const std::uint64_t bits = seed_of(2, patch);
-    const bool a = echo_of(hit, 120.0, {seed_of(3, patch), bits}).has_value();
-    const bool b = echo_of(hit, 120.0, {seed_of(4, patch), bits}).has_value();
-    lost += a ? 0 : 1;
-    disagreements += a == b ? 0 : 1;
-  }
-  CHECK(lost > 0.15 * kPatches);
-  CHECK(lost < 0.7 * kPatches);
-  CHECK(disagreements < 0.1 * kPatches);
-}
-
 TEST_CASE("fog takes what Beer and Lambert say, within a tenth where anything is left to see") {
   CHECK(transmission(0.0, 50.0) == 1.0);
   for (const double depth : {0.01, 0.1, 0.5, 1.0}) {

@@ -46,23 +46,6 @@ int for_each_return(const RangeImage& image, const SensorModel& sensor, const Vi
 
 }  // namespace
 
-TEST_CASE("a standing sensor measures the floor where it is, within the noise") {
-  City city = empty_city();
-  add_floor(city.fixed);
-  const RayScene scene(city);
-  const SensorModel sensor = small_sensor();
-  const std::vector<Pose> poses(static_cast<std::size_t>(sensor.columns),
-                                pose_from_xyz_rpy({3.0, 4.0, 1.8}, 0.0, 0.0, 0.4));
-  const RangeImage image = Lidar(sensor, DriveSpec{}).measure(scene, poses, 0);
-  const int returns =
-      for_each_return(image, sensor, [&](int row, int /*column*/, const Eigen::Vector3d& point) {
-        CHECK(std::abs((poses[0] * point).z()) < 0.04);
-        // Beams that look up meet nothing.
-        CHECK(sensor.beam_elevation_rad[static_cast<std::size_t>(row)] < 0.0);
-      });
-  CHECK(returns > 8 * sensor.columns);
-}
-
 TEST_CASE("rows far apart see no edge in smooth ground: on average it is where it is") {
   City city = empty_city();
   add_floor(city.fixed);
