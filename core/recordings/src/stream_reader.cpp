@@ -6,7 +6,7 @@
 
 #include "bags/message_packets.h"
 #include "hqslam/core/error.h"
-#include "packets/block_decoder.h"
+#include "packets/robosense_decoder.h"
 #include "packets/ouster_metadata.h"
 
 namespace hqslam::recordings {
