@@ -2,11 +2,14 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "hqslam/core/imu_sample.h"
 #include "hqslam/core/organized_cloud.h"
-#include "hqslam/recordings/packet.h"
+#include "hqslam/recordings/scan_assembler.h"
+#include "imu_queue.h"
 #include "packets/ouster_metadata.h"
 #include "packets/sensor_clock.h"
 
@@ -35,65 +38,6 @@ struct OusterFrame {
   std::uint64_t first_timestamp_ns = 0;     ///< of that packet's first valid column
 };
 
-/// Ouster lidar packets -> frames. Columns of lost packets stay empty. A packet of an earlier frame
-/// that was overtaken is left out and counted; one that came twice counts as late.
-/// Source: Ouster sensor documentation, "Lidar data packet format".
-class OusterDecoder {
- public:
-  OusterDecoder(const OusterMetadata& metadata, const OusterOptions& options = {});
-
-  /// Takes the next packet in and appends the frame that it completes.
-  void add(const Packet& packet, std::vector<OusterFrame>& completed);
-  /// At the end of the recording: appends the last frame.
-  void finish(std::vector<OusterFrame>& completed) { complete(completed, true); }
-
-  const PacketCounts& counts() const { return counts_; }
-  /// Number of turns without any packet.
-  std::int64_t lost_scans() const { return lost_scans_; }
-  /// Turns that were cut short by the beginning or the end of the recording.
-  std::int64_t partial_scans() const { return partial_scans_; }
-
- private:
-  void complete(std::vector<OusterFrame>& completed, bool at_end);
-  void begin(const Packet& packet, std::uint32_t id);
-  void read_columns(Bytes packet);
-  void read_pixels(const std::uint8_t* pixels, int column);
-  /// A column of a packet: where it begins, which one it is of the turn, its status.
-  struct Column {
-    const std::uint8_t* bytes = nullptr;
-    std::size_t id = 0;
-    std::uint32_t status = 0;
-  };
-  /// Nothing if the sensor marked the column as not valid.
-  std::optional<Column> column(Bytes packet, int place) const;
-  std::optional<Column> first_column(Bytes packet) const;
-  /// Whether the first valid column of the packet has come already.
-  bool seen(Bytes packet) const {
-    const auto first = first_column(packet);
-    return first && frame_->status[first->id] != 0;
-  }
-  std::size_t column_bytes() const {
-    return layout_.column_header + layout_.column_footer +
-           layout_.pixel * static_cast<std::size_t>(metadata_.sensor.rows());
-  }
-
-  OusterMetadata metadata_;
-  OusterOptions options_;
-  OusterLayout layout_;
-  std::optional<OusterFrame> frame_;
-  std::optional<std::uint32_t> last_id_;  ///< of the frame that is read or was read last
-  bool first_frame_ = true;
-  std::int64_t packets_in_frame_ = 0;
-  /// The columns and packets of a turn that the sensor sends.
-  int first_sent_ = 0;
-  int last_sent_ = 0;
-  std::int64_t packets_sent_ = 0;
-
-  PacketCounts counts_;
-  std::int64_t lost_scans_ = 0;
-  std::int64_t partial_scans_ = 0;
-};
-
 /// A frame with the time of its points.
 struct OusterScan {
   double stamp_s = 0.0;         ///< the middle between its first and its last column
@@ -119,6 +63,72 @@ class OusterGeometry {
   SensorClock clock_;
   std::vector<Eigen::Vector3f> beam_;    ///< d of each pixel
   std::vector<Eigen::Vector3f> origin_;  ///< n (h - d) of each pixel
+};
+
+/// Ouster packets -> frames -> scans. Columns of lost packets stay empty. A packet of an earlier
+/// frame that was overtaken is left out and counted; one that came twice counts as late.
+/// Source: Ouster sensor documentation, "Lidar data packet format".
+class OusterDecoder : public ScanAssembler {
+ public:
+  OusterDecoder(const OusterMetadata& metadata, const OusterOptions& options = {},
+                std::string name = "");
+
+  const SensorModel& sensor() const override { return metadata_.sensor; }
+  void add(const Packet& packet) override;
+  void finish() override { complete(true); }
+  std::optional<RecordedScan> next() override;
+  /// The frames that are complete, as the sensor sent them.
+  std::vector<OusterFrame> take_scans() { return std::exchange(completed_, {}); }
+  const PacketCounts& counts() const override { return counts_; }
+  ImuCounts imu_counts() const override { return imu_.counts(); }
+  std::int64_t lost_scans() const override { return lost_scans_; }
+  std::int64_t partial_scans() const override { return partial_scans_; }
+
+ private:
+  void add_lidar(const Packet& packet);
+  void complete(bool at_end);
+  void begin(const Packet& packet, std::uint32_t id);
+  void read_columns(Bytes packet);
+  void read_pixels(const std::uint8_t* pixels, int column);
+  /// A column of a packet: where it begins, which one it is of the turn, its status.
+  struct Column {
+    const std::uint8_t* bytes = nullptr;
+    std::size_t id = 0;
+    std::uint32_t status = 0;
+  };
+  /// Nothing if the sensor marked the column as not valid.
+  std::optional<Column> column(Bytes packet, int place) const;
+  std::optional<Column> first_column(Bytes packet) const;
+  /// Whether the first valid column of the packet has come already.
+  bool seen(Bytes packet) const {
+    const auto first = first_column(packet);
+    return first && frame_->status[first->id] != 0;
+  }
+  std::size_t column_bytes() const {
+    return layout_.column_header + layout_.column_footer +
+           layout_.pixel * static_cast<std::size_t>(metadata_.sensor.rows());
+  }
+
+  OusterMetadata metadata_;
+  OusterOptions options_;
+  OusterLayout layout_;
+  OusterGeometry geometry_;
+  std::string name_;  ///< of the scans, with their numbers
+  ImuQueue imu_;
+  std::vector<OusterFrame> completed_;
+  std::int64_t taken_ = 0;
+  std::optional<OusterFrame> frame_;
+  std::optional<std::uint32_t> last_id_;  ///< of the frame that is read or was read last
+  bool first_frame_ = true;
+  std::int64_t packets_in_frame_ = 0;
+  /// The columns and packets of a turn that the sensor sends.
+  int first_sent_ = 0;
+  int last_sent_ = 0;
+  std::int64_t packets_sent_ = 0;
+
+  PacketCounts counts_;
+  std::int64_t lost_scans_ = 0;
+  std::int64_t partial_scans_ = 0;
 };
 
 }  // namespace hqslam::recordings
