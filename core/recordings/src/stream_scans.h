@@ -9,8 +9,8 @@
 #include "bags/message_packets.h"
 #include "hqslam/core/error.h"
 #include "hqslam/recordings/recording.h"
-#include "hqslam/recordings/scan_assembler.h"
 #include "imu_queue.h"
+#include "scan_assembler.h"
 #include "stream_reader.h"
 
 namespace hqslam::recordings {

@@ -9,6 +9,7 @@
 #include "http_get.h"
 #include "packets/ouster_decoder.h"
 #include "packets/ouster_metadata.h"
+#include "packets/velodyne_decoder.h"
 #include "packets/velodyne_sensor.h"
 #include "packets/velodyne_tables.h"
 
@@ -202,12 +203,12 @@ std::unique_ptr<ScanAssembler> LiveStream::assembler(int columns) {
     OusterOptions options;
     options.kept_return = options_.kept_return;
     options.serial_number = serial_number_;
-    return ouster_assembler(*metadata_, "live", options);
+    return std::make_unique<OusterDecoder>(*metadata_, options, "live");
   }
   if (columns > 0) sensor_.columns = columns;
   TurnDecoderOptions options;
   options.kept_return = options_.kept_return;
-  return velodyne_assembler(*velodyne_, sensor_, "live", options);
+  return std::make_unique<VelodyneDecoder>(*velodyne_, sensor_, options, "live");
 }
 
 }  // namespace hqslam::live

@@ -8,10 +8,10 @@
 
 #include "hqslam/core/imu_sample.h"
 #include "hqslam/core/organized_cloud.h"
-#include "hqslam/recordings/scan_assembler.h"
 #include "imu_queue.h"
 #include "packets/ouster_metadata.h"
 #include "packets/sensor_clock.h"
+#include "scan_assembler.h"
 
 namespace hqslam::recordings {
 

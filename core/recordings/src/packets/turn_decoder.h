@@ -8,9 +8,9 @@
 
 #include "byte_reader.h"
 #include "hqslam/core/scan.h"
-#include "hqslam/recordings/scan_assembler.h"
 #include "hqslam/recordings/velodyne.h"
 #include "packets/sensor_clock.h"
+#include "scan_assembler.h"
 
 namespace hqslam::recordings {
 
