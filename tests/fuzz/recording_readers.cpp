@@ -120,7 +120,7 @@ constexpr int kOusterColumns = 64;
 /// What is made once for a sensor and serves all its frames.
 struct OusterReader {
   OusterMetadata metadata;
-  OusterOptions options;
+  DecoderOptions options;
   OusterGeometry geometry{metadata, options};
 };
 
@@ -147,11 +147,10 @@ void ouster_packets(Bytes input) {
   static std::vector<OusterReader> readers = ouster_readers();
   OusterReader& reader = readers[input[0] % readers.size()];
   OusterDecoder decoder(reader.metadata, reader.options);
-  std::vector<OusterFrame> frames;
   for_each_packet(input.subspan(1), reader.metadata.packet_bytes(),
-                  [&](const Packet& p) { decoder.add(p, frames); });
-  decoder.finish(frames);
-  for (const OusterFrame& frame : frames) reader.geometry.scan(frame);
+                  [&](const Packet& p) { decoder.add(p); });
+  decoder.finish();
+  for (const OusterFrame& frame : decoder.take_scans()) reader.geometry.scan(frame);
 }
 
 }  // namespace hqslam::fuzz

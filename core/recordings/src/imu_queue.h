@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "hqslam/core/imu_sample.h"
-#include "hqslam/recordings/scan_assembler.h"
+#include "hqslam/recordings/packet.h"
 
 namespace hqslam::recordings {
 

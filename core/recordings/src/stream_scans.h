@@ -9,8 +9,8 @@
 #include "bags/message_packets.h"
 #include "hqslam/core/error.h"
 #include "hqslam/recordings/recording.h"
-#include "hqslam/recordings/scan_assembler.h"
 #include "imu_queue.h"
+#include "scan_assembler.h"
 #include "stream_reader.h"
 
 namespace hqslam::recordings {
@@ -36,9 +36,9 @@ class StreamScans : public ScanSource {
   /// The next scan; as next().
   virtual std::optional<RecordedScan> read() = 0;
   /// The sensor has other columns now.
-  virtual void sensor_changed() = 0;
+  virtual void sensor_changed() {}
   /// Adds to the information, once all was read, what was lost.
-  virtual void complete(RecordingInfo& info) = 0;
+  virtual void complete(RecordingInfo& /*info*/) {}
   /// Takes a message of the stream of inertial data; samples of sensor_msgs/Imu come with the
   /// scans.
   virtual void add_imu(const Message& message);
@@ -62,7 +62,7 @@ class StreamScans : public ScanSource {
   bool ended_ = false;
 };
 
-/// The packets that come next, looked at without being taken.
+/// The packets that come next, without taking them.
 inline MessagePackets packets_ahead(StreamReader& reader) {
   return {reader.stream(),
           [&reader, index = std::size_t{0}]() mutable { return reader.ahead(index++); }};

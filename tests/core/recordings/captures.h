@@ -138,18 +138,11 @@ class CapturedPackets : public recordings::PacketSource {
 recordings::Packet as_packet(const Captured& captured);
 
 /// The turns that a decoder makes of packets, to the last one.
-template <typename Turn = Scan, typename Decoder>
-std::vector<Turn> decoded(Decoder& decoder, const std::vector<Captured>& packets) {
-  std::vector<Turn> turns;
-  if constexpr (std::is_same_v<Turn, Scan>) {
-    for (const Captured& packet : packets) decoder.add(as_packet(packet));
-    decoder.finish();
-    turns = decoder.take_scans();
-  } else {
-    for (const Captured& packet : packets) decoder.add(as_packet(packet), turns);
-    decoder.finish(turns);
-  }
-  return turns;
+template <typename Decoder>
+auto decoded(Decoder& decoder, const std::vector<Captured>& packets) {
+  for (const Captured& packet : packets) decoder.add(as_packet(packet));
+  decoder.finish();
+  return decoder.take_scans();
 }
 
 /// Whether they have the same stamps and ranges.

@@ -9,7 +9,7 @@
 #include "http_get.h"
 #include "packets/ouster_decoder.h"
 #include "packets/ouster_metadata.h"
-#include "packets/velodyne_sensor.h"
+#include "packets/velodyne_decoder.h"
 #include "packets/velodyne_tables.h"
 
 namespace hqslam::live {
@@ -32,7 +32,7 @@ constexpr std::size_t kMostSenders = 16;
 constexpr auto packets_of = [](const auto& sender) { return sender.second.packets; };
 /// A sender that gave no metadata is not asked again so soon.
 constexpr std::int64_t kAskAgain_ns = 5'000'000'000;
-/// The sensor may have another address after such a silence, once that has sent for so long.
+/// After kSilence_ns the sensor may have another address: one that has sent for kHeir_ns.
 constexpr std::int64_t kSilence_ns = 1'000'000'000;
 constexpr std::int64_t kHeir_ns = 500'000'000;
 constexpr std::int64_t kHeirPackets = 10;
@@ -194,20 +194,16 @@ bool LiveStream::is_sensors(const Packet& packet) {
 }
 
 std::unique_ptr<ScanAssembler> LiveStream::assembler(int columns) {
+  const DecoderOptions options = {options_.kept_return, true, serial_number_};
   if (is_ouster_) {
     if (columns > 0 && columns != sensor_.columns) {
       throw Error("the sensor sends {} columns a turn, {} are asked for; set it to another mode",
                   sensor_.columns, columns);
     }
-    OusterOptions options;
-    options.kept_return = options_.kept_return;
-    options.serial_number = serial_number_;
-    return ouster_assembler(*metadata_, "live", options);
+    return std::make_unique<OusterDecoder>(*metadata_, options, "live");
   }
   if (columns > 0) sensor_.columns = columns;
-  TurnDecoderOptions options;
-  options.kept_return = options_.kept_return;
-  return velodyne_assembler(*velodyne_, sensor_, "live", options);
+  return std::make_unique<VelodyneDecoder>(*velodyne_, sensor_, options, "live");
 }
 
 }  // namespace hqslam::live

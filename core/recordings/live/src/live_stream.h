@@ -8,7 +8,8 @@
 
 #include "hqslam/live/live.h"
 #include "hqslam/recordings/ouster.h"
-#include "hqslam/recordings/scan_assembler.h"
+#include "hqslam/recordings/velodyne.h"
+#include "scan_assembler.h"
 
 namespace hqslam::live {
 

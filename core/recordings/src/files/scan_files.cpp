@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <utility>
 
-#include "files/scan_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/point_fields.h"
 #include "hqslam/core/trajectory.h"
@@ -31,7 +30,7 @@ bool is_timestamps(const std::string& path) {
 }
 
 /// Files of a folder with this extension, in natural order. A link that leads nowhere keeps its
-/// place among them: whoever reads it says so, and the stamps of those behind it stay theirs.
+/// place: reading it fails in its turn, and the files behind it keep their stamps.
 std::vector<std::string> files_in(const fs::path& folder, const std::string& extension) {
   std::vector<std::string> paths;
   std::error_code error;
@@ -93,8 +92,8 @@ std::vector<double> wanted_stamps_s(const std::string& stack, const RecordingOpt
   return read_stamps_s(options.stamps);
 }
 
-/// The same, or those that lie in the folder of a stack: what hqslam upsample was given, or the
-/// truth of a simulated drive.
+/// The same, or those in the folder of a stack: the ones that hqslam upsample copied, or those of
+/// a simulated drive's truth.
 std::vector<double> stamps_of_folder_s(const fs::path& folder, const RecordingOptions& options) {
   if (!options.stamps.empty()) return wanted_stamps_s(folder.string(), options);
   std::error_code error;
@@ -119,15 +118,6 @@ std::vector<double> stamps_of_folder_s(const fs::path& folder, const RecordingOp
   std::error_code error;
   throw Error("{}: expected .bin or .pcd files, found {}; give {}", folder.string(),
               fs::is_empty(folder, error) ? "an empty folder" : "none", kKnownRecordings);
-}
-
-/// Points come with their height: no order of rows is to be told.
-void refuse_row_order(const fs::path& recording, const RecordingOptions& options) {
-  if (options.row_order == RowOrder::kHighestFirst) return;
-  throw Error(
-      "{}: expected an .npy stack where rows are said to be lowest first, found points; leave the "
-      "order of rows out",
-      recording.string());
 }
 
 /// The files of a folder with one of these extensions; empty if there are none. Throws Error if
@@ -162,7 +152,6 @@ std::unique_ptr<ScanSource> open_folder(const fs::path& folder,
                                    sensor_of_folder(folder, sensor), options,
                                    stamps_of_folder_s(folder, options), true);
   }
-  refuse_row_order(folder, options);
   std::vector<std::string> paths = files_of_one_kind(folder, kBinaryPoints);
   if (!paths.empty()) return make_file_scan_source(std::move(paths), choose, options);
   // KITTI keeps the scans of a drive in folders of these names.
@@ -170,7 +159,7 @@ std::unique_ptr<ScanSource> open_folder(const fs::path& folder,
     if (fs::is_directory(folder / below, error))
       return open_folder(folder / below, sensor, choose, options);
   }
-  // Last, because texts lie beside recordings of every kind.
+  // Last, because there are texts beside recordings of every kind.
   if (files_in(folder, ".npy").empty()) paths = files_of_one_kind(folder, kTextPoints);
   if (!paths.empty()) return make_file_scan_source(std::move(paths), choose, options);
   fail_for_folder_without_scans(folder);
@@ -261,7 +250,6 @@ std::unique_ptr<ScanSource> open_scan_files(const std::string& path,
     return std::ranges::find(extensions, extension) != extensions.end();
   };
   if (is_one_of(kBinaryPoints) || is_one_of(kTextPoints)) {
-    refuse_row_order(recording, options);
     return make_file_scan_source({path}, choose, options);
   }
   throw Error("{}: expected a recording, found a file named '{}'; give {}", path,

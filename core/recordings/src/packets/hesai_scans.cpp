@@ -33,7 +33,7 @@ SensorModel empty_sensor(std::string name) {
 
 std::string name_of(int lasers) { return fmt::format("xt{}", lasers); }
 
-/// The angle file that lies beside a recording: its name with .csv or _angles.csv; "" if none does.
+/// The angle file beside a recording: its name with .csv or _angles.csv; "" if there is none.
 std::string angles_beside(const std::string& path) {
   const std::filesystem::path stem = std::filesystem::path(path).replace_extension();
   for (const char* ending : {"_angles.csv", kAnglesExtension}) {
@@ -122,7 +122,7 @@ std::unique_ptr<StreamScans> open_hesai(StreamReader reader, const OpenOptions& 
   info.sensor_known = options.sensor.empty();
   info.format = fmt::format("Hesai XT{} packets, {} return", said.lasers,
                             said.dual_return ? "dual" : "single");
-  const TurnDecoderOptions decoding = {options.kept_return, with_points};
+  const DecoderOptions decoding = {options.kept_return, with_points};
   return packet_scans(std::move(reader), std::move(info), [=](const SensorModel& sensor) {
     return std::make_unique<HesaiDecoder>(sensor, decoding, path);
   });

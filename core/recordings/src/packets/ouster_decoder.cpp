@@ -1,8 +1,11 @@
 #include "packets/ouster_decoder.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "hqslam/core/angles.h"
+#include "hqslam/core/error.h"
 
 namespace hqslam::recordings {
 
@@ -38,8 +41,13 @@ ImuSample ouster_imu_sample(Bytes packet, const OusterMetadata& metadata) {
   return sample;
 }
 
-OusterDecoder::OusterDecoder(const OusterMetadata& metadata, const OusterOptions& options)
-    : metadata_(metadata), options_(options), layout_(layout(metadata.profile)) {
+OusterDecoder::OusterDecoder(const OusterMetadata& metadata, const DecoderOptions& options,
+                             std::string name)
+    : metadata_(metadata),
+      options_(options),
+      layout_(layout(metadata.profile)),
+      geometry_(metadata, options),
+      name_(std::move(name)) {
   const int columns = metadata_.sensor.columns;
   first_sent_ = columns;
   for (int begin = 0; begin < columns; begin += metadata_.columns_per_packet) {
@@ -59,7 +67,7 @@ void OusterDecoder::begin(const Packet& packet, std::uint32_t id) {
   const auto pixels = columns * static_cast<std::size_t>(metadata_.sensor.rows());
   OusterFrame frame;
   frame.frame_id = id;
-  if (options_.with_ranges) {
+  if (options_.with_points) {
     frame.range_mm.assign(pixels, 0);
     frame.reflectivity.assign(pixels, 0);
     if (metadata_.dual_return()) {
@@ -100,7 +108,12 @@ std::optional<OusterDecoder::Column> OusterDecoder::first_column(Bytes packet) c
   return std::nullopt;
 }
 
-void OusterDecoder::add(const Packet& packet, std::vector<OusterFrame>& completed) {
+void OusterDecoder::add(const Packet& packet) {
+  if (packet.payload.size() != kOusterImuBytes) return add_lidar(packet);
+  imu_.add(ouster_imu_sample(packet.payload, metadata_));
+}
+
+void OusterDecoder::add_lidar(const Packet& packet) {
   if (packet.payload.size() != metadata_.packet_bytes()) {
     ++counts_.foreign;
     return;
@@ -119,7 +132,7 @@ void OusterDecoder::add(const Packet& packet, std::vector<OusterFrame>& complete
       ++counts_.late;
       return;
     }
-    complete(completed, false);
+    complete(false);
     if (ahead > 1 && ahead <= kMostLostFrames) lost_scans_ += ahead - 1;
   } else if (last_id_ && (!frame_ || seen(packet.payload))) {
     ++counts_.late;  // of a frame that has it, or all of its packets
@@ -129,8 +142,8 @@ void OusterDecoder::add(const Packet& packet, std::vector<OusterFrame>& complete
   ++counts_.used;
   ++packets_in_frame_;
   read_columns(packet.payload);
-  // Whoever follows a sensor need not wait for the first packet of the next turn.
-  if (packets_in_frame_ == packets_sent_) complete(completed, false);
+  // A live sensor's scan need not wait for the first packet of the next turn.
+  if (packets_in_frame_ == packets_sent_) complete(false);
 }
 
 void OusterDecoder::read_columns(Bytes packet) {
@@ -139,7 +152,7 @@ void OusterDecoder::read_columns(Bytes packet) {
     if (!found) continue;
     frame_->timestamp_ns[found->id] = little_endian<std::uint64_t>(found->bytes);
     frame_->status[found->id] = found->status;
-    if (!options_.with_ranges) continue;
+    if (!options_.with_points) continue;
     read_pixels(found->bytes + layout_.column_header, static_cast<int>(found->id));
   }
 }
@@ -162,7 +175,7 @@ void OusterDecoder::read_pixels(const std::uint8_t* pixels, int column) {
 
 /// Ends the frame. Of the first and the last one of a recording a part may never have been
 /// recorded; such a frame is left out, unless it is the only one.
-void OusterDecoder::complete(std::vector<OusterFrame>& completed, bool at_end) {
+void OusterDecoder::complete(bool at_end) {
   if (!frame_) return;
   const auto& status = frame_->status;
   const auto valid = [](std::uint32_t s) { return s != 0; };
@@ -173,12 +186,39 @@ void OusterDecoder::complete(std::vector<OusterFrame>& completed, bool at_end) {
   const bool ends_early = at_end && static_cast<double>(last_sent_ - last) > most;
   if ((first_frame_ && at_end) || !(begins_late || ends_early)) {
     counts_.lost += std::max<std::int64_t>(0, packets_sent_ - packets_in_frame_);
-    completed.push_back(std::move(*frame_));
+    completed_.push_back(std::move(*frame_));
   } else {
     ++partial_scans_;
   }
   first_frame_ = false;
   frame_.reset();
+}
+
+std::optional<RecordedScan> OusterDecoder::next() {
+  if (completed_.empty()) return std::nullopt;
+  OusterFrame frame = std::move(completed_.front());
+  completed_.erase(completed_.begin());
+  RecordedScan result;
+  result.name = fmt::format("{}[{}]", name_, taken_++);
+  std::optional<OusterScan> scan = geometry_.scan(frame);
+  if (!scan) {
+    throw ScanError(
+        "{}: expected columns of one turn, found times of more than a second or none; the "
+        "packets are damaged",
+        result.name);
+  }
+  result.stamp_s = scan->stamp_s;
+  result.imu = imu_.take(scan->sensor_stamp_s + 0.5 * metadata_.sensor.scan_period_s,
+                         scan->stamp_s - scan->sensor_stamp_s);
+  result.cloud = std::move(scan->cloud);
+  for (const float range_m : result.cloud.range_m) result.counts.kept += range_m > 0.0F ? 1 : 0;
+  std::int64_t returns = 0;
+  for (std::size_t i = 0; i < frame.range_mm.size(); ++i) {
+    const bool second = !frame.second_range_mm.empty() && frame.second_range_mm[i] > 0;
+    returns += frame.range_mm[i] > 0 || second ? 1 : 0;
+  }
+  result.counts.out_of_range = returns - result.counts.kept;
+  return result;
 }
 
 }  // namespace hqslam::recordings

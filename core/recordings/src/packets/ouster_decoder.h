@@ -2,13 +2,16 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "hqslam/core/imu_sample.h"
 #include "hqslam/core/organized_cloud.h"
-#include "hqslam/recordings/packet.h"
+#include "imu_queue.h"
 #include "packets/ouster_metadata.h"
 #include "packets/sensor_clock.h"
+#include "scan_assembler.h"
 
 namespace hqslam::recordings {
 
@@ -35,26 +38,55 @@ struct OusterFrame {
   std::uint64_t first_timestamp_ns = 0;     ///< of that packet's first valid column
 };
 
-/// Ouster lidar packets -> frames. Columns of lost packets stay empty. A packet of an earlier frame
-/// that was overtaken is left out and counted; one that came twice counts as late.
-/// Source: Ouster sensor documentation, "Lidar data packet format".
-class OusterDecoder {
+/// A frame with the time of its points.
+struct OusterScan {
+  double stamp_s = 0.0;         ///< the middle between its first and its last column
+  double sensor_stamp_s = 0.0;  ///< that middle by the sensor's clock
+  OrganizedCloud cloud;
+};
+
+/// Frames -> points in the sensor's frame: x forward, y left, z up, origin on the axis of rotation
+/// at the height of the beams' origin (Ouster's own sensor frame is 36 or 38 mm below it).
+class OusterGeometry {
  public:
-  OusterDecoder(const OusterMetadata& metadata, const OusterOptions& options = {});
+  OusterGeometry(const OusterMetadata& metadata, const DecoderOptions& options = {});
 
-  /// Takes the next packet in and appends the frame that it completes.
-  void add(const Packet& packet, std::vector<OusterFrame>& completed);
-  /// At the end of the recording: appends the last frame.
-  void finish(std::vector<OusterFrame>& completed) { complete(completed, true); }
-
-  const PacketCounts& counts() const { return counts_; }
-  /// Number of turns without any packet.
-  std::int64_t lost_scans() const { return lost_scans_; }
-  /// Turns that were cut short by the beginning or the end of the recording.
-  std::int64_t partial_scans() const { return partial_scans_; }
+  /// Nothing if no column of the frame is valid. Ranges beyond the sensor's are no return.
+  std::optional<OusterScan> scan(const OusterFrame& frame);
 
  private:
-  void complete(std::vector<OusterFrame>& completed, bool at_end);
+  bool keeps_second(const OusterFrame& frame, std::size_t at) const;
+  void set_points(const OusterFrame& frame, OrganizedCloud& cloud) const;
+
+  OusterMetadata metadata_;
+  DecoderOptions options_;
+  SensorClock clock_;
+  std::vector<Eigen::Vector3f> beam_;    ///< d of each pixel
+  std::vector<Eigen::Vector3f> origin_;  ///< n (h - d) of each pixel
+};
+
+/// Ouster packets -> frames -> scans. Columns of lost packets stay empty. A packet of an earlier
+/// frame that was overtaken is left out and counted; one that came twice counts as late.
+/// Source: Ouster sensor documentation, "Lidar data packet format".
+class OusterDecoder : public ScanAssembler {
+ public:
+  OusterDecoder(const OusterMetadata& metadata, const DecoderOptions& options = {},
+                std::string name = "");
+
+  const SensorModel& sensor() const override { return metadata_.sensor; }
+  void add(const Packet& packet) override;
+  void finish() override { complete(true); }
+  std::optional<RecordedScan> next() override;
+  /// The frames that are complete, as the sensor sent them.
+  std::vector<OusterFrame> take_scans() { return std::exchange(completed_, {}); }
+  const PacketCounts& counts() const override { return counts_; }
+  ImuCounts imu_counts() const override { return imu_.counts(); }
+  std::int64_t lost_scans() const override { return lost_scans_; }
+  std::int64_t partial_scans() const override { return partial_scans_; }
+
+ private:
+  void add_lidar(const Packet& packet);
+  void complete(bool at_end);
   void begin(const Packet& packet, std::uint32_t id);
   void read_columns(Bytes packet);
   void read_pixels(const std::uint8_t* pixels, int column);
@@ -78,8 +110,13 @@ class OusterDecoder {
   }
 
   OusterMetadata metadata_;
-  OusterOptions options_;
+  DecoderOptions options_;
   OusterLayout layout_;
+  OusterGeometry geometry_;
+  std::string name_;  ///< of the scans, with their numbers
+  ImuQueue imu_;
+  std::vector<OusterFrame> completed_;
+  std::int64_t taken_ = 0;
   std::optional<OusterFrame> frame_;
   std::optional<std::uint32_t> last_id_;  ///< of the frame that is read or was read last
   bool first_frame_ = true;
@@ -92,33 +129,6 @@ class OusterDecoder {
   PacketCounts counts_;
   std::int64_t lost_scans_ = 0;
   std::int64_t partial_scans_ = 0;
-};
-
-/// A frame with the time of its points.
-struct OusterScan {
-  double stamp_s = 0.0;         ///< the middle between its first and its last column
-  double sensor_stamp_s = 0.0;  ///< that middle by the sensor's clock
-  OrganizedCloud cloud;
-};
-
-/// Frames -> points in the sensor's frame: x forward, y left, z up, origin on the axis of rotation
-/// at the height of the beams' origin (Ouster's own sensor frame is 36 or 38 mm below it).
-class OusterGeometry {
- public:
-  OusterGeometry(const OusterMetadata& metadata, const OusterOptions& options = {});
-
-  /// Nothing if no column of the frame is valid. Ranges beyond the sensor's are no return.
-  std::optional<OusterScan> scan(const OusterFrame& frame);
-
- private:
-  bool keeps_second(const OusterFrame& frame, std::size_t at) const;
-  void set_points(const OusterFrame& frame, OrganizedCloud& cloud) const;
-
-  OusterMetadata metadata_;
-  OusterOptions options_;
-  SensorClock clock_;
-  std::vector<Eigen::Vector3f> beam_;    ///< d of each pixel
-  std::vector<Eigen::Vector3f> origin_;  ///< n (h - d) of each pixel
 };
 
 }  // namespace hqslam::recordings

@@ -22,7 +22,7 @@ namespace hqslam::recordings {
 
 namespace {
 
-/// No turn takes so long: the times of such a frame are damaged.
+/// No turn takes longer: the times of such a frame are damaged.
 constexpr double kMaxTurn_s = 1.0;
 
 /// The middle between a turn's first and last column, by the sensor's clock; nothing if it has no
@@ -43,7 +43,7 @@ std::optional<std::uint64_t> middle_ns(const OusterFrame& frame) {
 
 }  // namespace
 
-OusterGeometry::OusterGeometry(const OusterMetadata& metadata, const OusterOptions& options)
+OusterGeometry::OusterGeometry(const OusterMetadata& metadata, const DecoderOptions& options)
     : metadata_(metadata), options_(options) {
   const SensorModel& sensor = metadata_.sensor;
   const double step_rad = sensor.column_step_rad();

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "hqslam/core/error.h"
-#include "packets/ouster_metadata.h"
+#include "packets/ouster_decoder.h"
 #include "stream_scans.h"
 
 namespace hqslam::recordings {
@@ -190,14 +190,12 @@ std::unique_ptr<StreamScans> open_ouster(StreamReader reader, const OpenOptions&
         "LEGACY",
         path, of.metadata.imu_profile));
   }
-  OusterOptions decoding;
-  decoding.kept_return = options.kept_return;
-  decoding.serial_number = serial_to_read(reader, of, info.warnings);
-  decoding.with_ranges = with_points;
+  const DecoderOptions decoding = {options.kept_return, with_points,
+                                   serial_to_read(reader, of, info.warnings)};
   const OusterMetadata metadata = of.metadata;
   auto source = packet_scans(std::move(reader), std::move(info), [=](const SensorModel& sensor) {
     if (sensor.columns == metadata.sensor.columns) {
-      return ouster_assembler(metadata, path, decoding);
+      return std::make_unique<OusterDecoder>(metadata, decoding, path);
     }
     throw Error(
         "{}: an Ouster's packets have {} columns a turn, {} are asked for; record in another mode",

@@ -8,13 +8,13 @@
 
 #include "byte_reader.h"
 #include "hqslam/core/scan.h"
-#include "hqslam/recordings/scan_assembler.h"
 #include "hqslam/recordings/velodyne.h"
 #include "packets/sensor_clock.h"
+#include "scan_assembler.h"
 
 namespace hqslam::recordings {
 
-/// After so much of a turn without packets the azimuth may be about where it was.
+/// After this share of a turn without packets the azimuth may be about what it was before.
 inline constexpr double kWholeTurn = 0.99;
 
 inline constexpr int kTurn = 36000;  ///< of a head, hundredths of a degree
@@ -27,7 +27,7 @@ struct PulseReturn {
   std::uint16_t distance = 0;  ///< in the sensor's unit; 0: none
   std::uint8_t reflectivity = 0;
 };
-/// Of two returns of a pulse, in whichever order the sensor was told to send them.
+/// Of two returns of a pulse, in either order: sensors can be set to send them in both.
 PulseReturn kept_of(PulseReturn a, PulseReturn b, KeptReturn which);
 
 /// Nanoseconds since 1970 of a year and month, day, hour, minute, second, a byte each; nothing for
@@ -56,7 +56,7 @@ class TurnDecoder : public ScanAssembler {
 
  protected:
   TurnDecoder(const SensorModel& sensor, std::string name, int cut, double field_of_view_deg,
-              const TurnDecoderOptions& options)
+              const DecoderOptions& options)
       : sensor_(sensor),
         options_(options),
         cut_(cut),
@@ -74,7 +74,7 @@ class TurnDecoder : public ScanAssembler {
   double fire(int azimuth, std::int64_t time_ns);
 
   SensorModel sensor_;
-  TurnDecoderOptions options_;
+  DecoderOptions options_;
   int cut_;
   double field_of_view_deg_;
   Scan scan_;                         ///< the turn that was begun; times since its first firing

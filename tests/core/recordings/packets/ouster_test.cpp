@@ -95,7 +95,7 @@ TEST_CASE("every profile gives the ranges that were put into it") {
   for (const OusterProfile profile : kAllProfiles) {
     CAPTURE(name(profile));
     OusterDecoder decoder(small_metadata(profile));
-    const auto frames = decoded<OusterFrame>(decoder, ouster_turns(profile, {65534, 65535, 65536}));
+    const auto frames = decoded(decoder, ouster_turns(profile, {65534, 65535, 65536}));
     REQUIRE(frames.size() == 3);
     CHECK(decoder.lost_scans() == 0);
     CHECK(decoder.counts().used == 96);
@@ -117,7 +117,7 @@ TEST_CASE("every profile gives the ranges that were put into it") {
 TEST_CASE("a pixel's point is that of the documented formula") {
   const OusterMetadata metadata = small_metadata(OusterProfile::kLegacy);
   OusterDecoder decoder(metadata);
-  const auto frames = decoded<OusterFrame>(decoder, ouster_turns(OusterProfile::kLegacy, {3}));
+  const auto frames = decoded(decoder, ouster_turns(OusterProfile::kLegacy, {3}));
   REQUIRE(frames.size() == 1);
   OusterGeometry geometry(metadata);
   const auto scan = geometry.scan(frames[0]);
@@ -164,7 +164,7 @@ TEST_CASE(
   packets.insert(packets.begin() + 70, packets[1]);   // of turn 10, in turn 12
   packets.push_back({packets[0].time_ns, 7502, Payload(100)});
   OusterDecoder decoder(small_metadata(profile));
-  const auto frames = decoded<OusterFrame>(decoder, packets);
+  const auto frames = decoded(decoder, packets);
   REQUIRE(frames.size() == 4);
   CHECK(decoder.counts().lost == 1);
   CHECK(decoder.counts().late == 2);
@@ -200,7 +200,7 @@ TEST_CASE("a window that begins within a packet: a packet that comes twice count
     packets.push_back(packet);
   }
   OusterDecoder decoder(metadata);
-  const auto frames = decoded<OusterFrame>(decoder, packets);
+  const auto frames = decoded(decoder, packets);
   REQUIRE(frames.size() == 3);
   CHECK(decoder.counts().used == 3 * 17);
   CHECK(decoder.counts().late == 3 * 17);
@@ -225,7 +225,7 @@ TEST_CASE("turns that the recording cuts off are left out unless nothing else is
   packets.erase(packets.begin(), packets.begin() + 10);
   packets.resize(packets.size() - 10);
   OusterDecoder decoder(small_metadata(profile));
-  const auto frames = decoded<OusterFrame>(decoder, packets);
+  const auto frames = decoded(decoder, packets);
   REQUIRE(frames.size() == 1);
   CHECK(frames[0].frame_id == 2);
   CHECK(decoder.partial_scans() == 2);
@@ -233,16 +233,16 @@ TEST_CASE("turns that the recording cuts off are left out unless nothing else is
   auto one = ouster_turns(profile, {1});
   one.erase(one.begin(), one.begin() + 10);
   OusterDecoder other(small_metadata(profile));
-  CHECK(decoded<OusterFrame>(other, one).size() == 1);
+  CHECK(decoded(other, one).size() == 1);
   CHECK(other.counts().lost == 10);
 }
 
 TEST_CASE("of two returns the strongest is kept, or the farther one on request") {
   const OusterMetadata metadata = small_metadata(OusterProfile::kRng19Dual);
   OusterDecoder decoder(metadata);
-  const auto frames = decoded<OusterFrame>(decoder, ouster_turns(OusterProfile::kRng19Dual, {1}));
+  const auto frames = decoded(decoder, ouster_turns(OusterProfile::kRng19Dual, {1}));
   OusterGeometry strongest(metadata);
-  OusterOptions options;
+  DecoderOptions options;
   options.kept_return = KeptReturn::kLast;
   OusterGeometry last(metadata, options);
   const float near_m = strongest.scan(frames[0])->cloud.range_m[0];
@@ -288,9 +288,9 @@ TEST_CASE("real Ouster frames have every value that Ouster's own decoder reads")
     CAPTURE(of);
     OusterDecoder decoder(read_ouster_metadata(*path + ".json"));
     const auto packets = open_pcap(*path + ".pcap");
-    std::vector<OusterFrame> frames;
-    while (const auto packet = packets->next()) decoder.add(*packet, frames);
-    decoder.finish(frames);
+    while (const auto packet = packets->next()) decoder.add(*packet);
+    decoder.finish();
+    const std::vector<OusterFrame> frames = decoder.take_scans();
     REQUIRE(frames.size() == 1);
     const OusterFrame& of_it = frames[0];
     CHECK(of_it.frame_id == frame);

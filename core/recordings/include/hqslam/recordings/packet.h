@@ -42,6 +42,21 @@ class PacketSource {
   virtual std::string complaint() const { return ""; }
 };
 
+/// Where a decoder's packets went.
+struct PacketCounts {
+  std::int64_t used = 0;
+  std::int64_t lost = 0;     ///< never came: gaps in the sensor's own time or count
+  std::int64_t late = 0;     ///< doubled or overtaken by a later one: left out
+  std::int64_t foreign = 0;  ///< of another size or form: left out
+};
+
+/// Of inertial samples: those that were taken in, and those that were not: a number that is not
+/// finite, a time that is not later than the one before or that is far from all scans.
+struct ImuCounts {
+  std::int64_t used = 0;
+  std::int64_t left_out = 0;
+};
+
 /// The UDP datagrams of a .pcap or .pcapng file (Ethernet with or without VLAN tags, Linux cooked,
 /// loopback or raw IP; fragments of IPv4 are put together). Frames other than UDP are skipped. A
 /// file that ends within a frame ends before it; where it cannot be read on for another reason it

@@ -70,19 +70,4 @@ class VelodyneProbe {
   int largest_jump_ = 0;  ///< of the azimuth from block to block, hundredths of a degree
 };
 
-/// Where a decoder's packets went.
-struct PacketCounts {
-  std::int64_t used = 0;
-  std::int64_t lost = 0;     ///< never came: gaps in the sensor's own time or count
-  std::int64_t late = 0;     ///< doubled or overtaken by a later one: left out
-  std::int64_t foreign = 0;  ///< of another size or form: left out
-};
-
-/// Of the decoders of Velodyne, Hesai and RoboSense packets.
-struct TurnDecoderOptions {
-  KeptReturn kept_return = KeptReturn::kStrongest;
-  /// Whether points are computed; without them scans are only counted and timed.
-  bool with_points = true;
-};
-
 }  // namespace hqslam::recordings

@@ -9,7 +9,6 @@
 #include "hqslam/core/scan_source.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/recordings/packet.h"
-#include "hqslam/recordings/scan_assembler.h"
 #include "hqslam/recordings/velodyne.h"
 
 namespace hqslam::live {

@@ -1,23 +1,23 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <optional>
-#include <string>
 
 #include "hqslam/core/scan_source.h"
 #include "hqslam/core/sensor_model.h"
-#include "hqslam/recordings/ouster.h"
 #include "hqslam/recordings/packet.h"
 #include "hqslam/recordings/velodyne.h"
 
 namespace hqslam::recordings {
 
-/// Of inertial samples: those that were taken in, and those that were not: a number that is not
-/// finite, a time that is not later than the one before or that is far from all scans.
-struct ImuCounts {
-  std::int64_t used = 0;
-  std::int64_t left_out = 0;
+/// How packets become scans.
+struct DecoderOptions {
+  KeptReturn kept_return = KeptReturn::kStrongest;  ///< kLast: of an Ouster the farther one
+  /// Whether points are computed; without them scans are only counted and timed.
+  bool with_points = true;
+  /// Packets with another serial number are foreign, where an Ouster's profile has one; 0: none
+  /// are.
+  std::uint64_t serial_number = 0;
 };
 
 /// Packets of one sensor, in the order in which they came -> scans, ready for SLAM or upsampling.
@@ -40,15 +40,5 @@ class ScanAssembler {
   /// Turns that were cut short by the beginning or the end of the recording, or by a long gap.
   virtual std::int64_t partial_scans() const = 0;
 };
-
-/// `sensor`: elevation and azimuth offset of each row, as many rows as the model has lasers, and
-/// the columns of the images that points are put into. `name`: what the scans' names begin with.
-/// Throws Error if the rows are others, or if there is no calibration of an HDL-64E.
-std::unique_ptr<ScanAssembler> velodyne_assembler(const VelodyneStream& stream,
-                                                  const SensorModel& sensor, std::string name,
-                                                  const TurnDecoderOptions& options = {});
-
-std::unique_ptr<ScanAssembler> ouster_assembler(const OusterMetadata& metadata, std::string name,
-                                                const OusterOptions& options = {});
 
 }  // namespace hqslam::recordings
