@@ -12,11 +12,6 @@ namespace hqslam::slam {
 
 namespace {
 
-DenseMapOptions validated(const DenseMapOptions& options) {
-  validate(options);
-  return options;
-}
-
 template <typename Value>
 std::vector<Value> joined(const std::vector<std::vector<Value>>& pieces) {
   std::vector<Value> all;

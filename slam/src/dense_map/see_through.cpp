@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cstddef>
-#include <limits>
 
 #include "dense_map/grid_walk.h"
 #include "dense_map/voxel_votes.h"
@@ -69,9 +68,7 @@ void vote_against(VoxelGrid& grid, const std::vector<PassedVoxel>& passed, std::
     Voxel& voxel = grid.block(at.block).at(at.local);
     if (voxel.last_scan == scan) continue;
     voxel.last_scan = scan;
-    if (voxel.times_seen_through < std::numeric_limits<std::uint16_t>::max()) {
-      ++voxel.times_seen_through;
-    }
+    count_up(voxel.times_seen_through);
   }
 }
 

@@ -97,7 +97,16 @@ std::string suggestion(const Conversion& fits) {
   return fmt::format("; axes {}?", axes_text(fits.axes));
 }
 
+bool is_long_as_gravity(double length_mps2) {
+  return std::abs(length_mps2 - kGravity_mps2) <= 0.5 * kGravity_mps2;
+}
+
 }  // namespace
+
+bool is_gravity(const Vector3d& specific_force_mps2) {
+  const double length_mps2 = specific_force_mps2.norm();
+  return is_long_as_gravity(length_mps2) && specific_force_mps2.z() >= kLeastUpward * length_mps2;
+}
 
 void InertialCheck::refute() {
   agrees_ = false;
@@ -161,19 +170,17 @@ void InertialCheck::explain_turns(double measured, double turning, double unexpl
   }
 }
 
-bool InertialCheck::takes_gravity(const Vector3d& specific_force_mps2) {
+void InertialCheck::complain_about_force(const Vector3d& specific_force_mps2) {
   const double length_mps2 = specific_force_mps2.norm();
-  if (std::abs(length_mps2 - kGravity_mps2) > 0.5 * kGravity_mps2) {
+  if (is_long_as_gravity(length_mps2)) {
+    const bool is_down = specific_force_mps2.z() < -kLeastUpward * length_mps2;
+    complaint_ = fmt::format("its forces at rest point {}, expected upwards; other axes or signs?",
+                             is_down ? "downwards" : "sideways");
+  } else {
     complaint_ =
         fmt::format("its forces of {:.2f} m/s^2 are not gravity's {:.2f}{}", length_mps2,
                     kGravity_mps2, length_mps2 < 2.0 && length_mps2 > 0.5 ? "; in g?" : "");
-    return false;
   }
-  if (specific_force_mps2.z() >= kLeastUpward * length_mps2) return true;
-  complaint_ =
-      fmt::format("its forces at rest point {}, expected upwards; other axes or signs?",
-                  specific_force_mps2.z() < -kLeastUpward * length_mps2 ? "downwards" : "sideways");
-  return false;
 }
 
 }  // namespace hqslam::slam

@@ -9,6 +9,7 @@
 #include "check_option.h"
 #include "dense_map/grid_walk.h"
 #include "dense_map/mapped_scan.h"
+#include "dense_map/voxel_grid.h"
 #include "front_end/mounting.h"
 #include "hqslam/core/error.h"
 #include "hqslam/slam/dense_map.h"
@@ -40,11 +41,10 @@ constexpr double kTop_m = 0.1;
 /// One vote against a cell, unless this scan has voted.
 void vote_empty(Cell& cell, std::uint32_t scan) {
   if (std::atomic_ref(cell.last_scan).exchange(scan, std::memory_order_relaxed) == scan) return;
-  if (cell.times_empty < std::numeric_limits<std::uint16_t>::max()) ++cell.times_empty;
+  count_up(cell.times_empty);
 }
 
 DenseMapOptions obstacle_options(const OccupancyGridOptions& options) {
-  validate(options);
   DenseMapOptions obstacles;
   obstacles.voxel_m = options.resolution_m;
   obstacles.max_range_m = options.max_range_m;
@@ -86,7 +86,7 @@ struct OccupancyGrid::Implementation {
   bool settled = false;
 
   explicit Implementation(const OccupancyGridOptions& options_)
-      : options(options_), obstacles(obstacle_options(options_)) {}
+      : options(validated(options_)), obstacles(obstacle_options(options)) {}
 
   Eigen::Vector2i cell_of(const Eigen::Vector2d& place_m) const {
     return (place_m / options.resolution_m).array().floor().cast<int>();
