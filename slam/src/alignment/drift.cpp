@@ -82,11 +82,7 @@ Matrix6 Drift::against_map(const MotionState& state) const {
   return result;
 }
 
-Vector6 Drift::shake() const {
-  Vector6 share;
-  share << kShakeAlong, kShakeAlong, kShakeAlong, kShakeAbout, kShakeAbout, kShakeAbout;
-  return share.cwiseProduct(jolts_);
-}
+Vector6 Drift::shake() const { return six(kShakeAlong, kShakeAbout).cwiseProduct(jolts_); }
 
 void Drift::move(const Pose& motion) { state_ = carried(state_, motion); }
 

@@ -149,8 +149,7 @@ Observability observability(Matrix6 information, double total, FreeParameters fr
   const Eigen::SelfAdjointEigenSolver<Matrix6> solver(information / total);
   result.share = solver.eigenvalues();
   result.direction = solver.eigenvectors();
-  Vector6 scale;
-  scale << 1, 1, 1, kLever_m, kLever_m, kLever_m;
+  const Vector6 scale = six(1.0, kLever_m);
   for (int i = 0; i < 6; ++i) {
     if (solver.eigenvalues()[i] >= min_share) continue;
     ++result.degenerate_directions;

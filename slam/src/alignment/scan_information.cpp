@@ -17,23 +17,11 @@ constexpr double kMismatchedShare = 0.002;
 constexpr double kKnownPerExcess = 0.2;
 
 /// Scales that make lengths of all parameters.
-Vector6 to_lengths() {
-  Vector6 scale;
-  scale << Eigen::Vector3d::Ones(), Eigen::Vector3d::Constant(1.0 / kLever_m);
-  return scale;
-}
+Vector6 to_lengths() { return six(1.0, 1.0 / kLever_m); }
 
 Matrix6 scaled(const Matrix6& form) {
   const Vector6 scale = to_lengths();
   return scale.asDiagonal() * form * scale.asDiagonal();
-}
-
-/// Turns a quadratic form from axes of the map into those of the sensor, as turn^T form turn.
-Matrix6 turn_of(const Eigen::Matrix3d& R_map_sensor) {
-  Matrix6 turn = Matrix6::Zero();
-  turn.topLeftCorner<3, 3>() = R_map_sensor;
-  turn.bottomRightCorner<3, 3>() = R_map_sensor;
-  return turn;
 }
 
 /// weight (n, p x n) for the normal of a constraint, or its tilt in the place of n.
@@ -56,7 +44,7 @@ ScanInformation scan_information(const std::vector<PlaneConstraint>& constraints
     gradient += c.weight * (c.normal.dot(c.point_m) - c.offset_m) * J;
     total += c.weight * c.weight;
   }
-  const Matrix6 turn = turn_of(R_map_sensor);
+  const Matrix6 turn = adjoint(Pose(R_map_sensor));
   const Matrix6 lengths = scaled(information);
   return {turn.transpose() * information * turn, turn.transpose() * gradient,
           observability(lengths, total, FreeParameters::kAll).degenerate_directions,
@@ -85,7 +73,7 @@ Matrix6 known_information(const std::vector<PlaneConstraint>& constraints,
     known[i] = all * std::clamp(kKnownPerExcess * (all / none - 1.0), 0.0, 1.0);
   }
   const Matrix6 directions = to_lengths().cwiseInverse().asDiagonal() * solver.eigenvectors();
-  const Matrix6 turn = turn_of(R_map_sensor);
+  const Matrix6 turn = adjoint(Pose(R_map_sensor));
   return turn.transpose() * Matrix6(directions * known.asDiagonal() * directions.transpose()) *
          turn;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "alignment/rigid_alignment.h"
 #include "loops/loop_correction.h"
 #include "loops/loop_search.h"
 
@@ -26,7 +27,6 @@ constexpr double kLevelledEveryShare = 0.01;
 
 /// A measure to compare two covariances by; angles have a lever of 10 m.
 double size_of(const Matrix6& covariance) {
-  constexpr double kLever_m = 10.0;
   const auto variance = covariance.diagonal();
   return variance.head<3>().sum() + kLever_m * kLever_m * variance.tail<3>().sum();
 }
@@ -106,9 +106,7 @@ std::size_t KeyframeGraph::submap_of(std::size_t node) const {
 LoopedDrift KeyframeGraph::improve_drift(const PoseGraphEdge& loop) {
   const DriftState from = nodes_[loop.from].drift;
   const DriftState to = nodes_[loop.to].drift;
-  Vector6 sigma;
-  sigma << Eigen::Vector3d::Constant(loop.translation_sigma_m),
-      Eigen::Vector3d::Constant(loop.rotation_sigma_rad);
+  const Vector6 sigma = six(loop.translation_sigma_m, loop.rotation_sigma_rad);
   const Matrix6 of_loop = sigma.cwiseAbs2().asDiagonal();
   LoopedDrift result;
   result.last_segment = segment_of(last());
