@@ -3,17 +3,12 @@
 #include <utility>
 #include <vector>
 
+#include "map/choice_of_start.h"
 #include "slam_implementation.h"
 
 namespace hqslam::slam {
 
 namespace {
-
-/// A scan whose close_ratio is less than this share of the last one's is registered without the
-/// inertial sensor, too.
-constexpr double kDoubtfulFit = 0.8;
-/// The gain in close_ratio that decides against a sensor of which nothing else is doubtful.
-constexpr double kClearlyBetter = 1.1;
 
 /// Whether a registration without the inertial sensor fits better than one with it.
 bool is_better(const Registered& without, const Registered& with, double least_gain) {
@@ -38,6 +33,7 @@ Registered Slam::Implementation::checked(const Tracking& last, Scan& scan, Notes
   const bool is_doubtful = !found.is_registered ||
                            found.innovation > InertialCheck::kMostInnovation ||
                            found.close_ratio < kDoubtfulFit * last.close_ratio;
+  // A sensor of which nothing else is doubtful is left out for a clear gain only.
   const double least_gain = is_doubtful ? 1.0 : kClearlyBetter;
   const bool competes = scan.turning && (is_doubtful || !inertial_check.is_proven());
   if (competes && replaced_without_imu(last, least_gain, scan, found, notes)) {

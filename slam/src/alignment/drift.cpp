@@ -46,6 +46,10 @@ double row_spacing_rad(const SensorModel& sensor) {
 
 }  // namespace
 
+Matrix6 unknown_covariance() {
+  return Vector6::Constant(std::numeric_limits<double>::infinity()).asDiagonal();
+}
+
 Matrix6 carried(const Matrix6& covariance, const Pose& motion) {
   const Matrix6 turn = adjoint(motion.inverse());
   return turn * covariance * turn.transpose();
@@ -120,9 +124,7 @@ Matrix6 Drift::own_covariance(const Pose& motion, const Matrix6& against_map) co
 }
 
 Matrix6 Drift::covariance(const Pose& motion, const Matrix6& against_map) const {
-  if (state_.is_anywhere) {
-    return Matrix6(Vector6::Constant(std::numeric_limits<double>::infinity()).asDiagonal());
-  }
+  if (state_.is_anywhere) return unknown_covariance();
   return carried(state_.total(), motion) + against_map;
 }
 

@@ -9,7 +9,7 @@
 #include "check_option.h"
 #include "dense_map/grid_walk.h"
 #include "dense_map/mapped_scan.h"
-#include "dense_map/voxel_grid.h"
+#include "dense_map/see_through.h"
 #include "front_end/mounting.h"
 #include "hqslam/core/error.h"
 #include "hqslam/slam/dense_map.h"
@@ -23,12 +23,6 @@ namespace {
 constexpr double kMostCells = 4e8;
 /// The last cells of a beam are not crossed: they belong to the surface that it met.
 constexpr double kEnd_cells = 1.5;
-
-/// The distance up to which a beam votes: nearer to its end it may run along the surface that it
-/// meets (the formula of dense_map/see_through.h).
-double seen_through_m(double range_m, double cell_m) {
-  return range_m - 0.3 - cell_m * range_m / 1.5;
-}
 
 struct Cell {
   std::uint32_t last_scan = 0;    ///< the last that voted, counted from 1
