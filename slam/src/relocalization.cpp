@@ -18,8 +18,7 @@ constexpr double kMinOverlapInGivenMap = 0.1;
 MotionState found_about(MotionState state) {
   constexpr double kAbout_m = 1.0;
   constexpr double kAbout_rad = 0.1;
-  state.covariance.diagonal().head<3>().setConstant(kAbout_m * kAbout_m);
-  state.covariance.diagonal().segment<3>(3).setConstant(kAbout_rad * kAbout_rad);
+  state.covariance.diagonal().head<6>() = six(kAbout_m, kAbout_rad).cwiseAbs2();
   return state;
 }
 

@@ -195,12 +195,9 @@ std::vector<Pose> KeyframeGraph::moved(std::size_t segment,
   for (std::size_t i = begin_node; i < end_node; ++i) {
     keyframe_of_node.push_back(nodes_[i].keyframe - segments_[segment].first_keyframe);
   }
-  const auto piece = [](const std::vector<Pose>& poses, std::size_t from, std::size_t to) {
-    return std::vector<Pose>(poses.begin() + static_cast<std::ptrdiff_t>(from),
-                             poses.begin() + static_cast<std::ptrdiff_t>(to));
-  };
-  return corrected_keyframes(piece(T_map_keyframe_, begin, end), keyframe_of_node,
-                             piece(T_map_node, begin_node, end_node));
+  return corrected_keyframes(std::span(T_map_keyframe_).subspan(begin, end - begin),
+                             keyframe_of_node,
+                             std::span(T_map_node).subspan(begin_node, end_node - begin_node));
 }
 
 std::vector<Pose> KeyframeGraph::move(const std::vector<Pose>& T_map_node) {

@@ -32,12 +32,12 @@ RegisteredScan searched(const MapFeatures& features) {
 
 /// MappingResult::close_ratio. The ground's planes come first; a feature on a line has two planes.
 double close_share(const ConstraintList& found, const MapFeatures& features) {
-  const std::size_t asked = features.surfaces_to_register.size() +
-                            2 * (features.edges.size() + features.posts_to_register.size());
+  const std::size_t sought = features.surfaces_to_register.size() +
+                             2 * (features.edges.size() + features.posts_to_register.size());
   const auto close =
       std::count_if(found.all.begin() + found.ground, found.all.end(),
                     [](const PlaneConstraint& plane) { return distance_m(plane) < kClose_m; });
-  return static_cast<double>(close) / std::max(static_cast<double>(asked), 1.0);
+  return static_cast<double>(close) / std::max(static_cast<double>(sought), 1.0);
 }
 
 double standing_features(const MapFeatures& features) {

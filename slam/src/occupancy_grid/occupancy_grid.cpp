@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "check_option.h"
@@ -46,16 +45,11 @@ DenseMapOptions obstacle_options(const OccupancyGridOptions& options) {
   return obstacles;
 }
 
-/// The points of a scan in the map's frame; NaN where there is no return within max_range_m.
-std::vector<Eigen::Vector3d> points_in_map_m(const OrganizedCloud& cloud, const MappedScan& scan,
-                                             double max_range_m) {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  std::vector<Eigen::Vector3d> points_m(cloud.range_m.size(), Eigen::Vector3d::Constant(kNone));
-#pragma omp parallel for schedule(static)
-  for (std::size_t pixel = 0; pixel < points_m.size(); ++pixel) {
-    if (!scan.has_return(pixel) || cloud.range_m[pixel] > max_range_m) continue;
-    const Eigen::Vector3d point_m = scan.point_in_map_m(pixel);
-    if (GroundHeights::is_near(point_m)) points_m[pixel] = point_m;
+/// The points of a scan in the map's frame; NaN where no near one is within max_range_m.
+std::vector<Eigen::Vector3d> near_points_m(const MappedScan& scan, double max_range_m) {
+  std::vector<Eigen::Vector3d> points_m = scan.points_in_map_m(max_range_m);
+  for (Eigen::Vector3d& point_m : points_m) {
+    if (!GroundHeights::is_near(point_m)) point_m.setConstant(std::nan(""));
   }
   return points_m;
 }
@@ -178,8 +172,7 @@ void OccupancyGrid::add_ground(const OrganizedCloud& measured, const SensorModel
                 sensor.rows(), sensor.columns, measured.rows, measured.columns);
   }
   Implementation& self = *implementation_;
-  const std::vector<Eigen::Vector3d> points_m =
-      points_in_map_m(measured, scan, self.options.max_range_m);
+  const std::vector<Eigen::Vector3d> points_m = near_points_m(scan, self.options.max_range_m);
   OrganizedCloud near = measured;
   for (std::size_t pixel = 0; pixel < points_m.size(); ++pixel) {
     if (!points_m[pixel].allFinite()) near.range_m[pixel] = 0.0F;
@@ -197,8 +190,7 @@ void OccupancyGrid::insert(const OrganizedCloud& cloud,
   const MappedScan scan(cloud, path);
   Implementation& self = *implementation_;
   self.settle();
-  const std::vector<Eigen::Vector3d> points_m =
-      points_in_map_m(cloud, scan, self.options.max_range_m);
+  const std::vector<Eigen::Vector3d> points_m = near_points_m(scan, self.options.max_range_m);
   OrganizedCloud obstacles = cloud;
   obstacles.intensity.clear();  // the map would keep them
   for (std::size_t pixel = 0; pixel < points_m.size(); ++pixel) {
@@ -220,8 +212,7 @@ void OccupancyGrid::see_through(const OrganizedCloud& measured, const SensorPath
   self.settle();
   self.obstacles.see_through(measured, path);
   ++self.scans;
-  const std::vector<Eigen::Vector3d> points_m =
-      points_in_map_m(measured, scan, self.options.max_range_m);
+  const std::vector<Eigen::Vector3d> points_m = near_points_m(scan, self.options.max_range_m);
   self.mark_ends(points_m);
   // Farther away a post fits between two beams.
   const double near_m = self.options.resolution_m * measured.columns / (2.0 * std::numbers::pi);
