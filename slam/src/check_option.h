@@ -11,4 +11,11 @@ inline void check_option(const char* map, const char* field, double value, doubl
   throw Error("{}: {} is {}, expected {} to {}", map, field, value, low, high);
 }
 
+/// A value after its validate(), which throws Error if it is invalid.
+template <typename Value>
+const Value& validated(const Value& value) {
+  validate(value);
+  return value;
+}
+
 }  // namespace hqslam::slam

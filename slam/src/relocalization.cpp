@@ -1,6 +1,5 @@
 // The state Searching: relocalization in a given map.
 
-#include <limits>
 #include <optional>
 
 #include "loops/loop_verification.h"
@@ -19,8 +18,7 @@ constexpr double kMinOverlapInGivenMap = 0.1;
 MotionState found_about(MotionState state) {
   constexpr double kAbout_m = 1.0;
   constexpr double kAbout_rad = 0.1;
-  state.covariance.diagonal().head<3>().setConstant(kAbout_m * kAbout_m);
-  state.covariance.diagonal().segment<3>(3).setConstant(kAbout_rad * kAbout_rad);
+  state.covariance.diagonal().head<6>() = six(kAbout_m, kAbout_rad).cwiseAbs2();
   return state;
 }
 
@@ -63,7 +61,7 @@ State Slam::Implementation::next(Searching now, const Scan& scan, Notes& notes) 
     return Tracking{reference_of(scan, found, against_map, report), 0.0, 0.0, std::nullopt};
   }
   report.mapping_status = Status::kNotRecognized;
-  report.covariance.diagonal().setConstant(std::numeric_limits<double>::infinity());
+  report.covariance = unknown_covariance();
   if (scan.has_enough_features) {
     now.reference = reference_of(scan, found, Matrix6::Zero(), report);
     now.T_odom_last = report.T_odom_sensor;

@@ -1,7 +1,6 @@
 #include "segmented_trajectory.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "alignment/drift.h"
 
@@ -26,9 +25,8 @@ void SegmentedTrajectory::begin_segment(std::size_t missed_scans, std::uint32_t 
   std::fill(from_first(segment_of_scan_), segment_of_scan_.end(), last_segment_);
   std::erase_if(covariances_, [&](const OwnCovariance& of) { return of.scan >= first; });
   if (!is_carried) return;
-  const Matrix6 unknown = Vector6::Constant(std::numeric_limits<double>::infinity()).asDiagonal();
   for (std::size_t scan = first; scan < trajectory_.size(); ++scan) {
-    covariances_.push_back({scan, unknown, unknown});
+    covariances_.push_back({scan, unknown_covariance(), unknown_covariance()});
   }
 }
 

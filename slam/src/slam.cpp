@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "check_option.h"
 #include "front_end/scan_check.h"
 #include "hqslam/core/error.h"
 #include "hqslam/slam/saved_map.h"
@@ -15,16 +16,6 @@ namespace {
 
 /// Inertial data are kept this long, and not integrated across longer gaps.
 constexpr double kImuMemory_s = 5.0;
-
-SensorModel validated(const SensorModel& sensor) {
-  hqslam::validate(sensor);
-  return sensor;
-}
-
-SlamOptions validated(const SlamOptions& options) {
-  validate(options);
-  return options;
-}
 
 FeatureMaps map_of(const SlamOptions& options, const SavedMap* given_map) {
   if (given_map == nullptr) return FeatureMaps(options.mapping);
@@ -107,20 +98,14 @@ ScanReport Slam::Implementation::process(const OrganizedCloud& cloud, double sta
 
 Scan Slam::Implementation::front_end(const OrganizedCloud& cloud, double stamp_s, Notes& notes) {
   ScanReport& report = notes.report;
-  const Segmentation segmentation = segmenter.segment(cloud, mounting.up_of_upright_sensor());
-  report.returns = segmentation.returns;
-  report.ground_points = segmentation.ground_points;
-  report.clusters = segmentation.clusters;
+  Scan scan{cloud, segmenter.segment(cloud, mounting.up_of_upright_sensor()), clock.time_s(stamp_s),
+            stamp_s};
+  report.returns = scan.segmentation.returns;
+  report.ground_points = scan.segmentation.ground_points;
+  report.clusters = scan.segmentation.clusters;
   report.times.segmentation_s = notes.stopwatch.lap_s();
 
-  Scan scan{cloud,
-            clock.time_s(stamp_s),
-            extract_features(cloud, segmentation, options.features, sensor.measured_rows),
-            {},
-            false,
-            stamp_s,
-            {},
-            Eigen::Vector3d::Zero()};
+  scan.features = measured_features(scan);
   make_turning_even(scan);
   scan.map_features = map_features(scan.features, options.mapping);
   const auto planar = static_cast<int>(scan.features.ground.size() + scan.features.surfaces.size());
@@ -131,10 +116,14 @@ Scan Slam::Implementation::front_end(const OrganizedCloud& cloud, double stamp_s
   report.times.features_s = notes.stopwatch.lap_s();
   if (notes.trace != nullptr) {
     notes.trace->cloud = cloud;
-    notes.trace->pixel_class = segmentation.pixel_class;
+    notes.trace->pixel_class = scan.segmentation.pixel_class;
     trace_features(scan.map_features, *notes.trace);
   }
   return scan;
+}
+
+Features Slam::Implementation::measured_features(const Scan& scan) const {
+  return extract_features(scan.cloud, scan.segmentation, options.features, sensor.measured_rows);
 }
 
 /// Applies EvenTurning to a scan that inertial data cover, of a sensor that agrees with the scans.
@@ -147,11 +136,12 @@ void Slam::Implementation::make_turning_even(Scan& scan) {
   const Reference* reference = reference_of(state);
   const bool is_bias_known = reference != nullptr && reference->inertial;
   const Eigen::Vector3d force_mps2 = mean_specific_force_mps2(steps);
-  if (!is_bias_known && !inertial_check.takes_gravity(force_mps2)) return;
+  if (!is_bias_known && !is_gravity(force_mps2)) {
+    return inertial_check.complain_about_force(force_mps2);
+  }
   scan.turning.emplace(
       steps, half_s,
       is_bias_known ? reference->inertial->gyroscope_bias_rad_per_s : Eigen::Vector3d::Zero());
-  scan.measured_features = scan.features;
   scan.turning->apply(scan.features);
   scan.specific_force_mps2 = force_mps2;
 }
@@ -214,8 +204,8 @@ ScanReport Slam::process(const OrganizedCloud& cloud, double stamp_s, ScanTrace*
   check(cloud, stamp_s, implementation_->sensor);
   const ThreadLimit limit(implementation_->options.threads);
   if (trace != nullptr) *trace = {};
-  return all_sound(cloud) ? implementation_->process(cloud, stamp_s, trace)
-                          : implementation_->process(without_unsound(cloud), stamp_s, trace);
+  const std::optional<OrganizedCloud> emptied = without_unsound(cloud);
+  return implementation_->process(emptied ? *emptied : cloud, stamp_s, trace);
 }
 
 std::vector<LoopReport> Slam::finish() {

@@ -28,6 +28,20 @@ struct Notes {
   Matrix6 own_covariance = Matrix6::Zero();  ///< Drift::own_covariance
 };
 
+/// The result of a registration in the map.
+struct Registered {
+  MotionState state;  ///< by the map, else by the odometry, else the expected one
+  Matrix6 against_map = Matrix6::Zero();
+  bool is_registered = false;        ///< in the map
+  bool by_odometry = false;          ///< the motion since the reference is known
+  bool is_motion_plausible = false;  ///< known, and possible unless the sensor is carried
+  bool is_contradiction = false;     ///< of a state that was well known before the scan
+  double inlier_ratio = 0.0;
+  double close_ratio = 0.0;
+  std::optional<InertialState> inertial;
+  double innovation = 0.0;  ///< normalized_innovation() of the inertial prediction
+};
+
 struct Slam::Implementation {
   SlamOptions options;
   Mounting mounting;
@@ -57,9 +71,7 @@ struct Slam::Implementation {
   void apply(const LoopResult& found);
   void apply(const LoopedDrift& found, const Pose& T_map_reference);
   void make_turning_even(Scan& scan);
-  /// A Scan or FirstKeyframe as it was before make_turning_even().
-  template <typename WithFeatures>
-  void leave_out_imu(WithFeatures& scan) const;
+  Features measured_features(const Scan& scan) const;
   Scan front_end(const OrganizedCloud& cloud, double stamp_s, Notes& notes);
 
   // The next state after a scan: tracking.cpp; for Searching relocalization.cpp.
@@ -68,24 +80,12 @@ struct Slam::Implementation {
   State next(Lost now, Scan& scan, Notes& notes);
   State next(Searching now, const Scan& scan, Notes& notes);
 
-  /// The result of a registration in the map.
-  struct Registered {
-    MotionState state;  ///< by the map, else by the odometry, else the expected one
-    Matrix6 against_map = Matrix6::Zero();
-    bool is_registered = false;        ///< in the map
-    bool by_odometry = false;          ///< the motion since the reference is known
-    bool is_motion_plausible = false;  ///< known, and possible unless the sensor is carried
-    bool is_contradiction = false;     ///< of a state that was well known before the scan
-    double inlier_ratio = 0.0;
-    double close_ratio = 0.0;
-    std::optional<InertialState> inertial;
-    double innovation = 0.0;  ///< normalized_innovation() of the inertial prediction
-  };
   std::optional<InertialPrediction> predicted_by_imu(const Reference& reference,
                                                      const Scan& scan) const;
   Registered judged(const Tracking& last, const Scan& scan, const MotionState& expected,
                     const OdometryResult& moved, const MappingResult& matched) const;
   Registered registered(const Tracking& last, const Scan& scan, Notes& notes) const;
+  void leave_out_imu(Scan& scan) const;
   Registered checked(const Tracking& last, Scan& scan, Notes& notes);
   bool replaced_without_imu(const Tracking& last, double least_gain, Scan& scan, Registered& found,
                             Notes& notes);
@@ -94,7 +94,7 @@ struct Slam::Implementation {
   Registered in_corrected_map(Tracking& last, Scan& scan, Notes& notes);
   State tracked(Tracking last, const Registered& found, const Scan& scan, Notes& notes);
   State new_segment(const Lost& lost, Registered found, const Scan& scan, Notes& notes);
-  void put_first_keyframe(Tracking& last, const Twist& velocity);
+  Features put_first_keyframe(const FirstKeyframe& first, const Twist& velocity);
   void correct_first_keyframe(Tracking& last, Twist velocity);
   void add_keyframe(const Scan& scan, const Twist& velocity, bool begins_segment, Notes& notes);
   bool is_in_given_map(const MapFeatures& features, const MotionState& found) const;

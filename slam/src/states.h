@@ -44,10 +44,8 @@ struct Starting {};
 /// again with it, corrected for motion.
 struct FirstKeyframe {
   double time_s = 0.0;
-  Features features;
-  MapFeatures map_features;
-  std::optional<EvenTurning> turning;                        ///< if inertial data cover the scan
-  std::optional<Features> measured_features = std::nullopt;  ///< as Scan has them
+  Features measured_features;          ///< before `turning` is applied
+  std::optional<EvenTurning> turning;  ///< if inertial data cover the scan
 };
 
 /// The last scan was registered in the map, or is the first of a submap.
@@ -84,16 +82,16 @@ Reference* reference_of(State& state);
 /// The output of the front end.
 struct Scan {
   const OrganizedCloud& cloud;  ///< of the sensor turned level
-  double time_s = 0.0;          ///< ScanClock
-  Features features;
-  MapFeatures map_features;
+  Segmentation segmentation;
+  double time_s = 0.0;     ///< ScanClock
+  double stamp_s = 0.0;    ///< by the clock of the inertial sensor, if there is one
+  Features features = {};  ///< with `turning` applied
+  MapFeatures map_features = {};
   /// Whether the next scan can be matched with it, by edges alone (indoors) or by ground and
   /// surfaces alone (in open land).
   bool has_enough_features = false;
-  double stamp_s = 0.0;  ///< by the clock of the inertial sensor, if there is one
-  std::optional<EvenTurning> turning;
+  std::optional<EvenTurning> turning = std::nullopt;
   Eigen::Vector3d specific_force_mps2 = Eigen::Vector3d::Zero();  ///< with `turning` only
-  std::optional<Features> measured_features = std::nullopt;       ///< before `turning` was applied
 };
 
 }  // namespace hqslam::slam

@@ -74,8 +74,8 @@ State Slam::Implementation::next(Starting, const Scan& scan, Notes& notes) {
   if (scan.turning) standing.velocity.angular = scan.turning->mean_rate_rad_per_s();
   add_keyframe(scan, standing.velocity, true, notes);
   return Tracking{reference_of(scan, standing, drift.against_map(standing), notes.report), 0.0, 0.0,
-                  FirstKeyframe{scan.time_s, scan.features, scan.map_features, scan.turning,
-                                scan.measured_features}};
+                  FirstKeyframe{scan.time_s, scan.turning ? measured_features(scan) : scan.features,
+                                scan.turning}};
 }
 
 State Slam::Implementation::next(Tracking now, Scan& scan, Notes& notes) {
@@ -175,11 +175,9 @@ std::optional<InertialPrediction> Slam::Implementation::predicted_by_imu(const R
 }
 
 /// Whether the results of odometry and mapping are accepted, and the state by them.
-Slam::Implementation::Registered Slam::Implementation::judged(const Tracking& last,
-                                                              const Scan& scan,
-                                                              const MotionState& expected,
-                                                              const OdometryResult& moved,
-                                                              const MappingResult& matched) const {
+Registered Slam::Implementation::judged(const Tracking& last, const Scan& scan,
+                                        const MotionState& expected, const OdometryResult& moved,
+                                        const MappingResult& matched) const {
   const double duration_s = scan.time_s - last.reference.time_s;
   const Pose T_map_moved =
       orthonormalized(last.reference.state.T_map_sensor * moved.T_reference_sensor);
@@ -206,9 +204,8 @@ Slam::Implementation::Registered Slam::Implementation::judged(const Tracking& la
 }
 
 /// Registers a scan: prediction, odometry, mapping.
-Slam::Implementation::Registered Slam::Implementation::registered(const Tracking& last,
-                                                                  const Scan& scan,
-                                                                  Notes& notes) const {
+Registered Slam::Implementation::registered(const Tracking& last, const Scan& scan,
+                                            Notes& notes) const {
   const Reference& reference = last.reference;
   ScanReport& report = notes.report;
   const double duration_s = scan.time_s - reference.time_s;
@@ -270,25 +267,28 @@ Slam::Implementation::Registered Slam::Implementation::registered(const Tracking
 
 /// checked(), and again after the map has begun anew with the first keyframe, which was inserted as
 /// if the sensor stood, corrected for the velocity that is known now.
-Slam::Implementation::Registered Slam::Implementation::in_corrected_map(Tracking& last, Scan& scan,
-                                                                        Notes& notes) {
+Registered Slam::Implementation::in_corrected_map(Tracking& last, Scan& scan, Notes& notes) {
   const Registered found = checked(last, scan, notes);
   if (!last.first_keyframe || !found.is_registered) return found;
   correct_first_keyframe(last, found.state.velocity);
   return registered(last, scan, notes);
 }
 
-/// The map with the first keyframe alone.
-void Slam::Implementation::put_first_keyframe(Tracking& last, const Twist& velocity) {
+/// Begins the map anew with the first keyframe alone. Returns its features.
+Features Slam::Implementation::put_first_keyframe(const FirstKeyframe& first,
+                                                  const Twist& velocity) {
+  Features features = first.measured_features;
+  if (first.turning) first.turning->apply(features);
   mapping = Mapping(options.mapping, mapping.keyframes() - 1);
-  mapping.insert(last.first_keyframe->map_features, Pose::Identity(), velocity);
+  mapping.insert(map_features(features, options.mapping), Pose::Identity(), velocity);
+  return features;
 }
 
 void Slam::Implementation::correct_first_keyframe(Tracking& last, Twist velocity) {
   const FirstKeyframe& first = *last.first_keyframe;
   if (first.turning) velocity.angular = first.turning->mean_rate_rad_per_s();
-  put_first_keyframe(last, velocity);
-  if (last.reference.time_s == first.time_s) last.reference.target = {first.features, velocity};
+  const Features features = put_first_keyframe(first, velocity);
+  if (last.reference.time_s == first.time_s) last.reference.target = {features, velocity};
   last.first_keyframe.reset();
 }
 

@@ -3,36 +3,37 @@
 #include <utility>
 #include <vector>
 
+#include "map/choice_of_start.h"
 #include "slam_implementation.h"
 
 namespace hqslam::slam {
 
 namespace {
 
-/// A scan whose close_ratio is less than this share of the last one's is registered without the
-/// inertial sensor, too.
-constexpr double kDoubtfulFit = 0.8;
-/// The gain in close_ratio that decides against a sensor of which nothing else is doubtful.
-constexpr double kClearlyBetter = 1.1;
+/// Whether a registration without the inertial sensor fits better than one with it.
+bool is_better(const Registered& without, const Registered& with, double least_gain) {
+  return without.is_registered &&
+         (!with.is_registered || without.close_ratio > least_gain * with.close_ratio);
+}
 
 }  // namespace
 
-template <typename WithFeatures>
-void Slam::Implementation::leave_out_imu(WithFeatures& scan) const {
+/// Makes the scan what it was before make_turning_even().
+void Slam::Implementation::leave_out_imu(Scan& scan) const {
+  if (!scan.turning) return;
   scan.turning.reset();
-  if (!scan.measured_features) return;
-  scan.features = *std::exchange(scan.measured_features, std::nullopt);
+  scan.features = measured_features(scan);
   scan.map_features = map_features(scan.features, options.mapping);
 }
 
 /// registered(), and without the inertial sensor if its prediction is contradicted: what fits
 /// better is taken. The scan is then as it was measured.
-Slam::Implementation::Registered Slam::Implementation::checked(const Tracking& last, Scan& scan,
-                                                               Notes& notes) {
+Registered Slam::Implementation::checked(const Tracking& last, Scan& scan, Notes& notes) {
   Registered found = registered(last, scan, notes);
   const bool is_doubtful = !found.is_registered ||
                            found.innovation > InertialCheck::kMostInnovation ||
                            found.close_ratio < kDoubtfulFit * last.close_ratio;
+  // A sensor of which nothing else is doubtful is left out for a clear gain only.
   const double least_gain = is_doubtful ? 1.0 : kClearlyBetter;
   const bool competes = scan.turning && (is_doubtful || !inertial_check.is_proven());
   if (competes && replaced_without_imu(last, least_gain, scan, found, notes)) {
@@ -52,17 +53,14 @@ bool Slam::Implementation::replaced_without_imu(const Tracking& last, double lea
   leave_out_imu(alone);
   Notes alone_notes = notes;
   const Registered by_scan = registered(last, alone, alone_notes);
-  const bool is_better =
-      by_scan.is_registered &&
-      (!found.is_registered || by_scan.close_ratio > least_gain * found.close_ratio);
-  if (is_better) {
+  if (is_better(by_scan, found, least_gain)) {
     leave_out_imu(scan);
     notes = alone_notes;
     found = by_scan;
-  } else if (notes.trace != nullptr) {
-    found = registered(last, scan, notes);  // the trace is of this one
+    return true;
   }
-  return is_better;
+  if (notes.trace != nullptr) found = registered(last, scan, notes);  // the trace is of this one
+  return false;
 }
 
 /// Compares the turn since the reference by the inertial sensor with the registered one.
@@ -80,8 +78,7 @@ void Slam::Implementation::compare_turns(const Reference& reference, const Scan&
 
 /// checked(), while the first keyframe is the only one in the better of two maps: it was corrected
 /// with the turns of the inertial sensor, which nothing has confirmed yet, or is without.
-Slam::Implementation::Registered Slam::Implementation::first_registered(Tracking& last, Scan& scan,
-                                                                        Notes& notes) {
+Registered Slam::Implementation::first_registered(Tracking& last, Scan& scan, Notes& notes) {
   if (!last.first_keyframe || !last.first_keyframe->turning ||
       last.first_keyframe->time_s != last.reference.time_s) {
     return in_corrected_map(last, scan, notes);
@@ -92,14 +89,13 @@ Slam::Implementation::Registered Slam::Implementation::first_registered(Tracking
   const Registered found = in_corrected_map(last, scan, notes);
   Mapping mapping_by_imu = mapping;
   leave_out_imu(alone);
-  leave_out_imu(*alone_last.first_keyframe);
-  alone_last.reference.inertial.reset();
-  alone_last.reference.state = unknown_motion(alone_last.reference.state.T_map_sensor);
-  alone_last.reference.target = {alone_last.first_keyframe->features, Twist()};
-  put_first_keyframe(alone_last, Twist());
+  alone_last.first_keyframe->turning.reset();
+  Reference& reference = alone_last.reference;
+  reference.inertial.reset();
+  reference.state = unknown_motion(reference.state.T_map_sensor);
+  reference.target = {put_first_keyframe(*alone_last.first_keyframe, Twist()), Twist()};
   const Registered by_scan = in_corrected_map(alone_last, alone, alone_notes);
-  if (!by_scan.is_registered ||
-      (found.is_registered && by_scan.close_ratio <= kClearlyBetter * found.close_ratio)) {
+  if (!is_better(by_scan, found, kClearlyBetter)) {
     mapping = std::move(mapping_by_imu);
     return found;
   }

@@ -28,13 +28,14 @@ struct Features {
 /// points on surfaces that a beam grazes (both neighbours off by 2 % of the range) are passed over.
 /// Each row is cut into six sections. Of a section the points with the largest c that are above 0.1
 /// m^2 and no ground are edges, 2 sharp and up to 20 less sharp; the points with the smallest c
-/// that are below 0.1 m^2 and ground are planar features, up to 4. A chosen point keeps the 5
-/// points on either side from being chosen. Whatever is no edge is less flat.
+/// that are below 0.1 m^2 and ground are planar features, up to 4. A chosen point
+/// suppresses the 5 points on either side. All points that are no edges are less flat.
 ///
 /// Differs from LeGO-LOAM: the paper divides c by 10 r, its program, whose threshold holds here,
-/// does not, and the paper takes 40 less sharp and 80 less flat ones. The program forgets the last
-/// point of a section when it sorts, lets the fourth flat point keep nobody away, and begins a row
-/// a point too early. Ground and clusters are thinned apart (0.2 m), since odometry matches labels.
+/// does not, and the paper takes 40 less sharp and 80 less flat ones. The program leaves out
+/// the last point of a section when it sorts, lets the fourth flat point suppress no neighbours,
+/// and begins a row a point too early. Ground and clusters are thinned apart (0.2 m), since
+/// odometry matches labels.
 Features extract_features(const SegmentedScan& scan, int columns);
 
 }  // namespace hqslam::lego_loam

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "check_option.h"
 #include "feature_extraction.h"
 #include "front_end/scan_check.h"
 #include "mapping.h"
@@ -15,16 +16,11 @@ namespace {
 constexpr int kOdometryPerMappingScan = 2;
 constexpr double kMappingInterval_s = 0.3;
 
-SensorModel checked_sensor(const SensorModel& sensor) {
-  validate(sensor);
-  return sensor;
-}
-
 }  // namespace
 
 struct LegoLoam::Implementation {
   explicit Implementation(const SensorModel& sensor_)
-      : sensor(checked_sensor(sensor_)), segmentation(sensor) {}
+      : sensor(slam::validated(sensor_)), segmentation(sensor) {}
 
   ScanReport process(const OrganizedCloud& cloud, double stamp_s, ScanTrace* trace) {
     const SegmentedScan scan = segmentation.segment(cloud);
@@ -93,9 +89,8 @@ LegoLoam& LegoLoam::operator=(LegoLoam&&) noexcept = default;
 
 ScanReport LegoLoam::process(const OrganizedCloud& cloud, double stamp_s, ScanTrace* trace) {
   slam::check(cloud, stamp_s, implementation_->sensor);
-  return slam::all_sound(cloud)
-             ? implementation_->process(cloud, stamp_s, trace)
-             : implementation_->process(slam::without_unsound(cloud), stamp_s, trace);
+  const std::optional<OrganizedCloud> emptied = slam::without_unsound(cloud);
+  return implementation_->process(emptied ? *emptied : cloud, stamp_s, trace);
 }
 
 const Trajectory& LegoLoam::trajectory() const { return implementation_->trajectory; }

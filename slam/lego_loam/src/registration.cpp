@@ -1,9 +1,8 @@
 #include "registration.h"
 
-#include <ceres/ceres.h>
-
 #include <cmath>
 
+#include "alignment/ceres_solver.h"
 #include "hqslam/core/angles.h"
 
 namespace hqslam::lego_loam {
@@ -37,12 +36,7 @@ void take_steps(const Constraints& constraints, PoseParameters& pose, Free free,
   }
   if (free == Free::kOutOfPlane) problem.SetParameterBlockConstant(pose.in_plane.data());
   if (free == Free::kInPlane) problem.SetParameterBlockConstant(pose.out_of_plane.data());
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-  options.max_num_iterations = steps;
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
+  slam::solve(problem, ceres::DENSE_NORMAL_CHOLESKY, steps);
 }
 
 }  // namespace

@@ -38,8 +38,8 @@ struct SegmentedScan {
 /// rest; of the outliers every fifth column above the ground's rows, for the map alone.
 ///
 /// Differs from LeGO-LOAM: the program takes ground back where the pixel above has no return, which
-/// makes clusters of what it took, and forgets the row of a cluster's first point when it counts
-/// rows. alpha between rows is that of the beam table.
+/// makes clusters of what it took, and does not count the row of a cluster's first point. alpha
+/// between rows is that of the beam table.
 class Segmentation {
  public:
   explicit Segmentation(const SensorModel& sensor);

@@ -46,6 +46,10 @@ double row_spacing_rad(const SensorModel& sensor) {
 
 }  // namespace
 
+Matrix6 unknown_covariance() {
+  return Vector6::Constant(std::numeric_limits<double>::infinity()).asDiagonal();
+}
+
 Matrix6 carried(const Matrix6& covariance, const Pose& motion) {
   const Matrix6 turn = adjoint(motion.inverse());
   return turn * covariance * turn.transpose();
@@ -82,11 +86,7 @@ Matrix6 Drift::against_map(const MotionState& state) const {
   return result;
 }
 
-Vector6 Drift::shake() const {
-  Vector6 share;
-  share << kShakeAlong, kShakeAlong, kShakeAlong, kShakeAbout, kShakeAbout, kShakeAbout;
-  return share.cwiseProduct(jolts_);
-}
+Vector6 Drift::shake() const { return six(kShakeAlong, kShakeAbout).cwiseProduct(jolts_); }
 
 void Drift::move(const Pose& motion) { state_ = carried(state_, motion); }
 
@@ -124,9 +124,7 @@ Matrix6 Drift::own_covariance(const Pose& motion, const Matrix6& against_map) co
 }
 
 Matrix6 Drift::covariance(const Pose& motion, const Matrix6& against_map) const {
-  if (state_.is_anywhere) {
-    return Matrix6(Vector6::Constant(std::numeric_limits<double>::infinity()).asDiagonal());
-  }
+  if (state_.is_anywhere) return unknown_covariance();
   return carried(state_.total(), motion) + against_map;
 }
 

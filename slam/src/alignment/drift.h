@@ -7,6 +7,9 @@
 
 namespace hqslam::slam {
 
+/// Infinite variances: the pose is unknown.
+Matrix6 unknown_covariance();
+
 /// A covariance of e in T exp(e), for another pose rigidly connected with T.
 Matrix6 carried(const Matrix6& covariance, const Pose& motion);
 

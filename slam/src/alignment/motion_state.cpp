@@ -13,13 +13,13 @@ constexpr double kFading_s = 1.0;
 /// Weight of a new step in the density of accelerations.
 constexpr double kNewShare = 0.05;
 
+}  // namespace
+
 Vector6 six(double linear, double angular) {
   Vector6 result;
   result << linear, linear, linear, angular, angular, angular;
   return result;
 }
-
-}  // namespace
 
 Vector6 vector_of(const Twist& twist) {
   Vector6 result;

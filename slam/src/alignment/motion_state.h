@@ -11,6 +11,8 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector12 = Eigen::Matrix<double, 12, 1>;
 using Matrix12 = Eigen::Matrix<double, 12, 12>;
 
+/// One value for x, y and z, and one for the rotations about them.
+Vector6 six(double linear, double angular);
 /// (linear, angular)
 Vector6 vector_of(const Twist& twist);
 Twist twist_of(const Vector6& vector);

@@ -1,9 +1,8 @@
 #include "alignment/rigid_alignment.h"
 
-#include <ceres/ceres.h>
-
 #include <Eigen/Eigenvalues>
 
+#include "alignment/ceres_solver.h"
 #include "alignment/motion_state.h"
 #include "alignment/rotation_derivatives.h"
 
@@ -108,14 +107,7 @@ MotionParameters align(const std::vector<PlaneConstraint>& constraints,
   problem.AddResidualBlock(new PlaneConstraintsCost(constraints), nullptr, in_plane, out_of_plane);
   if (free == FreeParameters::kOutOfPlane) problem.SetParameterBlockConstant(in_plane);
   if (free == FreeParameters::kInPlane) problem.SetParameterBlockConstant(out_of_plane);
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-  options.max_num_iterations = max_steps;
-  options.num_threads = 1;
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  return summary.IsSolutionUsable() ? result : start;
+  return solve(problem, ceres::DENSE_NORMAL_CHOLESKY, max_steps) ? result : start;
 }
 
 Observability observability(const std::vector<PlaneConstraint>& constraints, FreeParameters free,
@@ -149,8 +141,7 @@ Observability observability(Matrix6 information, double total, FreeParameters fr
   const Eigen::SelfAdjointEigenSolver<Matrix6> solver(information / total);
   result.share = solver.eigenvalues();
   result.direction = solver.eigenvectors();
-  Vector6 scale;
-  scale << 1, 1, 1, kLever_m, kLever_m, kLever_m;
+  const Vector6 scale = six(1.0, kLever_m);
   for (int i = 0; i < 6; ++i) {
     if (solver.eigenvalues()[i] >= min_share) continue;
     ++result.degenerate_directions;

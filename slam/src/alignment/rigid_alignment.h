@@ -47,9 +47,9 @@ using MotionParameters = Vector6;
 Pose pose_of(const MotionParameters& parameters);
 MotionParameters parameters_of(const Pose& pose);
 
-/// The residuals of all constraints with analytic Jacobians, as Ceres asks for them: parameter
-/// block 0 are the parameters in plane, block 1 those out of plane. Jacobians may be null, or one
-/// of them.
+/// The residuals of all constraints with analytic Jacobians, in the form that Ceres expects:
+/// parameter block 0 are the parameters in plane, block 1 those out of plane. Jacobians may be
+/// null, or one of them.
 ///
 ///   d residual / d t = weight n;   d residual / d angle = weight n . (dR/dangle p).
 void evaluate(const std::vector<PlaneConstraint>& constraints, double const* const* parameters,

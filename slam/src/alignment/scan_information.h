@@ -10,8 +10,6 @@ namespace hqslam::slam {
 struct ScanInformation {
   Matrix6 information = Matrix6::Zero();
   Vector6 gradient = Vector6::Zero();
-  /// What of the information errors of normals do not explain: of this the covariance is made.
-  Matrix6 known = Matrix6::Zero();
   int degenerate_directions = 0;  ///< Observability, of all parameters
   /// 1 / sigma^2 [1/m^2] of the least known direction in (x, y, kLever_m yaw), the others held.
   double least_in_plane = 0.0;
@@ -21,26 +19,34 @@ struct ScanInformation {
 /// sensor's orientation in the map. Out: the sums over constraints of J J^T and r J with
 ///   r = weight (n . p - offset),  J = weight (n, p x n),
 /// turned into the sensor's frame.
+ScanInformation scan_information(const std::vector<PlaneConstraint>& constraints,
+                                 const Eigen::Matrix3d& R_map_sensor);
+
+/// The part of that information which errors of normals do not explain; the covariance is made of
+/// it.
 ///
 /// Along a tunnel each normal leans at random, and many of them make a direction look known. With
 ///   N = sum of J_t J_t^T,  J_t = weight (t, p x t),  t: the normal's tilt,
 /// the expected part of it, a direction u of information a = u^T (sum J J^T) u is known above
 ///   b = 2 u^T N u + kMismatchedShare sum of weight^2
-/// and has the share (a / b - 1) / 5, between 0 and 1, of its information in `known`.
-ScanInformation scan_information(const std::vector<PlaneConstraint>& constraints,
-                                 const Eigen::Matrix3d& R_map_sensor);
+/// and keeps the share (a / b - 1) / 5, between 0 and 1, of its information.
+Matrix6 known_information(const std::vector<PlaneConstraint>& constraints,
+                          const Eigen::Matrix3d& R_map_sensor);
 
 /// The expected state as a prior, to be combined with the information of a scan.
 class ExpectedState {
  public:
   explicit ExpectedState(const MotionState& expected);
 
-  /// A Gauss-Newton step from `state` towards the most likely state:
+  /// Moves pose and velocity of `state` by a Gauss-Newton step towards the most likely state:
   ///   minimise  e^T P^-1 e / 2  of the error e against the expected state
   ///             plus the information of the scan about the change of the pose.
-  /// The velocity follows by its correlation with the pose. The covariance is that with
-  /// ScanInformation::known: poses use all information, since what is feigned is usually little.
-  MotionState improved(const MotionState& state, const ScanInformation& scan) const;
+  /// The velocity follows by its correlation with the pose.
+  void improve(MotionState& state, const ScanInformation& scan) const;
+
+  /// The covariance after a scan with this known_information(). Poses use all of the scan's
+  /// information, since errors of normals usually explain little of it.
+  Matrix12 covariance(const Matrix6& known) const;
 
   /// The expected state given the pose, with the velocity that leads there.
   MotionState given(const Pose& T_map_sensor) const;

@@ -236,8 +236,7 @@ void move_poses(CalibrationStretch& stretch, const CalibrationSystem& system,
   for (std::size_t scan = 0; scan < stretch.T_map_sensor.size(); ++scan) {
     const Vector6 of_scan = change.segment<6>(6 * static_cast<Eigen::Index>(scan));
     Pose& T = stretch.T_map_sensor[scan];
-    const Pose turn = exponential({Eigen::Vector3d::Zero(), of_scan.tail<3>()});
-    T.linear() = turn.linear() * T.linear();
+    T.linear() = rotation_of(of_scan.tail<3>()) * T.linear();
     T.translation() += of_scan.head<3>();
   }
 }

@@ -12,11 +12,6 @@ namespace hqslam::slam {
 
 namespace {
 
-DenseMapOptions validated(const DenseMapOptions& options) {
-  validate(options);
-  return options;
-}
-
 template <typename Value>
 std::vector<Value> joined(const std::vector<std::vector<Value>>& pieces) {
   std::vector<Value> all;
@@ -108,23 +103,18 @@ void DenseMap::insert(const OrganizedCloud& cloud, const std::optional<RowSelect
   const MappedScan scan(cloud, path);
   Implementation& self = *implementation_;
   ++self.scans;
-  std::vector<PointVote> votes(cloud.range_m.size());
-  std::vector<Eigen::Vector3d> points_m(cloud.range_m.size());
-#pragma omp parallel for schedule(static)
+  const std::vector<Eigen::Vector3d> points_m = scan.points_in_map_m(self.options.max_range_m);
+  const bool bright = !cloud.intensity.empty();
+  self.has_intensities |= bright;
   for (int row = 0; row < cloud.rows; ++row) {
     const bool measured_row = !measured_rows || measured_rows->contains(row);
     for (int column = 0; column < cloud.columns; ++column) {
       const std::size_t pixel = cloud.index(row, column);
-      if (!scan.has_return(pixel) || cloud.range_m[pixel] > self.options.max_range_m) continue;
-      votes[pixel] = self.vote_of(cloud, pixel, measured_row);
-      points_m[pixel] = scan.point_in_map_m(pixel);
+      if (!points_m[pixel].allFinite()) continue;
+      const PointVote vote = self.vote_of(cloud, pixel, measured_row);
+      if (vote.odds == 0) continue;
+      self.add(points_m[pixel], vote, bright ? cloud.intensity[pixel] : std::nanf(""));
     }
-  }
-  const bool bright = !cloud.intensity.empty();
-  self.has_intensities |= bright;
-  for (std::size_t pixel = 0; pixel < votes.size(); ++pixel) {
-    if (votes[pixel].odds == 0) continue;
-    self.add(points_m[pixel], votes[pixel], bright ? cloud.intensity[pixel] : std::nanf(""));
   }
 }
 

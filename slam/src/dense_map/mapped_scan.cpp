@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "hqslam/core/error.h"
 
@@ -39,6 +40,17 @@ const Pose& MappedScan::T_map_sensor(std::size_t pixel) const {
   if (T_map_sensor_.size() == 1) return T_map_sensor_.front();
   const double entry = std::round((cloud_.time_offset_s[pixel] - first_s_) * per_s_);
   return T_map_sensor_[static_cast<std::size_t>(entry)];
+}
+
+std::vector<Eigen::Vector3d> MappedScan::points_in_map_m(double max_range_m) const {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  std::vector<Eigen::Vector3d> points_m(cloud_.range_m.size(), Eigen::Vector3d::Constant(kNone));
+#pragma omp parallel for schedule(static)
+  for (std::size_t pixel = 0; pixel < points_m.size(); ++pixel) {
+    if (!has_return(pixel) || cloud_.range_m[pixel] > max_range_m) continue;
+    points_m[pixel] = point_in_map_m(pixel);
+  }
+  return points_m;
 }
 
 }  // namespace hqslam::slam

@@ -25,6 +25,8 @@ class MappedScan {
   Eigen::Vector3d point_in_map_m(std::size_t pixel) const {
     return T_map_sensor(pixel) * cloud_.points_m[pixel].cast<double>();
   }
+  /// All points; NaN where there is no return within max_range_m.
+  std::vector<Eigen::Vector3d> points_in_map_m(double max_range_m) const;
 
  private:
   const OrganizedCloud& cloud_;

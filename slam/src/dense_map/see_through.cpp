@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cstddef>
-#include <limits>
 
 #include "dense_map/grid_walk.h"
 #include "dense_map/voxel_votes.h"
@@ -12,8 +11,6 @@ namespace hqslam::slam {
 
 namespace {
 
-constexpr double kLeastGap_m = 0.3;
-constexpr double kPlaneDistance_m = 1.5;
 /// Nearer to the sensor is nothing but its mount.
 constexpr double kBeginning_m = 0.3;
 constexpr double kRayReach_voxels = 0.5;
@@ -69,9 +66,7 @@ void vote_against(VoxelGrid& grid, const std::vector<PassedVoxel>& passed, std::
     Voxel& voxel = grid.block(at.block).at(at.local);
     if (voxel.last_scan == scan) continue;
     voxel.last_scan = scan;
-    if (voxel.times_seen_through < std::numeric_limits<std::uint16_t>::max()) {
-      ++voxel.times_seen_through;
-    }
+    count_up(voxel.times_seen_through);
   }
 }
 
@@ -88,8 +83,7 @@ void vote_against_seen_through(VoxelGrid& grid, const std::vector<Beam>& beams, 
     for (std::size_t i = 0; i < beams.size(); ++i) {
       const Eigen::Vector3d to_end_m = beams[i].end_m - beams[i].origin_m;
       const double range_m = to_end_m.norm();
-      const double gap_m = kLeastGap_m + grid.voxel_m() * range_m / kPlaneDistance_m;
-      const double end_m = std::min(range_m - gap_m, max_range_m);
+      const double end_m = std::min(seen_through_m(range_m, grid.voxel_m()), max_range_m);
       if (end_m <= kBeginning_m) continue;
       collect(grid, {beams[i].origin_m, to_end_m / range_m, kBeginning_m, end_m}, scan, passed);
     }

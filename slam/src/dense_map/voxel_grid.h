@@ -4,12 +4,18 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
 #include "map/cell_index.h"
 
 namespace hqslam::slam {
+
+/// Adds one, up to the largest number.
+inline void count_up(std::uint16_t& counter) {
+  if (counter < std::numeric_limits<std::uint16_t>::max()) ++counter;
+}
 
 /// The votes of the scans about one voxel. Sums are integers, so that their order does not matter.
 struct Voxel {

@@ -30,10 +30,6 @@ std::uint16_t odds_of(double confidence) {
   return static_cast<std::uint16_t>(std::lround(kOddsSteps * confidence / (1.0 - confidence)));
 }
 
-void count(std::uint16_t& counter) {
-  if (counter < std::numeric_limits<std::uint16_t>::max()) ++counter;
-}
-
 void add_odds(Voxel& voxel, std::uint32_t odds) {
   constexpr std::uint32_t kMost = std::numeric_limits<std::uint32_t>::max();
   voxel.odds_sum = voxel.odds_sum > kMost - odds ? kMost : voxel.odds_sum + odds;
@@ -66,7 +62,7 @@ void vote_for(Voxel& voxel, const Eigen::Vector3d& place, const PointVote& vote,
   if (first_of_scan) {
     voxel.last_scan = scan;
     voxel.scan_odds = 0;
-    count(voxel.times_seen);
+    count_up(voxel.times_seen);
   }
   if (vote.odds > voxel.scan_odds) {
     add_odds(voxel, static_cast<std::uint32_t>(vote.odds - voxel.scan_odds));
@@ -79,7 +75,7 @@ void vote_for(Voxel& voxel, const Eigen::Vector3d& place, const PointVote& vote,
     voxel.intensity_sums = 0;
   }
   if (vote.measured) {
-    count(voxel.times_measured);
+    count_up(voxel.times_measured);
   } else if (voxel.times_measured > 0) {
     return;
   }

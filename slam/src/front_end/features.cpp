@@ -2,29 +2,79 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstdlib>
 #include <iterator>
 
 #include "front_end/posts.h"
-#include "front_end/row_ranges.h"
 #include "front_end/voxel_thinning.h"
 
 namespace hqslam::slam {
 
 namespace {
 
-constexpr int kMaxColumnGap = 10;   // between a jump's two sides
+constexpr int kMaxColumnGap = 10;   // between neighbours, and between a jump's two sides
 constexpr int kOutlierColumns = 5;  // outliers of every fifth column go into the map
 constexpr int kSlopeRows = 3;       // largest distance of the row above or below, in rows
 
 /// The sequence of ground and cluster returns of one row with their properties.
-struct Row : RowRanges {
+struct Row {
+  static constexpr int kHalfWindow = 5;  ///< neighbours on each side
+
   std::vector<FeaturePoint> points;
+  std::vector<float> range_m;
+  std::vector<int> column;
   std::vector<std::uint8_t> ground;
   std::vector<float> smoothness_m;
-  std::vector<std::uint8_t> unusable;  ///< hidden, along the beam, or too near an end of the row
+  /// Near a chosen point, hidden, along the beam, or too near an end of the row.
+  std::vector<std::uint8_t> taken;
   std::vector<std::uint8_t> is_edge;
   std::vector<FeaturePoint> outliers;
   std::vector<int> candidates;  ///< of the present section; its memory is reused
+
+  int size() const { return static_cast<int>(range_m.size()); }
+  /// Whether neighbours in the sequence are neighbours in the image, too.
+  bool are_near(int i, int j) const { return std::abs(column[i] - column[j]) <= kMaxColumnGap; }
+
+  /// |sum of the 10 neighbours' ranges - 10 range| for a point with five on each side.
+  float smoothness_at_m(int i) const {
+    float sum_m = -2.0F * kHalfWindow * range_m[i];
+    for (int k = 1; k <= kHalfWindow; ++k) sum_m += range_m[i - k] + range_m[i + k];
+    return std::abs(sum_m);
+  }
+
+  /// Takes the far side of depth jumps and surfaces along the beam.
+  void take_unreliable() {
+    constexpr float kDepthJump_m = 0.3F;    // occludes what is behind
+    constexpr float kParallelJump = 0.02F;  // share of the range, on both sides: along the beam
+    for (int i = kHalfWindow; i + kHalfWindow + 1 < size(); ++i) {
+      const float here_m = range_m[i];
+      const float next_m = range_m[i + 1];
+      if (are_near(i, i + 1)) {
+        if (here_m - next_m > kDepthJump_m) {
+          std::fill(taken.begin() + i - kHalfWindow, taken.begin() + i + 1, 1);
+        } else if (next_m - here_m > kDepthJump_m) {
+          std::fill(taken.begin() + i + 1, taken.begin() + i + kHalfWindow + 2, 1);
+        }
+      }
+      const float before_m = range_m[i - 1];
+      if (std::abs(before_m - here_m) > kParallelJump * here_m &&
+          std::abs(next_m - here_m) > kParallelJump * here_m) {
+        taken[i] = 1;
+      }
+    }
+  }
+
+  /// Takes a chosen point and its neighbours, up to the next gap.
+  void take_neighbours(int chosen) {
+    taken[chosen] = 1;
+    for (const int direction : {-1, 1}) {
+      for (int k = 1; k <= kHalfWindow; ++k) {
+        const int i = chosen + direction * k;
+        if (i < 0 || i >= size() || !are_near(i, i - direction)) break;
+        taken[i] = 1;
+      }
+    }
+  }
 };
 
 /// The ground in the first row with a return above (step -1) or below (1) a pixel.
@@ -86,36 +136,35 @@ Row gather_row(const OrganizedCloud& cloud, const Segmentation& segmentation, in
 /// Takes candidates, best first, until there are `wanted`; neighbours of one are left out.
 /// better(a, b): whether a goes before b; of equals the first in the row.
 template <typename Better, typename Take>
-void choose(Row& row, int wanted, const Better& better, std::vector<std::uint8_t>& taken,
-            const Take& take) {
+void choose(Row& row, int wanted, const Better& better, const Take& take) {
   std::vector<int>& candidates = row.candidates;
   const auto worse = [&](int a, int b) { return better(b, a) || (!better(a, b) && a > b); };
   std::make_heap(candidates.begin(), candidates.end(), worse);
   for (auto last = candidates.end(); last != candidates.begin() && wanted > 0; --last) {
     std::pop_heap(candidates.begin(), last, worse);
     const int i = *std::prev(last);
-    if (taken[i] != 0) continue;
+    if (row.taken[i] != 0) continue;
     take(i);
-    row.suppress_neighbours(i, taken);
+    row.take_neighbours(i);
     --wanted;
   }
 }
 
 /// Edges of the points first..last-1 of a row: the largest smoothness first.
 void choose_edges(Row& row, int first, int last, const FeatureOptions& options,
-                  std::vector<std::uint8_t>& taken, Features& features) {
+                  Features& features) {
   row.candidates.clear();
   for (int i = first; i < last; ++i) {
     const double required_m = std::max(options.min_edge_smoothness_m,
                                        options.min_edge_smoothness_per_range * row.range_m[i]);
-    if (taken[i] == 0 && row.ground[i] == 0 && row.smoothness_m[i] > required_m) {
+    if (row.taken[i] == 0 && row.ground[i] == 0 && row.smoothness_m[i] > required_m) {
       row.candidates.push_back(i);
     }
   }
   int sharp = options.sharp_edges_per_section;
   choose(
       row, options.edges_per_section,
-      [&](int a, int b) { return row.smoothness_m[a] > row.smoothness_m[b]; }, taken,
+      [&](int a, int b) { return row.smoothness_m[a] > row.smoothness_m[b]; },
       [&](int i) {
         if (sharp-- > 0) features.sharp_edges.push_back(row.points[i]);
         features.edges.push_back(row.points[i]);
@@ -125,17 +174,17 @@ void choose_edges(Row& row, int first, int last, const FeatureOptions& options,
 
 /// Flat ground points of the points first..last-1 of a row: the smallest smoothness first.
 void choose_flat_points(Row& row, int first, int last, const FeatureOptions& options,
-                        std::vector<std::uint8_t>& taken, Features& features) {
+                        Features& features) {
   row.candidates.clear();
   for (int i = first; i < last; ++i) {
-    if (taken[i] == 0 && row.ground[i] != 0 &&
+    if (row.taken[i] == 0 && row.ground[i] != 0 &&
         row.smoothness_m[i] < options.min_edge_smoothness_m) {
       row.candidates.push_back(i);
     }
   }
   choose(
       row, options.flat_points_per_section,
-      [&](int a, int b) { return row.smoothness_m[a] < row.smoothness_m[b]; }, taken,
+      [&](int a, int b) { return row.smoothness_m[a] < row.smoothness_m[b]; },
       [&](int i) { features.flat_points.push_back(row.points[i]); });
 }
 
@@ -143,21 +192,20 @@ Features features_of_row(const OrganizedCloud& cloud, const Segmentation& segmen
                          int row_index, const FeatureOptions& options) {
   Row row = gather_row(cloud, segmentation, row_index);
   row.smoothness_m.assign(row.points.size(), 0.0F);
-  row.unusable.assign(row.points.size(), 1);
+  row.taken.assign(row.points.size(), 1);
   for (int i = Row::kHalfWindow; i + Row::kHalfWindow < row.size(); ++i) {
     row.smoothness_m[i] = row.smoothness_at_m(i);
-    row.unusable[i] = 0;
+    row.taken[i] = 0;
   }
-  row.mark_unreliable(kMaxColumnGap, row.unusable);
+  row.take_unreliable();
   row.is_edge.assign(row.points.size(), 0);
 
   Features features;
-  std::vector<std::uint8_t> taken = row.unusable;
   for (int section = 0; section < options.sections; ++section) {
     const int first = row.size() * section / options.sections;
     const int last = row.size() * (section + 1) / options.sections;
-    choose_edges(row, first, last, options, taken, features);
-    choose_flat_points(row, first, last, options, taken, features);
+    choose_edges(row, first, last, options, features);
+    choose_flat_points(row, first, last, options, features);
   }
   std::vector<FeaturePoint> ground;
   std::vector<FeaturePoint> surfaces;
@@ -170,12 +218,6 @@ Features features_of_row(const OrganizedCloud& cloud, const Segmentation& segmen
   features.ground = thin(ground, options.planar_leaf_m);
   features.surfaces = thin(surfaces, options.planar_leaf_m);
   return features;
-}
-
-void append(std::vector<FeaturePoint>& to, const std::vector<FeaturePoint>& from, int row) {
-  const auto first = static_cast<std::ptrdiff_t>(to.size());
-  to.insert(to.end(), from.begin(), from.end());
-  for (auto point = to.begin() + first; point != to.end(); ++point) point->row = row;
 }
 
 }  // namespace
@@ -191,13 +233,14 @@ Features extract_features(const OrganizedCloud& cloud, const Segmentation& segme
     of_row[i].posts = posts_in_row(cloud, segmentation, rows[i], options.max_post_width_m);
   }
   Features all;
-  for (int i = 0; i < static_cast<int>(of_row.size()); ++i) {
-    append(all.sharp_edges, of_row[i].sharp_edges, i);
-    append(all.edges, of_row[i].edges, i);
-    append(all.flat_points, of_row[i].flat_points, i);
-    append(all.ground, of_row[i].ground, i);
-    append(all.surfaces, of_row[i].surfaces, i);
-    append(all.posts, of_row[i].posts, i);
+  for (const auto kind : {&Features::sharp_edges, &Features::edges, &Features::flat_points,
+                          &Features::ground, &Features::surfaces, &Features::posts}) {
+    for (int i = 0; i < static_cast<int>(of_row.size()); ++i) {
+      for (FeaturePoint& point : of_row[i].*kind) {
+        point.row = i;
+        (all.*kind).push_back(point);
+      }
+    }
   }
   return all;
 }

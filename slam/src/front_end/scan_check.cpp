@@ -98,19 +98,14 @@ void check(const OrganizedCloud& cloud, double stamp_s, const SensorModel& senso
   check_times(cloud, sensor);
 }
 
-OrganizedCloud without_unsound(const OrganizedCloud& cloud) {
-  OrganizedCloud result = cloud;
+std::optional<OrganizedCloud> without_unsound(const OrganizedCloud& cloud) {
+  std::optional<OrganizedCloud> result;
   for (std::size_t pixel = 0; pixel < cloud.range_m.size(); ++pixel) {
-    if (!is_sound(cloud, pixel)) result.range_m[pixel] = 0.0F;
+    if (is_sound(cloud, pixel)) continue;
+    if (!result) result = cloud;
+    result->range_m[pixel] = 0.0F;
   }
   return result;
-}
-
-bool all_sound(const OrganizedCloud& cloud) {
-  for (std::size_t pixel = 0; pixel < cloud.range_m.size(); ++pixel) {
-    if (!is_sound(cloud, pixel)) return false;
-  }
-  return true;
 }
 
 }  // namespace hqslam::slam

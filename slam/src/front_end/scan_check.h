@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/sensor_model.h"
 
@@ -16,9 +18,8 @@ void check(const OrganizedCloud& cloud, double stamp_s, const SensorModel& senso
 
 /// Whether a pixel is empty or has a finite point, range and capture time.
 bool is_sound(const OrganizedCloud& cloud, std::size_t pixel);
-bool all_sound(const OrganizedCloud& cloud);
 
-/// The cloud with unsound pixels emptied.
-OrganizedCloud without_unsound(const OrganizedCloud& cloud);
+/// The cloud with unsound pixels emptied; nothing where all are sound.
+std::optional<OrganizedCloud> without_unsound(const OrganizedCloud& cloud);
 
 }  // namespace hqslam::slam

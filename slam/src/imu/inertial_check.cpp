@@ -28,8 +28,8 @@ constexpr double kShareOfScan = 0.05;
 /// (simulated drives of all kinds).
 constexpr std::size_t kCompared = 40;
 constexpr double kTurning_rad_per_s = 0.02;
-/// The part of the turns that may remain unexplained: of a sensor that is believed, and of one that
-/// is to be believed again.
+/// The share of the turns that may remain unexplained while the sensor is used, and the one below
+/// which a sensor that was left out is used again.
 constexpr double kMostUnexplained = 0.5;
 constexpr double kUnexplained = 0.3;
 /// Smallest cosine of the angle between the mean force and upwards: the sensor leans, and
@@ -42,7 +42,7 @@ struct Conversion {
   double scale = 1.0;
 };
 
-/// All that may be meant: axes swapped or negated, degrees for radians or the opposite.
+/// The plausible mistakes: axes swapped or negated, degrees for radians or the opposite.
 template <typename Visit>
 void for_each_conversion(const Visit& visit) {
   std::array<int, 3> order = {0, 1, 2};
@@ -97,7 +97,16 @@ std::string suggestion(const Conversion& fits) {
   return fmt::format("; axes {}?", axes_text(fits.axes));
 }
 
+bool is_long_as_gravity(double length_mps2) {
+  return std::abs(length_mps2 - kGravity_mps2) <= 0.5 * kGravity_mps2;
+}
+
 }  // namespace
+
+bool is_gravity(const Vector3d& specific_force_mps2) {
+  const double length_mps2 = specific_force_mps2.norm();
+  return is_long_as_gravity(length_mps2) && specific_force_mps2.z() >= kLeastUpward * length_mps2;
+}
 
 void InertialCheck::refute() {
   agrees_ = false;
@@ -125,7 +134,7 @@ void InertialCheck::compare_turns(const Vector3d& gyroscope_rad_per_s,
   const double unexplained = deviation(turns_, [](const Turn& t) {
     return Vector3d(t.registered_rad_per_s - t.gyroscope_rad_per_s);
   });
-  if (agrees_) {  // the registered turns lean on the sensor's
+  if (agrees_) {  // the registered turns follow the sensor's
     const double most = std::max(turning, measured);
     if (most > kTurning_rad_per_s && unexplained > kMostUnexplained * most) refute();
   } else if (turning > kTurning_rad_per_s && unexplained < kUnexplained * turning) {
@@ -161,19 +170,17 @@ void InertialCheck::explain_turns(double measured, double turning, double unexpl
   }
 }
 
-bool InertialCheck::takes_gravity(const Vector3d& specific_force_mps2) {
+void InertialCheck::complain_about_force(const Vector3d& specific_force_mps2) {
   const double length_mps2 = specific_force_mps2.norm();
-  if (std::abs(length_mps2 - kGravity_mps2) > 0.5 * kGravity_mps2) {
+  if (is_long_as_gravity(length_mps2)) {
+    const bool is_down = specific_force_mps2.z() < -kLeastUpward * length_mps2;
+    complaint_ = fmt::format("its forces at rest point {}, expected upwards; other axes or signs?",
+                             is_down ? "downwards" : "sideways");
+  } else {
     complaint_ =
         fmt::format("its forces of {:.2f} m/s^2 are not gravity's {:.2f}{}", length_mps2,
                     kGravity_mps2, length_mps2 < 2.0 && length_mps2 > 0.5 ? "; in g?" : "");
-    return false;
   }
-  if (specific_force_mps2.z() >= kLeastUpward * length_mps2) return true;
-  complaint_ =
-      fmt::format("its forces at rest point {}, expected upwards; other axes or signs?",
-                  specific_force_mps2.z() < -kLeastUpward * length_mps2 ? "downwards" : "sideways");
-  return false;
 }
 
 }  // namespace hqslam::slam

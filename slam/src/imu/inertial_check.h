@@ -6,12 +6,16 @@
 
 namespace hqslam::slam {
 
+/// Whether an inertial state can begin with the mean specific force over a scan, in the level
+/// frame: about gravity's length, upwards.
+bool is_gravity(const Eigen::Vector3d& specific_force_mps2);
+
 /// Whether an inertial sensor agrees with the scans, which alone decide: a sensor that is stuck,
 /// late, mounted otherwise or in another unit would move every scan.
 ///
-/// It is believed at first, because a hand turns at once. It is left out once the innovations of
-/// its predictions exceed their covariance on average, or its turns differ from the registered
-/// ones, and taken again when they agree.
+/// The sensor is used from the first scan on, because a hand turns at once. It is left out once the
+/// innovations of its predictions exceed their covariance on average, or its turns differ from the
+/// registered ones, and used again when they agree.
 class InertialCheck {
  public:
   bool agrees() const { return agrees_; }
@@ -28,9 +32,8 @@ class InertialCheck {
   /// mean and the registered one.
   void compare_turns(const Eigen::Vector3d& gyroscope_rad_per_s,
                      const Eigen::Vector3d& registered_rad_per_s);
-  /// Whether an inertial state can begin with the mean specific force over a scan, in the level
-  /// frame: gravity's length, upwards.
-  bool takes_gravity(const Eigen::Vector3d& specific_force_mps2);
+  /// Sets the complaint for a mean specific force that is not is_gravity().
+  void complain_about_force(const Eigen::Vector3d& specific_force_mps2);
 
   /// What disagrees and what would agree, for a user: "turns disagree with the scans 57-fold;
   /// degrees per second?". Empty as long as nothing did.
@@ -46,7 +49,7 @@ class InertialCheck {
 
   static constexpr int kProving = 20;
   bool agrees_ = true;
-  int predictions_ = 0;           ///< since it was believed
+  int predictions_ = 0;           ///< since the sensor is used
   double mean_innovation_ = 0.0;  ///< of about 20 scans
   std::deque<Turn> turns_;
   std::string complaint_;

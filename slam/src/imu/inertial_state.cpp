@@ -119,8 +119,7 @@ namespace {
 /// P + N: the covariance of the prediction's pose and of a registration's errors beyond its own.
 Matrix6 covariance_of_pose(const InertialPrediction& prediction) {
   Matrix6 result = prediction.inertial.covariance.topLeftCorner<6, 6>();
-  result.diagonal().head<3>().array() += kRegistration_m * kRegistration_m;
-  result.diagonal().tail<3>().array() += kRegistration_rad * kRegistration_rad;
+  result.diagonal() += six(kRegistration_m, kRegistration_rad).cwiseAbs2();
   return result;
 }
 

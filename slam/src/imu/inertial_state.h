@@ -53,10 +53,10 @@ InertialPrediction predicted(const MotionState& state, const InertialState& iner
 
 /// Updates biases and gravity by the scan that changed the predicted state to `found`. With the
 /// covariance P of the prediction's pose, its rows P_all of all errors, the scan's own information
-/// L
-/// (`of_scan`, as ScanInformation), the covariance C of `found`, which combines both, and the
-/// motion e from the prediction to it, C^-1 e = L z for the pose z by the scan alone. The Kalman
-/// update by z with covariance L^-1 + N is
+/// L (`of_scan`, as ScanInformation), the covariance C of `found`, which combines both, and the
+/// motion e from the prediction to it, C^-1 e = L z for the pose z by the scan alone. Where errors
+/// of normals explain a part of L, C is larger (known_information), and C^-1 e is less than L z:
+/// such a direction corrects less. The Kalman update by z with covariance L^-1 + N is
 ///   A = (I + L (P + N))^-1,  x <- x + P_all A C^-1 e,  P <- P - P_all A L P_all^T,
 /// without L^-1: a direction without information changes nothing. N is the covariance of a
 /// registration's errors beyond its own estimate. Pose and velocity remain as in `found`.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "alignment/rigid_alignment.h"
 #include "loops/loop_correction.h"
 #include "loops/loop_search.h"
 
@@ -26,7 +27,6 @@ constexpr double kLevelledEveryShare = 0.01;
 
 /// A measure to compare two covariances by; angles have a lever of 10 m.
 double size_of(const Matrix6& covariance) {
-  constexpr double kLever_m = 10.0;
   const auto variance = covariance.diagonal();
   return variance.head<3>().sum() + kLever_m * kLever_m * variance.tail<3>().sum();
 }
@@ -106,9 +106,7 @@ std::size_t KeyframeGraph::submap_of(std::size_t node) const {
 LoopedDrift KeyframeGraph::improve_drift(const PoseGraphEdge& loop) {
   const DriftState from = nodes_[loop.from].drift;
   const DriftState to = nodes_[loop.to].drift;
-  Vector6 sigma;
-  sigma << Eigen::Vector3d::Constant(loop.translation_sigma_m),
-      Eigen::Vector3d::Constant(loop.rotation_sigma_rad);
+  const Vector6 sigma = six(loop.translation_sigma_m, loop.rotation_sigma_rad);
   const Matrix6 of_loop = sigma.cwiseAbs2().asDiagonal();
   LoopedDrift result;
   result.last_segment = segment_of(last());
@@ -197,12 +195,9 @@ std::vector<Pose> KeyframeGraph::moved(std::size_t segment,
   for (std::size_t i = begin_node; i < end_node; ++i) {
     keyframe_of_node.push_back(nodes_[i].keyframe - segments_[segment].first_keyframe);
   }
-  const auto piece = [](const std::vector<Pose>& poses, std::size_t from, std::size_t to) {
-    return std::vector<Pose>(poses.begin() + static_cast<std::ptrdiff_t>(from),
-                             poses.begin() + static_cast<std::ptrdiff_t>(to));
-  };
-  return corrected_keyframes(piece(T_map_keyframe_, begin, end), keyframe_of_node,
-                             piece(T_map_node, begin_node, end_node));
+  return corrected_keyframes(std::span(T_map_keyframe_).subspan(begin, end - begin),
+                             keyframe_of_node,
+                             std::span(T_map_node).subspan(begin_node, end_node - begin_node));
 }
 
 std::vector<Pose> KeyframeGraph::move(const std::vector<Pose>& T_map_node) {

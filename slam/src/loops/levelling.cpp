@@ -1,6 +1,5 @@
 #include "loops/levelling.h"
 
-#include <ceres/ceres.h>
 #include <ceres/rotation.h>
 
 #include <Eigen/Geometry>
@@ -8,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "alignment/ceres_solver.h"
 #include "alignment/motion_state.h"
 #include "hqslam/core/imu_sample.h"
 
@@ -28,6 +28,7 @@ constexpr double kLean_rad_per_m = 1.7e-4;
 constexpr std::array<double, 8> kImuErrors = {0.015, 0.015, 0.015, 0.01, 0.15, 0.15, 0.15, 0.005};
 /// Factor of the sigmas about the vertical, which keeps the yaw.
 constexpr double kAboutVertical = 0.01;
+constexpr int kMaxSteps = 50;
 
 /// The unknowns at one node with a measurement.
 struct Measurement {
@@ -146,13 +147,7 @@ bool solve(const std::vector<Pose>& T_first_node, const std::vector<GravityAtNod
   problem.AddResidualBlock(
       new ceres::AutoDiffCostFunction<PriorResidual, 15, 3, 3, 8, 3>(new PriorResidual), nullptr,
       first.bias_mps2.data(), per_m, unknowns.imu_errors.data(), gravity_mps2);
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  options.num_threads = 1;
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  return summary.IsSolutionUsable();
+  return slam::solve(problem, ceres::SPARSE_NORMAL_CHOLESKY, kMaxSteps);
 }
 
 }  // namespace

@@ -123,12 +123,6 @@ LoopReport LoopClosing::look_where_predicted() {
   return report;
 }
 
-PoseGraphEdge LoopClosing::edge_of(const FoundLoop& loop) const {
-  const Pose& T_map_older = graph_.poses().T_map_node[loop.node];
-  return {loop.node, graph_.last(), T_map_older.inverse() * loop.T_map_last, kLoopSigma_m,
-          kLoopSigma_rad};
-}
-
 /// The correction of a loop's younger node by the loop.
 Pose LoopClosing::T_corrected_map(const PoseGraphEdge& loop) const {
   const std::vector<Pose>& T_map_node = graph_.poses().T_map_node;
@@ -136,7 +130,9 @@ Pose LoopClosing::T_corrected_map(const PoseGraphEdge& loop) const {
 }
 
 void LoopClosing::await_others(const FoundLoop& loop) {
-  waiting_.push_back(edge_of(loop));
+  const Pose& T_map_older = graph_.poses().T_map_node[loop.node];
+  waiting_.push_back({loop.node, graph_.last(), T_map_older.inverse() * loop.T_map_last,
+                      kLoopSigma_m, kLoopSigma_rad});
   missed_ = 0;
 }
 

@@ -46,7 +46,6 @@ class LoopClosing {
   LoopReport look_where_predicted();
   template <typename Look>
   auto look_in(std::size_t submap, const Look& look) const;
-  PoseGraphEdge edge_of(const FoundLoop& loop) const;
   Pose T_corrected_map(const PoseGraphEdge& loop) const;
   void await_others(const FoundLoop& loop);
   bool enough_agree() const;

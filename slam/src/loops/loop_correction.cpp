@@ -32,15 +32,15 @@ bool is_plausible(const PoseGraph& graph, const std::vector<double>& edge_drift_
   });
 }
 
-std::vector<Pose> corrected_keyframes(const std::vector<Pose>& T_map_keyframe,
+std::vector<Pose> corrected_keyframes(std::span<const Pose> T_map_keyframe,
                                       const std::vector<std::uint32_t>& keyframe_of_node,
-                                      const std::vector<Pose>& T_map_node) {
+                                      std::span<const Pose> T_map_node) {
   std::vector<double> path_m(T_map_keyframe.size(), 0.0);
   for (std::size_t k = 1; k < path_m.size(); ++k) {
     path_m[k] = path_m[k - 1] +
                 (T_map_keyframe[k].translation() - T_map_keyframe[k - 1].translation()).norm();
   }
-  std::vector<Pose> result = T_map_keyframe;
+  std::vector<Pose> result(T_map_keyframe.begin(), T_map_keyframe.end());
   std::size_t node = 0;
   for (std::size_t k = 0; k < result.size(); ++k) {
     while (node + 1 < keyframe_of_node.size() && keyframe_of_node[node + 1] <= k) ++node;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "loops/pose_graph.h"
@@ -18,8 +19,8 @@ bool is_plausible(const PoseGraph& graph, const std::vector<double>& edge_drift_
 /// new poses. Out: new poses. A keyframe between two nodes is interpolated, by its position along
 /// the path, between the poses that it would get from either; those after the last node move with
 /// it. Motions of less than a millimetre are left out, so that most of the map is not touched.
-std::vector<Pose> corrected_keyframes(const std::vector<Pose>& T_map_keyframe,
+std::vector<Pose> corrected_keyframes(std::span<const Pose> T_map_keyframe,
                                       const std::vector<std::uint32_t>& keyframe_of_node,
-                                      const std::vector<Pose>& T_map_node);
+                                      std::span<const Pose> T_map_node);
 
 }  // namespace hqslam::slam

@@ -23,25 +23,6 @@ constexpr double kMaxResidual_m = 0.08;
 constexpr double kPush_m = 1.0;
 constexpr double kMaxReturn_m = 0.15;
 
-class FitSum {
- public:
-  void add(std::optional<double> distance_m) {
-    ++features_;
-    if (!distance_m || *distance_m > kMaxDistance_m) return;
-    ++fitting_;
-    squares_m2_ += *distance_m * *distance_m;
-  }
-  Fit result() const {
-    if (fitting_ == 0) return {};
-    return {static_cast<double>(fitting_) / features_, std::sqrt(squares_m2_ / fitting_)};
-  }
-
- private:
-  int features_ = 0;
-  int fitting_ = 0;
-  double squares_m2_ = 0.0;
-};
-
 /// The registration of a standing sensor near a pose.
 MappingResult registered_at(const MapFeatures& features, const Mapping& map,
                             const Pose& T_map_sensor) {
@@ -64,21 +45,31 @@ bool slides(const MapFeatures& features, const Mapping& older_map, const Pose& T
 }  // namespace
 
 Fit fit_of(const MapFeatures& features, const FeatureMaps& map, const MotionState& state) {
-  FitSum sum;
-  for (const Eigen::Vector3f& edge_m : motion_corrected(features.edges, state.velocity)) {
-    const Eigen::Vector3d point_m = state.T_map_sensor * edge_m.cast<double>();
+  int count = 0;
+  int fitting = 0;
+  double squares_m2 = 0.0;
+  const auto add = [&](const std::vector<FeaturePoint>& kind, const auto& distance_m) {
+    for (const Eigen::Vector3f& corrected_m : motion_corrected(kind, state.velocity)) {
+      const Eigen::Vector3d point_m = state.T_map_sensor * corrected_m.cast<double>();
+      const std::optional<double> away_m = distance_m(point_m);
+      ++count;
+      if (!away_m || *away_m > kMaxDistance_m) continue;
+      ++fitting;
+      squares_m2 += *away_m * *away_m;
+    }
+  };
+  add(features.edges, [&](const Eigen::Vector3d& point_m) -> std::optional<double> {
     const auto line = fit_line(map.edges.nearest(point_m.cast<float>()));
-    sum.add(line ? std::optional(line->direction.cross(point_m - line->point_m).norm())
-                 : std::nullopt);
-  }
-  for (const Eigen::Vector3f& surface_m :
-       motion_corrected(features.surfaces_to_register, state.velocity)) {
-    const Eigen::Vector3d point_m = state.T_map_sensor * surface_m.cast<double>();
+    if (!line) return std::nullopt;
+    return line->direction.cross(point_m - line->point_m).norm();
+  });
+  add(features.surfaces_to_register, [&](const Eigen::Vector3d& point_m) -> std::optional<double> {
     const auto plane = fit_plane(map.planes.nearest(point_m.cast<float>()), kMaxPlaneResidual_m);
-    sum.add(plane ? std::optional(std::abs(plane->normal.dot(point_m - plane->point_m)))
-                  : std::nullopt);
-  }
-  return sum.result();
+    if (!plane) return std::nullopt;
+    return std::abs(plane->normal.dot(point_m - plane->point_m));
+  });
+  if (fitting == 0) return {};
+  return {static_cast<double>(fitting) / count, std::sqrt(squares_m2 / fitting)};
 }
 
 std::optional<VerifiedLoop> verify_loop(const MapFeatures& features, const Mapping& older_map,

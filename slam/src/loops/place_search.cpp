@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <utility>
 
 namespace hqslam::slam {
@@ -22,6 +23,7 @@ int cell_of(float coordinate_m) {
 }
 
 bool inside(int x, int y) { return x >= 0 && x < kSide && y >= 0 && y < kSide; }
+std::size_t index_of(int x, int y) { return static_cast<std::size_t>(x) * kSide + y; }
 
 /// The place from above: 2 in cells with structure, 1 beside them, 0 elsewhere.
 std::vector<std::uint8_t> drawn(const std::vector<Eigen::Vector3f>& structure_m) {
@@ -32,7 +34,7 @@ std::vector<std::uint8_t> drawn(const std::vector<Eigen::Vector3f>& structure_m)
     for (int dx = -1; dx <= 1; ++dx) {
       for (int dy = -1; dy <= 1; ++dy) {
         if (!inside(x + dx, y + dy)) continue;
-        std::uint8_t& cell = grid[static_cast<std::size_t>(x + dx) * kSide + y + dy];
+        std::uint8_t& cell = grid[index_of(x + dx, y + dy)];
         cell = std::max(cell, static_cast<std::uint8_t>(dx == 0 && dy == 0 ? 2 : 1));
       }
     }
@@ -63,7 +65,7 @@ class ShiftScores {
   void add(const std::vector<std::uint8_t>& grid, int x, int y) {
     if (!inside(x - reach_, y - reach_) || !inside(x + reach_, y + reach_)) return;
     for (int dx = -reach_; dx <= reach_; ++dx) {
-      const std::uint8_t* row = &grid[static_cast<std::size_t>(x + dx) * kSide + y - reach_];
+      const std::uint8_t* row = &grid[index_of(x + dx, y - reach_)];
       int* score = &scores_[index(dx, -reach_)];
       for (int i = 0; i < side(); ++i) score[i] += row[i];
     }
@@ -129,22 +131,20 @@ std::vector<PlacedPoints> search_place(const std::vector<Eigen::Vector3f>& struc
 
 std::vector<Eigen::Vector3f> upright_structure_m(const std::vector<Eigen::Vector3f>& points_m) {
   struct Column {
-    bool seen = false;
-    float low_m = 0.0F;
-    float high_m = 0.0F;
+    float low_m = std::numeric_limits<float>::infinity();
+    float high_m = -low_m;
   };
   std::vector<Column> columns(static_cast<std::size_t>(kSide) * kSide);
   const auto column_of = [&](const Eigen::Vector3f& point_m) -> Column* {
     const int x = cell_of(point_m.x());
     const int y = cell_of(point_m.y());
-    return inside(x, y) ? &columns[static_cast<std::size_t>(x) * kSide + y] : nullptr;
+    return inside(x, y) ? &columns[index_of(x, y)] : nullptr;
   };
   for (const Eigen::Vector3f& point_m : points_m) {
     Column* column = column_of(point_m);
     if (column == nullptr) continue;
-    column->low_m = column->seen ? std::min(column->low_m, point_m.z()) : point_m.z();
-    column->high_m = column->seen ? std::max(column->high_m, point_m.z()) : point_m.z();
-    column->seen = true;
+    column->low_m = std::min(column->low_m, point_m.z());
+    column->high_m = std::max(column->high_m, point_m.z());
   }
   std::vector<Eigen::Vector3f> result;
   for (const Eigen::Vector3f& point_m : points_m) {

@@ -1,11 +1,11 @@
 #include "loops/pose_graph.h"
 
-#include <ceres/ceres.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+
+#include "alignment/ceres_solver.h"
 
 namespace hqslam::slam {
 
@@ -13,6 +13,7 @@ namespace {
 
 /// In sigmas; loops with larger residuals lose weight.
 constexpr double kCauchyScale = 3.0;
+constexpr int kMaxSteps = 30;
 
 struct NodeParameters {
   Eigen::Vector3d translation_m;
@@ -105,14 +106,7 @@ bool solve(const PoseGraph& graph, ceres::LossFunction* loop_loss,
   }
   for (const PoseGraphEdge& edge : graph.odometry) add_edge(edge, nullptr, nodes, problem);
   for (const PoseGraphEdge& edge : graph.loops) add_edge(edge, loop_loss, nodes, problem);
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  options.num_threads = 1;
-  options.max_num_iterations = 30;
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  return summary.IsSolutionUsable();
+  return slam::solve(problem, ceres::SPARSE_NORMAL_CHOLESKY, kMaxSteps);
 }
 
 std::vector<Pose> poses_of(const std::vector<NodeParameters>& nodes) {

@@ -10,16 +10,11 @@ namespace hqslam::slam {
 namespace {
 
 /// A state known better than kPrecise is the only start, unless the odometry is farther from it
-/// than kElsewhere. The result of another start wins if kFitsBetter times as many features are
-/// close.
+/// than kElsewhere.
 constexpr double kPrecise_m = 0.5;
 constexpr double kPrecise_rad = 0.05;
 constexpr double kElsewhere_m = 0.3;
 constexpr double kElsewhere_rad = 0.03;
-constexpr double kFitsBetter = 1.1;
-/// A scan whose close_ratio is less than this share of the last one's, or that did not converge,
-/// may have turned as no vehicle does.
-constexpr double kFitsBadly = 0.8;
 /// Turns of a hand in half a second; a search converges from about 10 degrees.
 constexpr std::array<double, 6> kTurns_rad = {15.0 * kDegree_rad, -15.0 * kDegree_rad,
                                               30.0 * kDegree_rad, -30.0 * kDegree_rad,
@@ -32,12 +27,13 @@ bool is_elsewhere(const Twist& innovation) {
 bool fits_better(const MappingResult& a, const MappingResult& b) {
   if (a.status == Status::kTooFewFeatures) return false;
   if (b.status == Status::kTooFewFeatures) return true;
-  return a.close_ratio > kFitsBetter * b.close_ratio;
+  return a.close_ratio > kClearlyBetter * b.close_ratio;
 }
 
+/// A scan that fits badly, or did not converge, may have turned as no vehicle does.
 bool fits_badly(const MappingResult& found, double last_close_ratio) {
   return found.status == Status::kTooFewFeatures || found.status == Status::kNotConverged ||
-         found.close_ratio < kFitsBadly * last_close_ratio;
+         found.close_ratio < kDoubtfulFit * last_close_ratio;
 }
 
 Pose turned(const Pose& T_map_sensor, double turn_rad) {

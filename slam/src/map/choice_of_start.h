@@ -14,6 +14,12 @@ struct ExpectedScan {
   bool is_turn_measured;    ///< by an inertial sensor: no other headings are tried
 };
 
+/// A scan whose close_ratio is less than this share of the last one's fits badly: other starts are
+/// tried, and a registration without the inertial sensor.
+inline constexpr double kDoubtfulFit = 0.8;
+/// The gain in close_ratio by which another registration is better.
+inline constexpr double kClearlyBetter = 1.1;
+
 /// Whether a state is known well enough to be the only start of a registration, unless the odometry
 /// contradicts it.
 bool is_precise(const MotionState& state);

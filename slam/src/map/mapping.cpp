@@ -32,12 +32,12 @@ RegisteredScan searched(const MapFeatures& features) {
 
 /// MappingResult::close_ratio. The ground's planes come first; a feature on a line has two planes.
 double close_share(const ConstraintList& found, const MapFeatures& features) {
-  const std::size_t asked = features.surfaces_to_register.size() +
-                            2 * (features.edges.size() + features.posts_to_register.size());
+  const std::size_t sought = features.surfaces_to_register.size() +
+                             2 * (features.edges.size() + features.posts_to_register.size());
   const auto close =
       std::count_if(found.all.begin() + found.ground, found.all.end(),
                     [](const PlaneConstraint& plane) { return distance_m(plane) < kClose_m; });
-  return static_cast<double>(close) / std::max(static_cast<double>(asked), 1.0);
+  return static_cast<double>(close) / std::max(static_cast<double>(sought), 1.0);
 }
 
 double standing_features(const MapFeatures& features) {
@@ -117,10 +117,12 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
   const double least_in_plane_per_m2 = enough_in_plane_per_m2(from);
   RegisteredScan scan = searched(features);
   bool narrow_suffices = true;
+  std::vector<PlaneConstraint> used;  // by the last step
+  Eigen::Matrix3d R_map_before;
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
     const bool narrow = iteration >= kWideSearches && narrow_suffices;
     result.is_close_search = narrow;
-    const ConstraintList constraints =
+    ConstraintList constraints =
         match_with_map(scan, search_at(result, options_, from), map_, options_).constraints();
     const int matched = constraints.edges + constraints.planes;
     const bool enough = matched >= options_.min_correspondences &&
@@ -143,8 +145,10 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
       result.status = Status::kTooFewFeatures;
       return result;
     }
-    result.state = prior.improved(result.state, information);
+    prior.improve(result.state, information);
     result.information = information.information;
+    used = std::move(constraints.all);
+    R_map_before = before.linear();
     const Pose change = before.inverse() * result.state.T_map_sensor;
     const double near_enough = iteration < kUsualIterations ? 1.0 : kLateTolerance;
     const bool converged =
@@ -156,6 +160,7 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
     if (converged && (narrow || !narrow_suffices)) break;
   }
   result.state.T_map_sensor = orthonormalized(result.state.T_map_sensor);
+  result.state.covariance = prior.covariance(known_information(used, R_map_before));
   return result;
 }
 

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "check_option.h"
 #include "dense_map/grid_walk.h"
 #include "dense_map/mapped_scan.h"
+#include "dense_map/see_through.h"
 #include "front_end/mounting.h"
 #include "hqslam/core/error.h"
 #include "hqslam/slam/dense_map.h"
@@ -23,12 +23,6 @@ constexpr double kMostCells = 4e8;
 /// The last cells of a beam are not crossed: they belong to the surface that it met.
 constexpr double kEnd_cells = 1.5;
 
-/// The distance up to which a beam votes: nearer to its end it may run along the surface that it
-/// meets (the formula of dense_map/see_through.h).
-double seen_through_m(double range_m, double cell_m) {
-  return range_m - 0.3 - cell_m * range_m / 1.5;
-}
-
 struct Cell {
   std::uint32_t last_scan = 0;    ///< the last that voted, counted from 1
   std::uint16_t times_empty = 0;  ///< scans whose beams crossed it or met its ground; saturates
@@ -40,11 +34,10 @@ constexpr double kTop_m = 0.1;
 /// One vote against a cell, unless this scan has voted.
 void vote_empty(Cell& cell, std::uint32_t scan) {
   if (std::atomic_ref(cell.last_scan).exchange(scan, std::memory_order_relaxed) == scan) return;
-  if (cell.times_empty < std::numeric_limits<std::uint16_t>::max()) ++cell.times_empty;
+  count_up(cell.times_empty);
 }
 
 DenseMapOptions obstacle_options(const OccupancyGridOptions& options) {
-  validate(options);
   DenseMapOptions obstacles;
   obstacles.voxel_m = options.resolution_m;
   obstacles.max_range_m = options.max_range_m;
@@ -52,16 +45,11 @@ DenseMapOptions obstacle_options(const OccupancyGridOptions& options) {
   return obstacles;
 }
 
-/// The points of a scan in the map's frame; NaN where there is no return within max_range_m.
-std::vector<Eigen::Vector3d> points_in_map_m(const OrganizedCloud& cloud, const MappedScan& scan,
-                                             double max_range_m) {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  std::vector<Eigen::Vector3d> points_m(cloud.range_m.size(), Eigen::Vector3d::Constant(kNone));
-#pragma omp parallel for schedule(static)
-  for (std::size_t pixel = 0; pixel < points_m.size(); ++pixel) {
-    if (!scan.has_return(pixel) || cloud.range_m[pixel] > max_range_m) continue;
-    const Eigen::Vector3d point_m = scan.point_in_map_m(pixel);
-    if (GroundHeights::is_near(point_m)) points_m[pixel] = point_m;
+/// The points of a scan in the map's frame; NaN where no near one is within max_range_m.
+std::vector<Eigen::Vector3d> near_points_m(const MappedScan& scan, double max_range_m) {
+  std::vector<Eigen::Vector3d> points_m = scan.points_in_map_m(max_range_m);
+  for (Eigen::Vector3d& point_m : points_m) {
+    if (!GroundHeights::is_near(point_m)) point_m.setConstant(std::nan(""));
   }
   return points_m;
 }
@@ -86,7 +74,7 @@ struct OccupancyGrid::Implementation {
   bool settled = false;
 
   explicit Implementation(const OccupancyGridOptions& options_)
-      : options(options_), obstacles(obstacle_options(options_)) {}
+      : options(validated(options_)), obstacles(obstacle_options(options)) {}
 
   Eigen::Vector2i cell_of(const Eigen::Vector2d& place_m) const {
     return (place_m / options.resolution_m).array().floor().cast<int>();
@@ -184,8 +172,7 @@ void OccupancyGrid::add_ground(const OrganizedCloud& measured, const SensorModel
                 sensor.rows(), sensor.columns, measured.rows, measured.columns);
   }
   Implementation& self = *implementation_;
-  const std::vector<Eigen::Vector3d> points_m =
-      points_in_map_m(measured, scan, self.options.max_range_m);
+  const std::vector<Eigen::Vector3d> points_m = near_points_m(scan, self.options.max_range_m);
   OrganizedCloud near = measured;
   for (std::size_t pixel = 0; pixel < points_m.size(); ++pixel) {
     if (!points_m[pixel].allFinite()) near.range_m[pixel] = 0.0F;
@@ -203,8 +190,7 @@ void OccupancyGrid::insert(const OrganizedCloud& cloud,
   const MappedScan scan(cloud, path);
   Implementation& self = *implementation_;
   self.settle();
-  const std::vector<Eigen::Vector3d> points_m =
-      points_in_map_m(cloud, scan, self.options.max_range_m);
+  const std::vector<Eigen::Vector3d> points_m = near_points_m(scan, self.options.max_range_m);
   OrganizedCloud obstacles = cloud;
   obstacles.intensity.clear();  // the map would keep them
   for (std::size_t pixel = 0; pixel < points_m.size(); ++pixel) {
@@ -226,8 +212,7 @@ void OccupancyGrid::see_through(const OrganizedCloud& measured, const SensorPath
   self.settle();
   self.obstacles.see_through(measured, path);
   ++self.scans;
-  const std::vector<Eigen::Vector3d> points_m =
-      points_in_map_m(measured, scan, self.options.max_range_m);
+  const std::vector<Eigen::Vector3d> points_m = near_points_m(scan, self.options.max_range_m);
   self.mark_ends(points_m);
   // Farther away a post fits between two beams.
   const double near_m = self.options.resolution_m * measured.columns / (2.0 * std::numbers::pi);

@@ -57,6 +57,17 @@ MotionState standing(double sigma_m, double sigma_mps) {
   return state;
 }
 
+/// One step from the expected state, with the covariance after it.
+MotionState registered(const MotionState& expected,
+                       const std::vector<PlaneConstraint>& constraints) {
+  const Eigen::Matrix3d level = Eigen::Matrix3d::Identity();
+  const ExpectedState prior(expected);
+  MotionState state = expected;
+  prior.improve(state, slam::scan_information(constraints, level));
+  state.covariance = prior.covariance(slam::known_information(constraints, level));
+  return state;
+}
+
 }  // namespace
 
 TEST_CASE("the gradient and the information are those of the weighted squares") {
@@ -82,8 +93,7 @@ TEST_CASE("the pose is between the expected and the measured one by their varian
   // A wall 0.3 m nearer than expected, known to 0.1 m; the place was expected to 0.2 m.
   const std::vector<PlaneConstraint> wall = {{{5.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, 5.3, 10.0}};
   const MotionState expected = standing(0.2, 0.0001);
-  const MotionState found = ExpectedState(expected).improved(
-      expected, slam::scan_information(wall, Eigen::Matrix3d::Identity()));
+  const MotionState found = registered(expected, wall);
   CHECK(found.T_map_sensor.translation().x() == doctest::Approx(0.3 * 0.04 / (0.04 + 0.01)));
   CHECK(found.covariance(0, 0) == doctest::Approx(0.04 * 0.01 / (0.04 + 0.01)));
   // Without information about the side.
@@ -109,8 +119,7 @@ TEST_CASE("the velocity that leads to the pose is found with it") {
     }
   }
   const ExpectedState prior(expected);
-  const MotionState found =
-      prior.improved(expected, slam::scan_information(walls, Eigen::Matrix3d::Identity()));
+  const MotionState found = registered(expected, walls);
   CHECK(found.T_map_sensor.translation().x() == doctest::Approx(0.5).epsilon(1e-4));
   CHECK(found.velocity.linear.x() == doctest::Approx(5.0).epsilon(1e-3));
   CHECK(found.velocity.linear.y() == doctest::Approx(0.0));
@@ -135,11 +144,11 @@ TEST_CASE("along a tunnel whose normals lean at random nothing is known, across 
   }
   const ScanInformation found = slam::scan_information(tunnel, Eigen::Matrix3d::Identity());
   CHECK(1.0 / std::sqrt(found.information(0, 0)) < 0.02);  // feigned: centimetres
-  CHECK(found.known(0, 0) < 0.01 * found.information(0, 0));
-  CHECK(found.known(1, 1) > 0.99 * found.information(1, 1));
-  CHECK(found.known(2, 2) > 0.99 * found.information(2, 2));
-  const ExpectedState prior(standing(0.5, 1.0));
-  const MotionState state = prior.improved(standing(0.5, 1.0), found);
+  const Matrix6 known = slam::known_information(tunnel, Eigen::Matrix3d::Identity());
+  CHECK(known(0, 0) < 0.01 * found.information(0, 0));
+  CHECK(known(1, 1) > 0.99 * found.information(1, 1));
+  CHECK(known(2, 2) > 0.99 * found.information(2, 2));
+  const MotionState state = registered(standing(0.5, 1.0), tunnel);
   CHECK(std::sqrt(state.covariance(0, 0)) > 0.45);  // as before the scan
   CHECK(std::sqrt(state.covariance(1, 1)) < 0.01);
 }

@@ -176,9 +176,11 @@ TEST_CASE("a scan corrects as a Kalman update by its own information, and not wh
   information << 2500.0, 0.0, 1e4, 2.5e5, 1e6, 1e5;
   slam::ScanInformation scan;
   scan.information = information.asDiagonal();
-  scan.known = scan.information;
   scan.gradient = -scan.information * z;
-  const MotionState joined = slam::ExpectedState(expected).improved(expected, scan);
+  const slam::ExpectedState prior(expected);
+  MotionState joined = expected;
+  prior.improve(joined, scan);
+  joined.covariance = prior.covariance(scan.information);
   const InertialState found = slam::corrected(prediction, joined, scan.information);
 
   const Matrix18& P = prediction.inertial.covariance;

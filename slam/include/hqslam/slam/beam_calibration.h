@@ -49,10 +49,10 @@ struct BeamCalibration {
 /// Model: a point of beam b with range r in direction u(elevation, azimuth), measured at the pose
 /// T,
 ///   p = T (r + dr_b) u(elevation + de_b, azimuth),
-/// lies on the plane n . p = d of its voxel. Sought are de and dr of all beams, the poses and the
-/// planes that make
+/// is on the plane n . p = d of its voxel. de and dr of all beams, the poses and the planes
+/// minimise
 ///   sum over points of w (n . p - d)^2  +  sum over beams of (de / sigma_e)^2 + (dr / sigma_r)^2
-/// least: Gauss-Newton, with the planes and then the poses eliminated by Schur complements.
+/// by Gauss-Newton, with the planes and then the poses eliminated by Schur complements.
 /// Stretches of 50 m of path are solved in parallel, with the same beams; their information is
 /// averaged, not summed, since their errors are not independent. Source: planes eliminated as in
 /// Liu and Zhang, "BALM", RA-L 2021. Differs from it: planes are eliminated linearly, at the

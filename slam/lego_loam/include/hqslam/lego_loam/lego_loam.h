@@ -75,8 +75,8 @@ class LegoLoam {
   ScanReport process(const OrganizedCloud& cloud, double stamp_s, ScanTrace* trace = nullptr);
 
   /// T_map_sensor of every scan so far, as it was when the scan was processed. The map's frame is
-  /// the sensor's at the end of the first sweep; where that lies against the first scan's stamp is
-  /// estimated with the second scan.
+  /// the sensor's at the end of the first sweep; its pose at the first scan's stamp is estimated
+  /// with the second scan.
   const Trajectory& trajectory() const;
 
   /// The map: planar features of all keyframes, one per 0.4 m voxel, then edge features, one per
