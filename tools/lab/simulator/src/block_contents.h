@@ -56,8 +56,6 @@ void add_house(City& city, const HouseLot& lot, Random& random);
 void add_field(City& city, const Block& block, Random& random);
 /// Long smooth walls at the street, cut off at the corners; trees behind them.
 void add_smooth_walls(City& city, const Block& block, Random& random);
-/// A yard with containers, pallets, drums, bollards, a car.
-void add_yard(City& city, const Block& block, Random& random);
 /// Two rows of cars back to back, their noses to the aisles of axis 0.
 void add_parking_rows(City& city, const Block& block, Random& random);
 
