@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "furniture.h"
-
 namespace hqslam::sim {
 
 namespace {

@@ -2,7 +2,6 @@
 #include <optional>
 
 #include "block_contents.h"
-#include "furniture.h"
 
 namespace hqslam::sim {
 
