@@ -131,13 +131,13 @@ TEST_CASE(
 TEST_CASE("a drive that was simulated once serves shorter tables too") {
   const TemporaryDirectory folder;
   const auto rows_of = [&](int scans, const std::string& out) {
-    succeeds("table --drives block,yard --scans {} --methods rows-16 --out '{}'", scans,
+    succeeds("table --drives block,handheld --scans {} --methods rows-16 --out '{}'", scans,
              folder.file(out));
     return json_of(folder.file(out) + "/table.json")["drives"];
   };
   rows_of(6, "long");
   const nlohmann::json shortened = rows_of(4, "long");
-  for (const char* drive : {"block", "yard"}) {  // not made anew
+  for (const char* drive : {"block", "handheld"}) {  // not made anew
     CHECK(json_of(folder.file(fmt::format("long/drives/{}-typical/drive.json", drive)))["scans"] ==
           6);
   }
@@ -145,8 +145,9 @@ TEST_CASE("a drive that was simulated once serves shorter tables too") {
   CHECK(shortened == rows_of(4, "short"));
 
   // The longer table's results are still there: nothing is left to do.
-  const ProgramResult again = run_hqslam(
-      "table --drives block,yard --scans 6 --methods rows-16 --out '" + folder.file("long") + "'");
+  const ProgramResult again =
+      run_hqslam("table --drives block,handheld --scans 6 --methods rows-16 --out '" +
+                 folder.file("long") + "'");
   CHECK(again.error.empty());
   CHECK(json_of(folder.file("long/table.json"))["drives"][0]["scans"] == 6);
 }

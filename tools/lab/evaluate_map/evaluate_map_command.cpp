@@ -25,30 +25,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Shares of points within two distances of the other cloud.
-struct SharesWithin {
-  double at_10_cm = 0.0;
-  double at_20_cm = 0.0;
-};
-
-/// Errors of a map against the true surface of a simulated drive.
-struct MapError {
-  std::int64_t points = 0;
-  SharesWithin accuracy;      ///< points of the map near a true surface
-  double beyond_30_cm = 0.0;  ///< points of the map without a true surface within 0.3 m
-  SharesWithin completeness;  ///< samples of the true surface near a point of the map
-  SharesWithin f1;            ///< harmonic means of accuracy and completeness
-};
-
 constexpr double kSample_m = 0.1;
 constexpr double kFar_m = 0.3;
 
 double share_within(const std::vector<float>& distances_m, double limit_m) {
   return share_of(distances_m, [&](float distance_m) { return distance_m <= limit_m; });
-}
-
-SharesWithin shares_within(const std::vector<float>& distances_m) {
-  return {share_within(distances_m, 0.1), share_within(distances_m, 0.2)};
 }
 
 double harmonic_mean(double a, double b) { return a + b > 0.0 ? 2.0 * a * b / (a + b) : 0.0; }
@@ -64,28 +45,6 @@ std::vector<Eigen::Vector3f> visible_surface_m(sim::DriveSimulator simulator) {
     }
   }
   return samples_m;
-}
-
-/// points_m and visible_m: map frame of `truth`'s drive. Throws Error if either is empty.
-/// Source of the measures: Knapitsch et al., "Tanks and Temples", 2017 (precision and recall of
-/// surfaces within a distance).
-MapError map_error(const std::vector<Eigen::Vector3f>& points_m,
-                   const std::vector<Eigen::Vector3f>& visible_m, sim::DriveSimulator& truth) {
-  if (points_m.empty() || visible_m.empty()) {
-    throw Error(
-        "expected points in the map and on the visible surface, found none; give a map of "
-        "the drive");
-  }
-  const std::vector<float> to_surface_m = truth.distances_to_surface_m(points_m, kFar_m);
-  const std::vector<float> to_map_m = nearest_distances_m(visible_m, points_m);
-  MapError error;
-  error.points = std::ssize(points_m);
-  error.accuracy = shares_within(to_surface_m);
-  error.beyond_30_cm = 1.0 - share_within(to_surface_m, kFar_m);
-  error.completeness = shares_within(to_map_m);
-  error.f1 = {harmonic_mean(error.accuracy.at_10_cm, error.completeness.at_10_cm),
-              harmonic_mean(error.accuracy.at_20_cm, error.completeness.at_20_cm)};
-  return error;
 }
 
 /// T_truth_map from the poses in the folder of a map: the mean of T_truth_sensor T_map_sensor^-1
@@ -131,6 +90,24 @@ std::string file_of(const std::string& drive, const char* name) {
   return path;
 }
 
+/// The points of a dense map, aligned with the truth if there are poses in its folder.
+struct AlignedMap {
+  std::vector<Eigen::Vector3f> points_m;
+  bool is_aligned = false;
+};
+
+AlignedMap aligned_map(const std::string& path, const TrajectoryFile& truth) {
+  const fs::path file = fs::is_directory(path) ? fs::path(path) / "dense_map.pcd" : fs::path(path);
+  std::vector<Eigen::Vector3f> points_m = read_cloud(file.string()).points_m;
+  const std::optional<Pose> T_truth_map = alignment_of(file, truth);
+  for (Eigen::Vector3f& point_m : points_m) {
+    if (T_truth_map) point_m = (*T_truth_map * point_m.cast<double>()).cast<float>();
+  }
+  return {std::move(points_m), T_truth_map.has_value()};
+}
+
+/// Source of the measures: Knapitsch et al., "Tanks and Temples", 2017 (precision and recall of
+/// surfaces within a distance).
 void evaluate_dense_maps(const std::vector<std::string>& paths, const sim::DriveSpec& spec,
                          const SensorModel& sensor, const TrajectoryFile& truth) {
   const std::vector<Eigen::Vector3f> visible_m = visible_surface_m({spec, sensor});
@@ -140,19 +117,23 @@ void evaluate_dense_maps(const std::vector<std::string>& paths, const sim::Drive
   to_stdout("{:>10}{:>9}{:>9}{:>9}{:>9}{:>9}{:>8}{:>8}\n", "", "0.1 m", "0.2 m", "0.3 m", "0.1 m",
             "0.2 m", "0.1 m", "0.2 m");
   for (const std::string& path : paths) {
-    const fs::path file =
-        fs::is_directory(path) ? fs::path(path) / "dense_map.pcd" : fs::path(path);
-    std::vector<Eigen::Vector3f> points_m = read_cloud(file.string()).points_m;
-    const std::optional<Pose> T_truth_map = alignment_of(file, truth);
-    for (Eigen::Vector3f& point_m : points_m) {
-      if (T_truth_map) point_m = (*T_truth_map * point_m.cast<double>()).cast<float>();
+    const auto [points_m, is_aligned] = aligned_map(path, truth);
+    if (points_m.empty() || visible_m.empty()) {
+      throw Error(
+          "expected points in the map and on the visible surface, found none; give a map of the "
+          "drive");
     }
-    const MapError error = map_error(points_m, visible_m, surface);
+    const std::vector<float> to_surface_m = surface.distances_to_surface_m(points_m, kFar_m);
+    const std::vector<float> to_map_m = nearest_distances_m(visible_m, points_m);
+    const double accuracy_10_cm = share_within(to_surface_m, 0.1);
+    const double accuracy_20_cm = share_within(to_surface_m, 0.2);
+    const double complete_10_cm = share_within(to_map_m, 0.1);
+    const double complete_20_cm = share_within(to_map_m, 0.2);
     to_stdout("{:>10}{:>9.2f}{:>9.2f}{:>9.2f}{:>9.2f}{:>9.2f}{:>8.3f}{:>8.3f}  {}{}\n",
-              error.points, 100.0 * error.accuracy.at_10_cm, 100.0 * error.accuracy.at_20_cm,
-              100.0 * error.beyond_30_cm, 100.0 * error.completeness.at_10_cm,
-              100.0 * error.completeness.at_20_cm, error.f1.at_10_cm, error.f1.at_20_cm, path,
-              T_truth_map ? " (aligned)" : "");
+              points_m.size(), 100.0 * accuracy_10_cm, 100.0 * accuracy_20_cm,
+              100.0 * (1.0 - share_within(to_surface_m, kFar_m)), 100.0 * complete_10_cm,
+              100.0 * complete_20_cm, harmonic_mean(accuracy_10_cm, complete_10_cm),
+              harmonic_mean(accuracy_20_cm, complete_20_cm), path, is_aligned ? " (aligned)" : "");
   }
 }
 

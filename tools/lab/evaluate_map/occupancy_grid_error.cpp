@@ -91,13 +91,13 @@ std::vector<PlacedPoint> placed(const ThinnedPoints& points, sim::DriveSimulator
   return placed;
 }
 
-/// The middles of the cells of the points for which `is_meant` is true, each once.
-template <typename IsMeant>
+/// The middles of the cells of the points that `is_wanted` picks, each once.
+template <typename IsWanted>
 std::vector<Eigen::Vector3f> cells_of(const std::vector<PlacedPoint>& points, double cell_m,
-                                      const IsMeant& is_meant) {
+                                      const IsWanted& is_wanted) {
   ThinnedPoints cells(cell_m);
   for (const PlacedPoint& point : points) {
-    if (!is_meant(point)) continue;
+    if (!is_wanted(point)) continue;
     const Eigen::Vector3f flat_m(point.point_m.x(), point.point_m.y(), 0.0F);
     cells.add(flat_m, flat_m.cast<double>());
   }

@@ -107,13 +107,11 @@ void declare(CLI::App& app, SimulateOptions& options) {
       .option(
           "--drive", &options.drive,
           "Kind of city and motion. block: 200 scans of quiet streets; town: 4,000 scans with "
-          "three "
-          "loops; hills: 8,000 scans, steep and fast; town-busy, hills-busy: town and hills with "
-          "four times the traffic; meadow: 4,000 scans of open land; narrow: 3,000 scans between "
-          "walls; yard: 2,000 scans from a low robot; handheld: 2,000 scans on foot; "
-          "handheld-turning: on foot, turned fast; handheld-sparse: on foot, a scan every half "
-          "second; car-park: 2,000 scans, one loop in both directions; indoors: 2,000 scans "
-          "through rooms and stairwells",
+          "three loops; hills: 8,000 scans, steep and fast; town-busy, hills-busy: town and hills "
+          "with four times the traffic; meadow: 4,000 scans of open land; narrow: 3,000 scans "
+          "between walls; handheld: 2,000 scans on foot; handheld-turning: on foot, turned fast; "
+          "handheld-sparse: on foot, a scan every half second; car-park: 2,000 scans, one loop in "
+          "both directions; indoors: 2,000 scans through rooms and stairwells",
           {.required = true, .one_of = sim::drive_preset_names()})
       .option("--sensor", &options.sensor, "Sensor (name or .json file, as for hqslam run)",
               {.required = true})

@@ -123,8 +123,8 @@ TEST_CASE("presets: lengths, names, and one clear line for anything else") {
   CHECK(drive_preset("block").scans == 200);
   CHECK(drive_preset("town").scans == 4000);
   CHECK(drive_preset("hills").scans == 8000);
-  CHECK(drive_preset("yard").mount.sensor_height_m == 0.4);
-  CHECK(drive_preset_names().size() == 13);
+  CHECK(drive_preset("indoors").mount.sensor_height_m == 1.4);
+  CHECK(drive_preset_names().size() == 12);
   CHECK(refused_with([] { drive_preset("desert"); }, "desert", "block", "town", "hills"));
   CHECK(
       refused_with([] { DriveSimulator(short_drive("block", 0), small_sensor()); }, "scans is 0"));
@@ -172,7 +172,6 @@ TEST_CASE("scan 100 of every drive is what it was when it was first made, on eve
       {"hills-busy", 0x88bdcff427ddb95fULL, 0x9fd35ac0ba7fa44fULL},
       {"meadow", 0xccccf5623be6e917ULL, 0x7141301b089cebd2ULL},
       {"narrow", 0xc3464009135335f1ULL, 0xe64838a53cf4d8e8ULL},
-      {"yard", 0x51890609b7641ebfULL, 0x76441a34bb8a24d4ULL},
       {"handheld", 0xdb4d4f70baf0ec6bULL, 0x5e5b145daad8685dULL},
       {"handheld-turning", 0x490d98b2ddc6a4c8ULL, 0x4795cb2ba9a7f425ULL},
       {"handheld-sparse", 0x773837575d6b8b35ULL, 0x33a8c91a55aed1c0ULL},

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "furniture.h"
-
 namespace hqslam::sim {
 
 namespace {
@@ -175,8 +173,8 @@ void add_open_ground(City& city, const Block& block, Random& random) {
 
 /// By BlockKind.
 constexpr std::array<void (*)(City&, const Block&, Random&), kBlockKinds> kFill = {
-    add_row_houses,  add_detached_houses, add_square,       add_park, add_walled_ground,
-    add_open_ground, add_field,           add_smooth_walls, add_yard, add_parking_rows};
+    add_row_houses,  add_detached_houses, add_square,       add_park,        add_walled_ground,
+    add_open_ground, add_field,           add_smooth_walls, add_parking_rows};
 
 /// The street along a side of a block; none along the rim of the city.
 const Street* street_along(const Layout& layout, const Block& block, int side) {

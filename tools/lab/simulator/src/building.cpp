@@ -265,10 +265,11 @@ void add_house(City& city, const HouseLot& lot, Random& random) {
   const double floor_m = 0.5 * (lowest_m + highest_m) + kKerbHeight_m + 0.1;
   for (std::size_t side = 0; side < 4; ++side) {
     const WallPlace place{corner[side], corner[(side + 1) % 4], lowest_m - 0.5, floor_m};
+    Wall wall(city.fixed, place, style);
     if (lot.open_to_view[side]) {
-      add_facade(city.fixed, place, style, static_cast<int>(side) == lot.front, random);
+      wall.add_facade(static_cast<int>(side) == lot.front, random);
     } else {
-      add_blank_wall(city.fixed, place, style);
+      wall.add_blank();
     }
   }
   const double eaves_m = floor_m + style.storeys * style.storey_height_m;
@@ -282,10 +283,6 @@ void add_house(City& city, const HouseLot& lot, Random& random) {
 void add_facade(TriangleMesh& mesh, const WallPlace& place, const FacadeStyle& style,
                 bool with_door, Random& random) {
   Wall(mesh, place, style).add_facade(with_door, random);
-}
-
-void add_blank_wall(TriangleMesh& mesh, const WallPlace& place, const FacadeStyle& style) {
-  Wall(mesh, place, style).add_blank();
 }
 
 }  // namespace hqslam::sim

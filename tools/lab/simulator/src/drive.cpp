@@ -53,11 +53,7 @@ struct DriveSimulator::Implementation {
     constexpr double kStep_m = 2.0;
     std::vector<Eigen::Vector3d> places_m;
     for (std::int64_t scan = 0; scan < spec.scans; ++scan) {
-      const Eigen::Vector3d place_m =
-          scenario
-              .T_world_sensor((static_cast<double>(scan * turns_per_scan) + 0.5) *
-                              sensor.scan_period_s)
-              .translation();
+      const Eigen::Vector3d place_m = scenario.T_world_sensor(middle_s(scan)).translation();
       if (places_m.empty() || (place_m - places_m.back()).norm() >= kStep_m) {
         places_m.push_back(place_m);
       }

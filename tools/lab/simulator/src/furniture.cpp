@@ -1,6 +1,6 @@
-#include "furniture.h"
-
 #include <algorithm>
+
+#include "block_contents.h"
 
 namespace hqslam::sim {
 

@@ -68,7 +68,7 @@ std::set<Stretch> close_stretches(const CityStyle& style, Random& random) {
   for (int street = 1; street + 1 < style.grid[0].streets; ++street) {
     const bool close = random.chance(style.closed_street_share);
     const int crossing = random.below(style.grid[1].streets - 1);
-    if (close && crossing != previous) closed.insert({0, street, crossing});
+    if (close && crossing != previous) closed.insert({street, crossing});
     previous = close ? crossing : -1;
   }
   return closed;
@@ -109,9 +109,9 @@ std::vector<Block> make_blocks(const CityStyle& style, const Layout& layout, std
   const int last_v = style.grid[1].streets;
   for (int i = 0; i <= last_u; ++i) {
     for (int j = 0; j <= last_v; ++j) {
-      // A closed stretch of street i lies between cells i and i+1 of axis 0.
-      if (i > 0 && layout.closed.contains({0, i - 1, j - 1})) continue;
-      const bool wide = layout.closed.contains({0, i, j - 1});
+      // The cells i and i + 1 of axis 0 are one block beside a closed stretch of street i.
+      if (i > 0 && layout.closed.contains({i - 1, j - 1})) continue;
+      const bool wide = layout.closed.contains({i, j - 1});
       const Eigen::Vector2d low_m(u[i].low_m, v[j].low_m);
       const Eigen::Vector2d high_m(u[wide ? i + 1 : i].high_m, v[j].high_m);
       const auto block_seed =

@@ -62,9 +62,8 @@ struct BendingWave {
   double phase_rad;
 };
 
-/// The stretch of a street between two neighbouring crossings.
+/// The stretch of a street of axis 0 between two neighbouring crossings.
 struct Stretch {
-  int axis = 0;
   int street = 0;
   int from_crossing = 0;  ///< index of the crossing street with the smaller position
   auto operator<=>(const Stretch&) const = default;

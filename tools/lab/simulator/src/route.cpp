@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <set>
 
 #include "mesh.h"
 #include "random.h"
@@ -14,132 +13,115 @@ namespace {
 
 using Direction = Eigen::Vector2i;
 
-Direction left_of(const Direction& direction) { return {-direction.y(), direction.x()}; }
-Direction right_of(const Direction& direction) { return {direction.y(), -direction.x()}; }
-
-using Link = std::array<int, 4>;  ///< from one crossing to another
-Link link_between(const Crossing& from, const Crossing& to) {
-  return {from.x(), from.y(), to.x(), to.y()};
+template <typename Vector>
+Vector right_of(const Vector& direction) {
+  return {direction.y(), -direction.x()};
 }
+Direction left_of(const Direction& direction) { return -right_of(direction); }
 
 /// A route as it is being planned.
-class Route {
- public:
-  Route(const Layout& layout, const Crossing& start) : layout_(layout), crossings_{start} {}
+struct Route {
+  const Layout& layout;
+  std::vector<Crossing> crossings;
+  double length_m = 0.0;
 
-  const Crossing& here() const { return crossings_.back(); }
-  double length_m() const { return length_m_; }
-  const std::vector<Crossing>& crossings() const { return crossings_; }
-
+  const Crossing& here() const { return crossings.back(); }
   void step(const Direction& direction) {
     const Crossing from = here();
     const Crossing to = from + direction;
     for (int axis = 0; axis < 2; ++axis) {
-      length_m_ += std::abs(layout_.streets[axis][to[axis]].position_m -
-                            layout_.streets[axis][from[axis]].position_m);
+      length_m += std::abs(layout.streets[axis][to[axis]].position_m -
+                           layout.streets[axis][from[axis]].position_m);
     }
-    crossings_.push_back(to);
+    crossings.push_back(to);
   }
-
- private:
-  const Layout& layout_;
-  std::vector<Crossing> crossings_;
-  double length_m_ = 0.0;
 };
 
-class CircuitPlanner {
- public:
-  CircuitPlanner(const Layout& layout, const DriverStyle& style, std::uint64_t seed)
-      : layout_(layout),
-        style_(style),
-        random_(seed),
-        route_(layout, {static_cast<int>(layout.streets[0].size()) / 2,
-                        static_cast<int>(layout.streets[1].size()) / 2}) {
-    step(direction_);
-  }
+struct CircuitPlanner {
+  const DriverStyle& style;
+  Random random;
+  Route route;
+  Direction direction{1, 0};
+  std::set<std::array<int, 4>> driven{};  ///< from one crossing to another
 
   std::vector<Crossing> plan(double min_length_m) {
-    while (route_.length_m() < min_length_m) {
+    step(direction);
+    while (route.length_m < min_length_m) {
       if (!drive_circuit()) wander();
-      for (int stretches = random_.below(3); stretches > 0; --stretches) wander();
+      for (int stretches = random.below(3); stretches > 0; --stretches) wander();
     }
-    return route_.crossings();
+    return route.crossings;
   }
 
- private:
   std::array<Direction, 3> onward() const {
-    return {direction_, left_of(direction_), right_of(direction_)};
+    return {direction, left_of(direction), right_of(direction)};
   }
 
-  bool open(const Crossing& from, const Direction& direction) const {
-    const Crossing to = from + direction;
+  bool open(const Crossing& from, const Direction& towards) const {
+    const Crossing to = from + towards;
     for (int axis = 0; axis < 2; ++axis) {
-      const int count = static_cast<int>(layout_.streets[axis].size());
+      const int count = static_cast<int>(route.layout.streets[axis].size());
       if (to[axis] < 0 || to[axis] >= count) return false;
     }
-    // Driving along axis 1 follows a street of axis 0, and vice versa.
-    const int street_axis = direction.x() == 0 ? 0 : 1;
-    const int along = 1 - street_axis;
-    return !layout_.closed.contains(
-        {street_axis, from[street_axis], std::min(from[along], to[along])});
+    // Only streets of axis 0 have closed stretches; to drive along one changes y alone.
+    return towards.x() != 0 ||
+           !route.layout.closed.contains({from.x(), std::min(from.y(), to.y())});
   }
 
-  void step(const Direction& direction) {
-    driven_.insert(link_between(route_.here(), route_.here() + direction));
-    route_.step(direction);
-    direction_ = direction;
+  void step(const Direction& towards) {
+    const Crossing from = route.here();
+    route.step(towards);
+    driven.insert({from.x(), from.y(), route.here().x(), route.here().y()});
+    direction = towards;
   }
 
   /// Once around a rectangle that begins here, then its first stretch again.
   bool drive_circuit() {
     for (int attempt = 0; attempt < 60; ++attempt) {
-      const bool left = random_.chance(0.5);
-      Direction direction = onward()[random_.below(3)];
-      const std::array<int, 2> size = {1 + random_.below(style_.max_circuit_blocks),
-                                       1 + random_.below(style_.max_circuit_blocks)};
+      const bool left = random.chance(0.5);
+      Direction side_direction = onward()[random.below(3)];
+      const std::array<int, 2> size = {1 + random.below(style.max_circuit_blocks),
+                                       1 + random.below(style.max_circuit_blocks)};
       std::vector<Direction> directions;
       for (std::size_t side = 0; side < 4; ++side) {
-        directions.insert(directions.end(), static_cast<std::size_t>(size[side % 2]), direction);
-        direction = left ? left_of(direction) : right_of(direction);
+        directions.insert(directions.end(), static_cast<std::size_t>(size[side % 2]),
+                          side_direction);
+        side_direction = left ? left_of(side_direction) : right_of(side_direction);
       }
       directions.push_back(directions.front());
       if (!passable(directions)) continue;
-      for (const Direction& onward : directions) step(onward);
+      for (const Direction& towards : directions) step(towards);
       return true;
     }
     return false;
   }
 
   bool passable(const std::vector<Direction>& directions) const {
-    Crossing at = route_.here();
-    for (const Direction& direction : directions) {
-      if (!open(at, direction)) return false;
-      at += direction;
+    Crossing at = route.here();
+    for (const Direction& towards : directions) {
+      if (!open(at, towards)) return false;
+      at += towards;
     }
     return true;
   }
 
   /// One stretch on, never back.
   void wander() {
+    const Crossing& here = route.here();
     std::vector<Direction> possible;
     std::vector<Direction> driven_backwards;
-    for (const Direction& direction : onward()) {
-      if (!open(route_.here(), direction)) continue;
-      possible.push_back(direction);
-      if (driven_.contains(link_between(route_.here() + direction, route_.here())))
-        driven_backwards.push_back(direction);
+    for (const Direction& towards : onward()) {
+      if (!open(here, towards)) continue;
+      possible.push_back(towards);
+      const Crossing to = here + towards;
+      if (driven.contains({to.x(), to.y(), here.x(), here.y()})) {
+        driven_backwards.push_back(towards);
+      }
     }
     const auto& choice =
-        !driven_backwards.empty() && random_.chance(0.6) ? driven_backwards : possible;
-    step(choice[static_cast<std::size_t>(random_.below(static_cast<int>(choice.size())))]);
+        !driven_backwards.empty() && random.chance(0.6) ? driven_backwards : possible;
+    step(choice[static_cast<std::size_t>(random.below(static_cast<int>(choice.size())))]);
   }
-
-  const Layout& layout_;
-  const DriverStyle& style_;
-  Random random_;
-  Route route_;
-  Direction direction_{1, 0};
-  std::set<Link> driven_;
 };
 
 /// The outermost streets in alternating directions, joined by a street across the middle:
@@ -152,7 +134,7 @@ std::vector<Crossing> plan_loop_both_ways(const Layout& layout, double min_lengt
                       static_cast<int>(layout.streets[1].size()) - 1);
   const Crossing low(last.x() / 2, 0);
   const Crossing high(last.x() / 2, last.y());
-  Route route(layout, low);
+  Route route{layout, {low}};
   const auto go_to = [&](const Crossing& to) {
     const Direction step = (to - route.here()).cwiseSign();
     while (route.here() != to) route.step(step);
@@ -164,23 +146,19 @@ std::vector<Crossing> plan_loop_both_ways(const Layout& layout, double min_lengt
     go_to(to);
   };
   int side = last.x();
-  while (route.length_m() < min_length_m) {
+  while (route.length_m < min_length_m) {
     go_around(side, high);
     go_around(last.x() - side, low);
     go_around(side, high);
     go_to(low);
     side = last.x() - side;
   }
-  return route.crossings();
+  return route.crossings;
 }
 
 constexpr double kStep_m = 0.5;
 constexpr double kRightTurnRadius_m = 6.5;
 constexpr double kLeftTurnRadius_m = 9.0;
-
-Eigen::Vector2d right_of(const Eigen::Vector2d& direction) {
-  return {direction.y(), -direction.x()};
-}
 
 struct LaneMaker {
   const Layout& layout;
@@ -279,7 +257,9 @@ struct LaneMaker {
 std::vector<Crossing> make_route(const Layout& layout, const DriverStyle& style, std::uint64_t seed,
                                  double min_length_m) {
   if (style.route == RouteKind::kLoopBothWays) return plan_loop_both_ways(layout, min_length_m);
-  return CircuitPlanner(layout, style, seed).plan(min_length_m);
+  const Crossing middle(static_cast<int>(layout.streets[0].size()) / 2,
+                        static_cast<int>(layout.streets[1].size()) / 2);
+  return CircuitPlanner{style, Random(seed), {layout, {middle}}}.plan(min_length_m);
 }
 
 std::vector<LanePoint> lane_along(const Layout& layout, const std::vector<Crossing>& route,

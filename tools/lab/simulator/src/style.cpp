@@ -89,23 +89,6 @@ constexpr DriveStyle kNarrow = {
              .pedestrians_per_block = 2},
     .driver = {.min_limit_mps = 5.0, .max_limit_mps = 9.0, .lateral_acceleration_mps2 = 2.0}};
 
-/// A small robot in a yard with containers, pallets and drums, and houses around it.
-constexpr DriveStyle kYard = {
-    .city = {.grid = square({3, 24.0, 34.0}),
-             .plain_streets = PlainStreets{.half_width_m = 2.2, .lane_offset_m = 0.6},
-             .bend = 0.05,
-             .slope_bound = 0.03,
-             .block_weights = blocks_of(BlockKind::kYard),
-             .rim_block_weights = blocks_of(BlockKind::kRowHouses),
-             .seconds_between_cars = kNever_s,
-             .pedestrians_per_block = 1},
-    .driver = {.start_m = 8.0,
-               .min_limit_mps = 1.0,
-               .max_limit_mps = 1.5,
-               .lateral_acceleration_mps2 = 0.8,
-               .acceleration_mps2 = 0.6,
-               .braking_mps2 = 0.8}};
-
 constexpr DriverStyle kOnFoot = {.min_limit_mps = 1.1,
                                  .max_limit_mps = 1.6,
                                  .lateral_acceleration_mps2 = 1.0,
@@ -158,7 +141,7 @@ struct NamedDrive {
   double sensor_height_m = SensorMount{}.sensor_height_m;
 };
 
-constexpr std::array<NamedDrive, 13> kDrives = {{
+constexpr std::array<NamedDrive, 12> kDrives = {{
     {"block", &kBlock, 200},
     {"town", &kTown, 4000},
     {"hills", &kHills, 8000},
@@ -166,7 +149,6 @@ constexpr std::array<NamedDrive, 13> kDrives = {{
     {"hills-busy", &kBusyHills, 8000},
     {"meadow", &kMeadow, 4000},
     {"narrow", &kNarrow, 3000},
-    {"yard", &kYard, 2000, 0.4},
     {"handheld", &kHandheld, 2000, 1.5},
     {"handheld-turning", &kTurning, 2000, 1.5},
     {"handheld-sparse", &kSparse, 400, 1.5},

@@ -18,10 +18,9 @@ enum class BlockKind {
   kOpenLand,
   kField,
   kSmoothWalls,
-  kYard,
   kParkingRows,
 };
-constexpr std::size_t kBlockKinds = 10;
+constexpr std::size_t kBlockKinds = 9;
 /// How often each kind of block occurs, in the order of BlockKind.
 using BlockWeights = std::array<double, kBlockKinds>;
 

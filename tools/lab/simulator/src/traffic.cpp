@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "city.h"
-#include "random.h"
 
 namespace hqslam::sim {
 
@@ -12,6 +12,18 @@ namespace {
 
 constexpr double kReach_m = 95.0;
 constexpr double kClearance_m = 6.0;
+constexpr double kNever_s = std::numeric_limits<double>::infinity();
+
+/// The place on the edge of a rectangle, `along_m` counter-clockwise from its lowest corner.
+Eigen::Vector2d place_on_way_around(const Eigen::AlignedBox2d& sheet_m, double along_m) {
+  const double around_m = 2.0 * sheet_m.sizes().sum();
+  along_m = std::fmod(along_m, around_m);
+  if (along_m < 0.0) along_m += around_m;
+  const auto sides = sides_of(sheet_m);
+  std::size_t k = 0;
+  while (k < 3 && along_m >= sides[k].length_m) along_m -= sides[k++].length_m;
+  return sides[k].at(along_m, 0.0);
+}
 
 }  // namespace
 
@@ -23,35 +35,52 @@ Traffic::Traffic(const Layout& layout, const DriveStyle& style, const DriverPath
 }
 
 void Traffic::add_trips(const DriveStyle& style, std::uint64_t seed, double until_s) {
-  if (!std::isfinite(style.city.seconds_between_cars)) return;
+  const double interval_s = style.city.seconds_between_cars;
+  if (!std::isfinite(interval_s)) return;
   for (int axis = 0; axis < 2; ++axis) {
-    const double low_m = layout_.rim_m.min()[1 - axis];
-    const double high_m = layout_.rim_m.max()[1 - axis];
     for (std::size_t street = 0; street < layout_.streets[axis].size(); ++street) {
-      const Street& line = layout_.streets[axis][street];
       // No car drives on a street with a stretch that is built over.
       const bool blocked = std::ranges::any_of(layout_.closed, [&](const Stretch& stretch) {
-        return stretch.axis == axis && stretch.street == static_cast<int>(street);
+        return axis == 0 && stretch.street == static_cast<int>(street);
       });
       if (blocked) continue;
       for (const double direction : {-1.0, 1.0}) {
-        // On the right of its direction: +u has -v on its right, +v has +u.
-        const double right = axis == 0 ? direction : -direction;
-        Random random(seed_of(
-            seed, 4 * street + 2 * static_cast<std::uint64_t>(axis) + (direction > 0.0 ? 1 : 0)));
-        const double speed_mps = random.uniform(7.5, 12.5);
-        double start_s = -(high_m - low_m) / speed_mps;
-        while (start_s < until_s) {
-          start_s += style.city.seconds_between_cars * random.uniform(0.35, 1.65);
-          const double lane_m = line.position_m + right * line.lane_offset_m;
-          const double from_m = direction > 0.0 ? low_m : high_m;
-          const int car = kFirstCar + random.below(kCarBodies);
-          const Trip trip{axis,    lane_m,    direction, from_m,        high_m - low_m,
-                          start_s, speed_mps, car,       random.shade()};
-          if (!meets_ego(trip)) trips_.push_back(trip);
-        }
+        const auto lane_seed = seed_of(
+            seed, 4 * street + 2 * static_cast<std::uint64_t>(axis) + (direction > 0.0 ? 1 : 0));
+        add_trips_on(layout_.streets[axis][street], axis, direction, interval_s, until_s,
+                     Random(lane_seed));
       }
     }
+  }
+}
+
+void Traffic::add_trips_on(const Street& street, int axis, double direction, double interval_s,
+                           double until_s, Random random) {
+  const double low_m = layout_.rim_m.min()[1 - axis];
+  const double high_m = layout_.rim_m.max()[1 - axis];
+  const Eigen::Vector2d along = direction * Eigen::Vector2d::Unit(1 - axis);
+  // On the right of its direction: +u has -v on its right, +v has +u.
+  const double right = axis == 0 ? direction : -direction;
+  const double lane_m = street.position_m + right * street.lane_offset_m;
+  const double speed_mps = random.uniform(7.5, 12.5);
+  double start_s = -(high_m - low_m) / speed_mps;
+  while (start_s < until_s) {
+    start_s += interval_s * random.uniform(0.35, 1.65);
+    const auto sheet_at = [=, from_m = direction > 0.0 ? low_m : high_m](double time_s) {
+      Eigen::Vector2d sheet_m;
+      sheet_m[axis] = lane_m;
+      sheet_m[1 - axis] = from_m + direction * speed_mps * (time_s - start_s);
+      return sheet_m;
+    };
+    const auto pose_at = [&layout = layout_, sheet_at, along](double time_s) {
+      const Eigen::Vector2d sheet_m = sheet_at(time_s);
+      return Eigen::Affine3d(
+          layout.terrain.frame(layout.plane(sheet_m), layout.heading_rad(sheet_m, along)));
+    };
+    const int car = kFirstCar + random.below(kCarBodies);
+    const double end_s = start_s + (high_m - low_m) / speed_mps;
+    const Actor trip{car, random.shade(), start_s, end_s, sheet_at, pose_at};
+    if (!meets_ego(trip)) actors_.push_back(trip);
   }
 }
 
@@ -67,16 +96,26 @@ void Traffic::add_walkers(const CityStyle& style, std::uint64_t seed) {
                                        block.sheet_m.max().array() - inset_m);
       const double walk_mps = random.uniform(0.8, 1.6);
       const double speed_mps = random.chance(0.5) ? walk_mps : -walk_mps;
-      walkers_.push_back({around, random.uniform(0.0, 2.0 * around.sizes().sum()), speed_mps,
-                          kFirstWalker + random.below(kWalkerBodies), random.shade()});
+      const double start_m = random.uniform(0.0, 2.0 * around.sizes().sum());
+      const auto sheet_at = [=](double time_s) {
+        return place_on_way_around(around, start_m + speed_mps * time_s);
+      };
+      const auto pose_at = [&layout = layout_, sheet_at](double time_s) {
+        const Eigen::Vector2d here = layout.plane(sheet_at(time_s));
+        const Eigen::Vector2d step = layout.plane(sheet_at(time_s + 0.5)) - here;
+        return Eigen::Affine3d(upright_frame(layout.terrain.ground(here, kKerbHeight_m),
+                                             std::atan2(step.y(), step.x())));
+      };
+      const int body = kFirstWalker + random.below(kWalkerBodies);
+      actors_.push_back({body, random.shade(), -kNever_s, kNever_s, sheet_at, pose_at});
     }
   }
 }
 
-bool Traffic::meets_ego(const Trip& trip) const {
+bool Traffic::meets_ego(const Actor& car) const {
   constexpr double kStep_s = 0.25;
-  for (double time_s = std::max(0.0, trip.start_s); time_s < trip.end_s(); time_s += kStep_s) {
-    const Eigen::Vector2d plane_m = layout_.plane(trip.sheet_at(time_s));
+  for (double time_s = std::max(0.0, car.start_s); time_s < car.end_s; time_s += kStep_s) {
+    const Eigen::Vector2d plane_m = layout_.plane(car.sheet_at(time_s));
     const PathState ego = ego_.at_time(time_s);
     const Eigen::Vector2d away = plane_m - ego.plane_m;
     const Eigen::Vector2d forward(std::cos(ego.heading_rad), std::sin(ego.heading_rad));
@@ -88,38 +127,6 @@ bool Traffic::meets_ego(const Trip& trip) const {
   return false;
 }
 
-Eigen::Vector2d Traffic::Trip::sheet_at(double time_s) const {
-  Eigen::Vector2d sheet_m;
-  sheet_m[axis] = street_m;
-  sheet_m[1 - axis] = from_m + direction * speed_mps * (time_s - start_s);
-  return sheet_m;
-}
-
-Eigen::Vector2d Traffic::Walker::sheet_at(double time_s) const {
-  const double around_m = 2.0 * around_sheet_m.sizes().sum();
-  double along_m = std::fmod(start_m + speed_mps * time_s, around_m);
-  if (along_m < 0.0) along_m += around_m;
-  const auto sides = sides_of(around_sheet_m);
-  std::size_t k = 0;
-  while (k < 3 && along_m >= sides[k].length_m) along_m -= sides[k++].length_m;
-  return sides[k].at(along_m, 0.0);
-}
-
-Eigen::Affine3d Traffic::pose_of(const Trip& trip, double time_s) const {
-  const Eigen::Vector2d sheet_m = trip.sheet_at(time_s);
-  Eigen::Vector2d direction = Eigen::Vector2d::Zero();
-  direction[1 - trip.axis] = trip.direction;
-  return Eigen::Affine3d(
-      layout_.terrain.frame(layout_.plane(sheet_m), layout_.heading_rad(sheet_m, direction)));
-}
-
-Eigen::Affine3d Traffic::pose_of(const Walker& walker, double time_s) const {
-  const Eigen::Vector2d here = layout_.plane(walker.sheet_at(time_s));
-  const Eigen::Vector2d step = layout_.plane(walker.sheet_at(time_s + 0.5)) - here;
-  return Eigen::Affine3d(
-      upright_frame(layout_.terrain.ground(here, kKerbHeight_m), std::atan2(step.y(), step.x())));
-}
-
 Eigen::Affine3d Traffic::pose_of_car_ahead(double time_s) const {
   const double ego_m = ego_.at_time(time_s).along_m;
   const PathState ahead = ego_.at_distance(ego_m + 24.0 + 8.0 * std::sin(ego_m / 90.0));
@@ -129,15 +136,12 @@ Eigen::Affine3d Traffic::pose_of_car_ahead(double time_s) const {
 std::vector<ActorMotion> Traffic::actors(double from_s, double to_s,
                                          const Eigen::Vector2d& plane_m) const {
   std::vector<std::pair<double, ActorMotion>> near;
-  const auto consider = [&](const auto& who) {
+  for (const Actor& who : actors_) {
+    if (from_s < who.start_s || to_s > who.end_s) continue;
     const double away_m = (layout_.plane(who.sheet_at(from_s)) - plane_m).norm();
-    if (away_m >= kReach_m) return;
-    near.push_back({away_m, {who.prototype, pose_of(who, from_s), pose_of(who, to_s), who.shade}});
-  };
-  for (const Trip& trip : trips_) {
-    if (from_s >= trip.start_s && to_s <= trip.end_s()) consider(trip);
+    if (away_m >= kReach_m) continue;
+    near.push_back({away_m, {who.prototype, who.pose_at(from_s), who.pose_at(to_s), who.shade}});
   }
-  for (const Walker& walker : walkers_) consider(walker);
   std::ranges::stable_sort(near, [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<ActorMotion> actors;
   if (car_ahead_) {

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "hqslam/core/angles.h"
@@ -42,14 +43,6 @@ void make_empty_directory(const fs::path& directory) {
 
 std::string in(const std::string& directory, std::string_view name) {
   return (fs::path(directory) / name).string();
-}
-
-/// Writes to the disk at once, so that the file is valid whenever the program stops.
-void append_text(std::ofstream& stream, const std::string& path, const std::string& text) {
-  stream << text;
-  stream.flush();
-  if (stream) return;
-  throw Error("{}: cannot be written; check that the folder is writable and has free space", path);
 }
 
 /// Writes the beam errors, which a calibration of the beams should find.
@@ -99,22 +92,19 @@ DriveWriter::DriveWriter(const std::string& directory, const DriveSpec& spec,
       extra_(extra),
       stack_(in(directory, "scans.npy"), sensor.rows(), sensor.columns),
       intensity_(in(directory, "intensity.npy"), {sensor.rows(), sensor.columns}),
-      columns_(in(directory, "truth_columns.npy"), {sensor.columns, 7}),
-      tum_(in(directory, "truth.tum"), std::ios::binary),
-      kitti_(in(directory, "truth.kitti"), std::ios::binary) {
-  append_text(tum_, in(directory, "truth.tum"), "");
+      columns_(in(directory, "truth_columns.npy"), {sensor.columns, 7}) {
+  write_whole_file(in(directory, "truth.tum"), "");
+  write_whole_file(in(directory, "truth.kitti"), "");
   write_sensor_json(sensor, in(directory, "sensor.json"));
   if (spec.sensor_errors != SensorErrors::kNone) {
     write_sensor_errors_json(in(directory, "sensor_errors.json"), spec, sensor.rows());
   }
   if (extra_.imu) {
-    imu_.open(in(directory, "imu.csv"), std::ios::binary);
-    imu_biases_.open(in(directory, "imu_biases.csv"), std::ios::binary);
     const std::string columns =
         "stamp_s,angular_rate_x_rad_per_s,angular_rate_y_rad_per_s,angular_rate_z_rad_per_s,"
         "specific_force_x_mps2,specific_force_y_mps2,specific_force_z_mps2\n";
-    append_text(imu_, in(directory, "imu.csv"), columns);
-    append_text(imu_biases_, in(directory, "imu_biases.csv"), columns);
+    write_whole_file(in(directory, "imu.csv"), columns);
+    write_whole_file(in(directory, "imu_biases.csv"), columns);
   }
   if (extra_.kitti_bin) make_empty_directory(fs::path(directory) / "bin");
   if (extra_.pcd) make_empty_directory(fs::path(directory) / "pcd");
@@ -125,14 +115,23 @@ void DriveWriter::append(const SimulatedScan& scan) {
   stack_.append(scan.image);
   columns_.append(column_truth(scan.T_map_sensor_at_column));
   const StampedPose pose{scan.stamp_s, scan.T_map_sensor};
-  append_text(tum_, in(directory_, "truth.tum"), tum_line(pose));
-  append_text(kitti_, in(directory_, "truth.kitti"), kitti_line(pose));
+  append_text("truth.tum", tum_line(pose));
+  append_text("truth.kitti", kitti_line(pose));
   if (extra_.kitti_bin || extra_.pcd) write_extra(scan);
   if (extra_.imu) append_imu(scan.imu);
   ++scans_;
 }
 
-void DriveWriter::append_imu(const std::vector<SimulatedImuSample>& samples) {
+void DriveWriter::append_text(const char* name, const std::string& text) const {
+  const std::string path = in(directory_, name);
+  std::ofstream stream(path, std::ios::binary | std::ios::app);
+  stream << text;
+  stream.close();
+  if (stream) return;
+  throw Error("{}: cannot be written; check that the folder is writable and has free space", path);
+}
+
+void DriveWriter::append_imu(const std::vector<SimulatedImuSample>& samples) const {
   const auto line = [](double stamp_s, const Eigen::Vector3d& rate, const Eigen::Vector3d& force) {
     return fmt::format("{:.3f},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", stamp_s, rate.x(),
                        rate.y(), rate.z(), force.x(), force.y(), force.z());
@@ -142,8 +141,8 @@ void DriveWriter::append_imu(const std::vector<SimulatedImuSample>& samples) {
     measured += line(s.stamp_s, s.angular_rate_rad_per_s, s.specific_force_mps2);
     biases += line(s.stamp_s, s.gyroscope_bias_rad_per_s, s.accelerometer_bias_mps2);
   }
-  append_text(imu_, in(directory_, "imu.csv"), measured);
-  append_text(imu_biases_, in(directory_, "imu_biases.csv"), biases);
+  append_text("imu.csv", measured);
+  append_text("imu_biases.csv", biases);
 }
 
 void DriveWriter::write_extra(const SimulatedScan& simulated) const {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <fstream>
 #include <string>
 
 #include "hqslam/core/npy.h"
@@ -43,7 +42,9 @@ class DriveWriter {
 
  private:
   void write_extra(const SimulatedScan& scan) const;
-  void append_imu(const std::vector<SimulatedImuSample>& samples);
+  void append_imu(const std::vector<SimulatedImuSample>& samples) const;
+  /// The text is on the disk at once, so that the file is valid whenever the program stops.
+  void append_text(const char* name, const std::string& text) const;
 
   std::string directory_;
   SensorModel sensor_;
@@ -52,10 +53,6 @@ class DriveWriter {
   NpyStackWriter stack_;
   NpyArrayWriter<std::uint8_t> intensity_;
   NpyArrayWriter<double> columns_;
-  std::ofstream tum_;
-  std::ofstream kitti_;
-  std::ofstream imu_;
-  std::ofstream imu_biases_;
 };
 
 }  // namespace hqslam::sim
