@@ -6,6 +6,8 @@
 #include <bit>
 #include <cmath>
 
+#include "hqslam/recordings/velodyne.h"
+
 namespace hqslam::test {
 
 namespace {
