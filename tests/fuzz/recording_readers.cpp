@@ -120,7 +120,7 @@ constexpr int kOusterColumns = 64;
 /// What is made once for a sensor and serves all its frames.
 struct OusterReader {
   OusterMetadata metadata;
-  OusterOptions options;
+  DecoderOptions options;
   OusterGeometry geometry{metadata, options};
 };
 

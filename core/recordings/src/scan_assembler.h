@@ -6,8 +6,19 @@
 #include "hqslam/core/scan_source.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/recordings/packet.h"
+#include "hqslam/recordings/velodyne.h"
 
 namespace hqslam::recordings {
+
+/// How packets become scans.
+struct DecoderOptions {
+  KeptReturn kept_return = KeptReturn::kStrongest;  ///< kLast: of an Ouster the farther one
+  /// Whether points are computed; without them scans are only counted and timed.
+  bool with_points = true;
+  /// Packets with another serial number are foreign, where an Ouster's profile has one; 0: none
+  /// are.
+  std::uint64_t serial_number = 0;
+};
 
 /// Packets of one sensor, in the order in which they came -> scans, ready for SLAM or upsampling.
 class ScanAssembler {

@@ -10,7 +10,6 @@
 #include "packets/ouster_decoder.h"
 #include "packets/ouster_metadata.h"
 #include "packets/velodyne_decoder.h"
-#include "packets/velodyne_sensor.h"
 #include "packets/velodyne_tables.h"
 
 namespace hqslam::live {
@@ -195,19 +194,15 @@ bool LiveStream::is_sensors(const Packet& packet) {
 }
 
 std::unique_ptr<ScanAssembler> LiveStream::assembler(int columns) {
+  const DecoderOptions options = {options_.kept_return, true, serial_number_};
   if (is_ouster_) {
     if (columns > 0 && columns != sensor_.columns) {
       throw Error("the sensor sends {} columns a turn, {} are asked for; set it to another mode",
                   sensor_.columns, columns);
     }
-    OusterOptions options;
-    options.kept_return = options_.kept_return;
-    options.serial_number = serial_number_;
     return std::make_unique<OusterDecoder>(*metadata_, options, "live");
   }
   if (columns > 0) sensor_.columns = columns;
-  TurnDecoderOptions options;
-  options.kept_return = options_.kept_return;
   return std::make_unique<VelodyneDecoder>(*velodyne_, sensor_, options, "live");
 }
 

@@ -61,7 +61,7 @@ std::optional<HesaiPacket> hesai_packet(Bytes payload) {
   return said;
 }
 
-HesaiDecoder::HesaiDecoder(const SensorModel& sensor, const TurnDecoderOptions& options,
+HesaiDecoder::HesaiDecoder(const SensorModel& sensor, const DecoderOptions& options,
                            std::string name)
     : TurnDecoder(sensor, std::move(name), 0, 360.0, options) {
   const int lasers = sensor.rows();

@@ -42,7 +42,7 @@ SensorModel nominal_hesai(int lasers);
 class HesaiDecoder : public TurnDecoder {
  public:
   /// `sensor` gives elevation and azimuth offset of each laser, 16 or 32. Throws Error for others.
-  HesaiDecoder(const SensorModel& sensor, const TurnDecoderOptions& options = {},
+  HesaiDecoder(const SensorModel& sensor, const DecoderOptions& options = {},
                std::string name = "");
 
   void add(const Packet& packet) override;

@@ -122,7 +122,7 @@ std::unique_ptr<StreamScans> open_hesai(StreamReader reader, const OpenOptions& 
   info.sensor_known = options.sensor.empty();
   info.format = fmt::format("Hesai XT{} packets, {} return", said.lasers,
                             said.dual_return ? "dual" : "single");
-  const TurnDecoderOptions decoding = {options.kept_return, with_points};
+  const DecoderOptions decoding = {options.kept_return, with_points};
   return packet_scans(std::move(reader), std::move(info), [=](const SensorModel& sensor) {
     return std::make_unique<HesaiDecoder>(sensor, decoding, path);
   });

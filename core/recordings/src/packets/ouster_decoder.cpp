@@ -41,7 +41,7 @@ ImuSample ouster_imu_sample(Bytes packet, const OusterMetadata& metadata) {
   return sample;
 }
 
-OusterDecoder::OusterDecoder(const OusterMetadata& metadata, const OusterOptions& options,
+OusterDecoder::OusterDecoder(const OusterMetadata& metadata, const DecoderOptions& options,
                              std::string name)
     : metadata_(metadata),
       options_(options),
@@ -67,7 +67,7 @@ void OusterDecoder::begin(const Packet& packet, std::uint32_t id) {
   const auto pixels = columns * static_cast<std::size_t>(metadata_.sensor.rows());
   OusterFrame frame;
   frame.frame_id = id;
-  if (options_.with_ranges) {
+  if (options_.with_points) {
     frame.range_mm.assign(pixels, 0);
     frame.reflectivity.assign(pixels, 0);
     if (metadata_.dual_return()) {
@@ -152,7 +152,7 @@ void OusterDecoder::read_columns(Bytes packet) {
     if (!found) continue;
     frame_->timestamp_ns[found->id] = little_endian<std::uint64_t>(found->bytes);
     frame_->status[found->id] = found->status;
-    if (!options_.with_ranges) continue;
+    if (!options_.with_points) continue;
     read_pixels(found->bytes + layout_.column_header, static_cast<int>(found->id));
   }
 }

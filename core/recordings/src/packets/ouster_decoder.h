@@ -49,7 +49,7 @@ struct OusterScan {
 /// at the height of the beams' origin (Ouster's own sensor frame is 36 or 38 mm below it).
 class OusterGeometry {
  public:
-  OusterGeometry(const OusterMetadata& metadata, const OusterOptions& options = {});
+  OusterGeometry(const OusterMetadata& metadata, const DecoderOptions& options = {});
 
   /// Nothing if no column of the frame is valid. Ranges beyond the sensor's are no return.
   std::optional<OusterScan> scan(const OusterFrame& frame);
@@ -59,7 +59,7 @@ class OusterGeometry {
   void set_points(const OusterFrame& frame, OrganizedCloud& cloud) const;
 
   OusterMetadata metadata_;
-  OusterOptions options_;
+  DecoderOptions options_;
   SensorClock clock_;
   std::vector<Eigen::Vector3f> beam_;    ///< d of each pixel
   std::vector<Eigen::Vector3f> origin_;  ///< n (h - d) of each pixel
@@ -70,7 +70,7 @@ class OusterGeometry {
 /// Source: Ouster sensor documentation, "Lidar data packet format".
 class OusterDecoder : public ScanAssembler {
  public:
-  OusterDecoder(const OusterMetadata& metadata, const OusterOptions& options = {},
+  OusterDecoder(const OusterMetadata& metadata, const DecoderOptions& options = {},
                 std::string name = "");
 
   const SensorModel& sensor() const override { return metadata_.sensor; }
@@ -110,7 +110,7 @@ class OusterDecoder : public ScanAssembler {
   }
 
   OusterMetadata metadata_;
-  OusterOptions options_;
+  DecoderOptions options_;
   OusterLayout layout_;
   OusterGeometry geometry_;
   std::string name_;  ///< of the scans, with their numbers

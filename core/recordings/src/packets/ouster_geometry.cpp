@@ -43,7 +43,7 @@ std::optional<std::uint64_t> middle_ns(const OusterFrame& frame) {
 
 }  // namespace
 
-OusterGeometry::OusterGeometry(const OusterMetadata& metadata, const OusterOptions& options)
+OusterGeometry::OusterGeometry(const OusterMetadata& metadata, const DecoderOptions& options)
     : metadata_(metadata), options_(options) {
   const SensorModel& sensor = metadata_.sensor;
   const double step_rad = sensor.column_step_rad();

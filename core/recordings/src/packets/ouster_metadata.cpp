@@ -189,10 +189,9 @@ OusterMetadata ouster_metadata_from_json(const std::string& text, const std::str
     format.complain("columns_per_packet", "1 to 64");
   }
   set_window(metadata, format);
-  metadata.product = words(info, "prod_line").substr(0, 60);
+  const std::string product = words(info, "prod_line").substr(0, 60);
   metadata.serial_number = whole_number(words(info, "prod_sn"));
-  metadata.beam_origin_m =
-      1e-3 * beam_origin_mm(fields.section("beam_intrinsics"), metadata.product);
+  metadata.beam_origin_m = 1e-3 * beam_origin_mm(fields.section("beam_intrinsics"), product);
   metadata.lidar_port = port(fields.section("config_params"), "udp_port_lidar");
   metadata.imu_port = port(fields.section("config_params"), "udp_port_imu");
   const std::string imu_profile = words(format, "udp_profile_imu");

@@ -190,10 +190,8 @@ std::unique_ptr<StreamScans> open_ouster(StreamReader reader, const OpenOptions&
         "LEGACY",
         path, of.metadata.imu_profile));
   }
-  OusterOptions decoding;
-  decoding.kept_return = options.kept_return;
-  decoding.serial_number = serial_to_read(reader, of, info.warnings);
-  decoding.with_ranges = with_points;
+  const DecoderOptions decoding = {options.kept_return, with_points,
+                                   serial_to_read(reader, of, info.warnings)};
   const OusterMetadata metadata = of.metadata;
   auto source = packet_scans(std::move(reader), std::move(info), [=](const SensorModel& sensor) {
     if (sensor.columns == metadata.sensor.columns) {

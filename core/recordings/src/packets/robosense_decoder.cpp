@@ -188,7 +188,7 @@ RobosenseUnit robosense_unit(Bytes settings, bool helios, const std::string& pat
 }
 
 RobosenseDecoder::RobosenseDecoder(const RobosenseUnit& unit, const SensorModel& sensor,
-                                   const TurnDecoderOptions& options, std::string name)
+                                   const DecoderOptions& options, std::string name)
     : TurnDecoder(sensor, std::move(name), 0, 360.0, options),
       unit_(unit),
       channels_(static_cast<int>(unit.row_of_channel.size())) {

@@ -53,7 +53,7 @@ class RobosenseDecoder : public TurnDecoder {
   /// sensor: of as many rows as the unit's, whose elevations and azimuth offsets are taken. Throws
   /// Error for another.
   RobosenseDecoder(const RobosenseUnit& unit, const SensorModel& sensor,
-                   const TurnDecoderOptions& options = {}, std::string name = "");
+                   const DecoderOptions& options = {}, std::string name = "");
 
   void add(const Packet& packet) override;
 

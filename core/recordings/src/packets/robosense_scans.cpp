@@ -40,7 +40,7 @@ std::unique_ptr<StreamScans> open_robosense(StreamReader reader, const OpenOptio
   info.format =
       fmt::format("RoboSense {} packets, {} beams, {} return", unit.helios ? "Helios" : "RS-16",
                   unit.sensor.rows(), unit.dual_return ? "dual" : "single");
-  const TurnDecoderOptions decoding = {options.kept_return, with_points};
+  const DecoderOptions decoding = {options.kept_return, with_points};
   return packet_scans(std::move(reader), std::move(info), [=](const SensorModel& sensor) {
     return std::make_unique<RobosenseDecoder>(unit, sensor, decoding, path);
   });

@@ -56,7 +56,7 @@ class TurnDecoder : public ScanAssembler {
 
  protected:
   TurnDecoder(const SensorModel& sensor, std::string name, int cut, double field_of_view_deg,
-              const TurnDecoderOptions& options)
+              const DecoderOptions& options)
       : sensor_(sensor),
         options_(options),
         cut_(cut),
@@ -74,7 +74,7 @@ class TurnDecoder : public ScanAssembler {
   double fire(int azimuth, std::int64_t time_ns);
 
   SensorModel sensor_;
-  TurnDecoderOptions options_;
+  DecoderOptions options_;
   int cut_;
   double field_of_view_deg_;
   Scan scan_;                         ///< the turn that was begun; times since its first firing

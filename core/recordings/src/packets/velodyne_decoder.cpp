@@ -59,7 +59,7 @@ PulseReturn kept(PulseReturn last, PulseReturn other, KeptReturn which) {
 }  // namespace
 
 VelodyneDecoder::VelodyneDecoder(const VelodyneStream& stream, const SensorModel& sensor,
-                                 const TurnDecoderOptions& options, std::string name)
+                                 const DecoderOptions& options, std::string name)
     : TurnDecoder(sensor, std::move(name),
                   modulo_turn(static_cast<int>(std::lround(100.0 * stream.cut_azimuth_deg))),
                   stream.field_of_view_deg, options),

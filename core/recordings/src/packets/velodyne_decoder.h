@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "packets/turn_decoder.h"
@@ -26,7 +27,7 @@ class VelodyneDecoder : public TurnDecoder {
   /// `sensor` gives elevation and azimuth offset of each row; as many rows as the model has lasers.
   /// Throws Error if it has not.
   VelodyneDecoder(const VelodyneStream& stream, const SensorModel& sensor,
-                  const TurnDecoderOptions& options = {}, std::string name = "");
+                  const DecoderOptions& options = {}, std::string name = "");
 
   void add(const Packet& packet) override;
 
@@ -56,5 +57,16 @@ class VelodyneDecoder : public TurnDecoder {
   double rate_ = 0.0;
   std::vector<Firing> firings_;
 };
+
+/// The sensor of a stream of packets, whose model is changed to the user's.
+/// wanted_sensor: a preset's name or a .json file; empty: what the stream says. columns: of the
+/// images; 0: the preset's, by the rate of turning. path: stands for the recording in messages.
+/// Throws Error.
+SensorModel velodyne_sensor(VelodyneStream& stream, const std::string& wanted_sensor, int columns,
+                            const std::string& path, std::vector<std::string>& warnings);
+
+/// The model of the sensor that a user names, if the name says it. Throws Error for one that is not
+/// there.
+std::optional<VelodyneModel> named_model(const std::string& wanted_sensor);
 
 }  // namespace hqslam::recordings

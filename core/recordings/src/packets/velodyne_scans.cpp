@@ -6,7 +6,6 @@
 
 #include "hqslam/core/error.h"
 #include "packets/velodyne_decoder.h"
-#include "packets/velodyne_sensor.h"
 #include "packets/velodyne_tables.h"
 #include "stream_scans.h"
 
@@ -93,7 +92,7 @@ std::unique_ptr<StreamScans> open_velodyne(StreamReader reader, const OpenOption
   info.sensor_known = options.sensor.empty();
   info.format =
       fmt::format("Velodyne packets, {} return", velodyne.dual_return ? "dual" : "single");
-  const TurnDecoderOptions decoding = {options.kept_return, with_points};
+  const DecoderOptions decoding = {options.kept_return, with_points};
   return packet_scans(std::move(reader), std::move(info), [=](const SensorModel& sensor) {
     return std::make_unique<VelodyneDecoder>(velodyne, sensor, decoding, path);
   });

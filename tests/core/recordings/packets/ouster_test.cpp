@@ -312,7 +312,7 @@ TEST_CASE("of two returns the strongest is kept, or the farther one on request")
   OusterDecoder decoder(metadata);
   const auto frames = decoded(decoder, ouster_turns(OusterProfile::kRng19Dual, {1}));
   OusterGeometry strongest(metadata);
-  OusterOptions options;
+  DecoderOptions options;
   options.kept_return = KeptReturn::kLast;
   OusterGeometry last(metadata, options);
   const float near_m = strongest.scan(frames[0])->cloud.range_m[0];

@@ -18,7 +18,7 @@ using namespace hqslam::test;
 
 namespace {
 
-RobosenseDecoder decoder_of(const Robosense& sensor, const TurnDecoderOptions& options = {}) {
+RobosenseDecoder decoder_of(const Robosense& sensor, const DecoderOptions& options = {}) {
   const RobosenseUnit unit = robosense_unit(robosense_settings(sensor), sensor.helios, "a test");
   return {unit, unit.sensor, options};
 }

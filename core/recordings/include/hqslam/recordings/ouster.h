@@ -6,7 +6,6 @@
 #include <string_view>
 
 #include "hqslam/core/sensor_model.h"
-#include "hqslam/recordings/velodyne.h"
 
 namespace hqslam::recordings {
 
@@ -29,7 +28,6 @@ struct OusterMetadata {
   int last_column = 0;
   /// Distance of the place where beams begin from the axis of rotation.
   double beam_origin_m = 0.0;
-  std::string product;              ///< "OS-1-32-G"; "" if unknown
   std::uint64_t serial_number = 0;  ///< 0 if unknown
   std::uint16_t lidar_port = 0;     ///< 0 if unknown
   std::uint16_t imu_port = 0;       ///< 0 if unknown
@@ -50,13 +48,5 @@ struct OusterMetadata {
 OusterMetadata read_ouster_metadata(const std::string& path);
 /// Reads metadata from text; `source` stands for the file in messages.
 OusterMetadata ouster_metadata_from_json(const std::string& text, const std::string& source);
-
-struct OusterOptions {
-  KeptReturn kept_return = KeptReturn::kStrongest;  ///< kLast: the farther one
-  /// Packets with another serial number are foreign, where the profile has one; 0: none are.
-  std::uint64_t serial_number = 0;
-  /// Whether ranges are read; without them frames are only counted and timed.
-  bool with_ranges = true;
-};
 
 }  // namespace hqslam::recordings

@@ -70,11 +70,4 @@ class VelodyneProbe {
   int largest_jump_ = 0;  ///< of the azimuth from block to block, hundredths of a degree
 };
 
-/// Of the decoders of Velodyne, Hesai and RoboSense packets.
-struct TurnDecoderOptions {
-  KeptReturn kept_return = KeptReturn::kStrongest;
-  /// Whether points are computed; without them scans are only counted and timed.
-  bool with_points = true;
-};
-
 }  // namespace hqslam::recordings
