@@ -85,17 +85,12 @@ bool touches(const Slip& slip, std::size_t first, std::size_t last) {
   return slip.first <= last && first <= slip.last;
 }
 
-/// The motion between two poses of one frame.
-struct Motion {
-  Pose T_frame_from;
-  Pose T_frame_to;
-};
-
-/// E = (T_ref_from^-1 T_ref_to)^-1 (T_est_from^-1 T_est_to): what the estimate adds to the true
-/// motion. The frames of the two need not agree.
-Pose motion_error(const Motion& estimate, const Motion& reference) {
-  const Pose true_motion = reference.T_frame_from.inverse() * reference.T_frame_to;
-  return true_motion.inverse() * (estimate.T_frame_from.inverse() * estimate.T_frame_to);
+/// E = (T_ref_from^-1 T_ref_to)^-1 (T_est_from^-1 T_est_to): what an estimate adds to the true
+/// motion between two poses. The frames of the two trajectories need not agree.
+Pose motion_error(const StampedPose& from, const StampedPose& to, const StampedPose& true_from,
+                  const StampedPose& true_to) {
+  const Pose true_motion = true_from.T_map_sensor.inverse() * true_to.T_map_sensor;
+  return true_motion.inverse() * (from.T_map_sensor.inverse() * to.T_map_sensor);
 }
 
 /// Throws Error if there are fewer than `expected`.
@@ -208,9 +203,9 @@ RelativePoseError relative_pose_error(const Trajectory& estimate, const Trajecto
     };
     while (j < pairs.estimate.size() && travelled_m(j) < shortest_m) ++j;
     if (j == pairs.estimate.size()) break;
-    const Pose difference = motion_error(
-        {estimate[pairs.estimate[i]].T_map_sensor, estimate[pairs.estimate[j]].T_map_sensor},
-        {reference[pairs.reference[i]].T_map_sensor, reference[pairs.reference[j]].T_map_sensor});
+    const Pose difference =
+        motion_error(estimate[pairs.estimate[i]], estimate[pairs.estimate[j]],
+                     reference[pairs.reference[i]], reference[pairs.reference[j]]);
     error.first.push_back(pairs.reference[i]);
     error.last.push_back(pairs.reference[j]);
     error.translation_m.push_back(difference.translation().norm());
@@ -233,8 +228,7 @@ std::vector<Slip> slips(const Trajectory& estimate, const Trajectory& reference,
     const std::size_t first = *partner[i];
     const std::size_t last = *partner[i + options.scans];
     const Pose difference =
-        motion_error({estimate[i].T_map_sensor, estimate[i + options.scans].T_map_sensor},
-                     {reference[first].T_map_sensor, reference[last].T_map_sensor});
+        motion_error(estimate[i], estimate[i + options.scans], reference[first], reference[last]);
     const double translation_m = difference.translation().norm();
     const double rotation_rad = rotation_angle_rad(difference);
     // Written so that a pose that is not a number is a slip.

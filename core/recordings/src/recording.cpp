@@ -68,26 +68,30 @@ std::optional<SensorModel> stated_sensor(const std::string& path, const OpenOpti
   return std::nullopt;
 }
 
-/// The number of rows of a stack's images; nothing for other files.
-std::optional<int> image_rows(const std::string& path) {
+/// Whether hqslam wrote the folder: range images and their sensor.
+bool is_folder_of_images(const fs::path& folder) {
   std::error_code error;
-  if (fs::path(path).extension() == ".npy") return NpyStackReader(path).rows();
-  const fs::path folder(path);
-  if (!fs::is_regular_file(folder / "scans.npy", error) ||
-      !fs::is_regular_file(folder / "sensor.json", error)) {
-    return std::nullopt;
-  }
-  return read_sensor_json((folder / "sensor.json").string()).rows();
+  return fs::is_regular_file(folder / "scans.npy", error) &&
+         fs::is_regular_file(folder / "sensor.json", error);
 }
 
-/// Its measured rows; evenly spread ones where it does not name them.
-std::optional<SensorModel> measured_rows_of(SensorModel all_rows, int rows) {
-  if (rows < 1 || rows >= all_rows.rows()) return std::nullopt;
+/// The number of rows of a stack's images; nothing for other files.
+std::optional<int> image_rows(const fs::path& path) {
+  if (path.extension() == ".npy") return NpyStackReader(path.string()).rows();
+  if (!is_folder_of_images(path)) return std::nullopt;
+  return read_sensor_json((path / "sensor.json").string()).rows();
+}
+
+/// As many rows of `full` as were measured by all_rows, evenly spread ones where it does not name
+/// them; nothing where they are others.
+std::optional<SensorModel> measured_rows_of(SensorModel full, const SensorModel& all_rows,
+                                            int rows) {
   const std::optional<RowSelection> measured = all_rows.measured_rows;
-  all_rows.measured_rows.reset();
-  if (!measured && all_rows.rows() % rows != 0) return std::nullopt;
-  SensorModel result =
-      select_rows(all_rows, measured.value_or(selection_for(all_rows.rows(), rows)));
+  if (rows < 1 || rows >= full.rows() || (!measured && full.rows() % rows != 0)) {
+    return std::nullopt;
+  }
+  full.measured_rows.reset();
+  SensorModel result = select_rows(full, measured.value_or(selection_for(full.rows(), rows)));
   return result.rows() == rows ? std::optional(result) : std::nullopt;
 }
 
@@ -97,9 +101,7 @@ std::optional<SensorModel> sensor_of_images(const std::optional<SensorModel>& st
   if (!options.all_rows) return stated;
   const SensorModel& full = stated ? *stated : *options.all_rows;
   if (full.rows() == rows) return full;
-  SensorModel with_measured = full;
-  with_measured.measured_rows = options.all_rows->measured_rows;
-  return measured_rows_of(with_measured, rows).value_or(full);
+  return measured_rows_of(full, *options.all_rows, rows).value_or(full);
 }
 
 /// The sensor of points: the one that is stated, held against the beams that are found in them;
@@ -107,18 +109,11 @@ std::optional<SensorModel> sensor_of_images(const std::optional<SensorModel>& st
 FoundSensor sensor_of_points(const std::string& path, const std::optional<SensorModel>& stated,
                              const OpenOptions& options, const std::function<FoundSensor()>& find) {
   if (!stated && !options.all_rows) return find();
-  std::optional<FoundSensor> found;
-  try {
-    found = find();
-  } catch (const Error&) {
-    // What is wrong with the points is said when they are read.
-  }
+  const std::optional<FoundSensor> found = found_if_any(find);
   const SensorModel& full = stated ? *stated : *options.all_rows;
   if (found && options.all_rows) {
-    SensorModel with_measured = full;
-    with_measured.measured_rows = options.all_rows->measured_rows;
-    if (const auto measured = measured_rows_of(with_measured, found->sensor.rows());
-        measured && have_same_beams(found->sensor, *measured)) {
+    const auto measured = measured_rows_of(full, *options.all_rows, found->sensor.rows());
+    if (measured && have_same_beams(found->sensor, *measured)) {
       return {stated ? *measured : found->sensor, {}, "", false};
     }
   }
@@ -217,11 +212,8 @@ RecordingInfo inspect_files(const std::string& path, const OpenOptions& options)
 }  // namespace
 
 void refuse_idle_options(const std::string& path, const OpenOptions& options) {
-  std::error_code error;
   const bool is_stream = is_capture_or_bag(path);
-  const bool is_stack = fs::path(path).extension() == ".npy" ||
-                        (fs::is_regular_file(fs::path(path) / "scans.npy", error) &&
-                         fs::is_regular_file(fs::path(path) / "sensor.json", error));
+  const bool is_stack = fs::path(path).extension() == ".npy" || is_folder_of_images(path);
   const bool is_capture = is_stream && fs::path(path).extension().string().starts_with(".pcap");
   struct Option {
     const char* name;

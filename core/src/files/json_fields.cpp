@@ -9,7 +9,6 @@
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
-#include "hqslam/core/json_limits.h"
 
 namespace hqslam {
 

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "hqslam/core/error.h"
-#include "hqslam/core/json_limits.h"
+#include "hqslam/core/json_fields.h"
 #include "hqslam/core/whole_file.h"
 
 namespace hqslam::tools {

@@ -10,7 +10,7 @@
 
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
-#include "hqslam/core/json_limits.h"
+#include "hqslam/core/json_fields.h"
 #include "hqslam/core/whole_file.h"
 #include "hqslam/nn/network.h"
 #include "hqslam/nn/network_json.h"

@@ -208,15 +208,8 @@ bool has_clock(const std::vector<RawPoints>& clouds, double scan_period_s) {
 /// The one that is named, else that of the points.
 FoundSensor sensor_of_clouds(const std::vector<RawPoints>& clouds, std::optional<double> period_s,
                              const std::string& name, const std::string& path) {
-  if (name.empty()) return find_sensor(clouds, period_s, path);
-  const SensorModel stated = load_sensor(name);
-  std::optional<FoundSensor> found;
-  try {
-    found = find_sensor(clouds, period_s, path);
-  } catch (const Error&) {
-    // The clouds are of whatever was named.
-  }
-  return held_against_points(stated, found, path);
+  const auto find = [&] { return find_sensor(clouds, period_s, path); };
+  return name.empty() ? find() : held_against_points(load_sensor(name), found_if_any(find), path);
 }
 
 }  // namespace

@@ -228,6 +228,14 @@ FoundSensor find_sensor(const std::vector<RawPoints>& all, std::optional<double>
       source, wrong);
 }
 
+std::optional<FoundSensor> found_if_any(const std::function<FoundSensor()>& find) {
+  try {
+    return find();
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
 FoundSensor held_against_points(const SensorModel& stated, const std::optional<FoundSensor>& found,
                                 const std::string& source) {
   FoundSensor result{stated, {}, "", false};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,6 +23,10 @@ struct FoundSensor {
 /// clearly apart or scans contradict each other; `source` stands for the recording in messages.
 FoundSensor find_sensor(const std::vector<RawPoints>& scans, std::optional<double> scan_period_s,
                         const std::string& source);
+
+/// What find() returns; nothing where it throws Error: what is wrong with the points is reported
+/// when they are read.
+std::optional<FoundSensor> found_if_any(const std::function<FoundSensor()>& find);
 
 /// A sensor that was stated, held against the beams in the points where they could be found: with
 /// the rows alone that have points, where these are evenly spaced ones. Throws Error for fewer or
