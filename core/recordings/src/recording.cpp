@@ -165,16 +165,16 @@ void look_at_scans(ScanSource& source, RecordingInfo& info) {
   }
 }
 
-/// That hqslam-lab simulate wrote; empty where it did not.
-std::vector<ImuSample> imu_of_drive(const std::string& path) {
+/// The file that hqslam-lab simulate wrote; "" where it did not.
+std::string imu_of_drive(const std::string& path) {
   const fs::path samples = fs::path(path) / "imu.csv";
   std::error_code error;
-  if (!fs::is_regular_file(samples, error)) return {};
-  return read_imu_csv(samples.string());
+  return fs::is_regular_file(samples, error) ? samples.string() : "";
 }
 
-void describe_imu(const std::vector<ImuSample>& samples, RecordingInfo& info) {
-  if (samples.empty()) return;
+void describe_imu(const std::string& path, RecordingInfo& info) {
+  if (path.empty()) return;
+  const std::vector<ImuSample> samples = read_imu_csv(path);
   info.imu_stream = "imu.csv";
   info.imu.used = std::ssize(samples);
   const double duration_s = samples.back().stamp_s - samples.front().stamp_s;
@@ -250,13 +250,11 @@ Recording::Recording(std::string path, OpenOptions options)
   }
   // Packets are put in order, and stamped by one clock, where they become scans.
   if (stream_ == nullptr || !stream_->has_packets()) source_ = ordered(std::move(source_));
-  if (options_.imu == kNoInertialData) {
+  const std::string imu = options_.imu.empty() ? imu_of_drive(path_) : options_.imu;
+  if (imu == kNoInertialData) {
     source_ = with_imu(std::move(source_), {});
-  } else if (!options_.imu.empty()) {
-    source_ = with_imu(std::move(source_), read_imu_csv(options_.imu), options_.imu);
-  } else if (std::vector<ImuSample> samples = imu_of_drive(path_); !samples.empty()) {
-    source_ =
-        with_imu(std::move(source_), std::move(samples), (fs::path(path_) / "imu.csv").string());
+  } else if (!imu.empty()) {
+    source_ = with_imu(std::move(source_), read_imu_csv(imu), imu);
   }
 }
 

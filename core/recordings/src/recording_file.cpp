@@ -79,7 +79,10 @@ class BagRecording : public RecordingFile {
     while (true) {
       if (auto message = file_->next()) {
         message->stream = stream_of(static_cast<std::uint32_t>(message->stream));
-        if (is_packed(message->bytes)) message->bytes = unpacked(message->bytes);
+        if (is_packed(message->bytes)) {
+          unpacked_ = unpacked_message(message->bytes);
+          message->bytes = unpacked_;
+        }
         Stream& stream = streams_[message->stream];
         ++stream.messages;
         recognise(stream, *message);
@@ -108,12 +111,6 @@ class BagRecording : public RecordingFile {
     if (const std::string text = file_->missing(); !text.empty()) {
       missing_ = paths_.size() > 1 ? fmt::format("{}: {}", paths_[part_], text) : text;
     }
-  }
-
-  /// The content of a message that was compressed by itself; of a damaged one nothing.
-  Bytes unpacked(Bytes packed) {
-    unpacked_ = unpacked_message(packed);
-    return unpacked_;
   }
 
   /// Topics of one name are one stream, whichever file they are in.
@@ -147,21 +144,25 @@ constexpr std::uint16_t kVelodynePositionPort = 8308;
 /// A capture of more senders and ports than this is of a whole network.
 constexpr std::size_t kMaxStreams = 1000;
 
+/// What a packet is by its bytes alone; kOther where these do not say it.
+StreamKind kind_of(Bytes payload) {
+  if (is_velodyne_packet(payload)) return StreamKind::kVelodynePackets;
+  if (hesai_packet(payload)) return StreamKind::kHesaiPackets;
+  if (robosense_packet(payload)) return StreamKind::kRobosensePackets;
+  return is_settings(payload) ? StreamKind::kSettings : StreamKind::kOther;
+}
+
 /// What came from one sender to one port.
 struct Traffic {
   std::size_t stream = 0;
-  std::int64_t velodyne = 0;
-  std::int64_t hesai = 0;
-  std::int64_t robosense = 0;
-  std::int64_t settings = 0;
+  std::map<StreamKind, std::int64_t> packets_of_kind;
   std::map<std::size_t, std::int64_t> packets_of_size;
 };
 
 StreamKind kind_of(const Stream& stream, const Traffic& traffic) {
-  if (2 * traffic.velodyne > stream.messages) return StreamKind::kVelodynePackets;
-  if (2 * traffic.hesai > stream.messages) return StreamKind::kHesaiPackets;
-  if (2 * traffic.robosense > stream.messages) return StreamKind::kRobosensePackets;
-  if (2 * traffic.settings > stream.messages) return StreamKind::kSettings;
+  for (const auto& [kind, packets] : traffic.packets_of_kind) {
+    if (kind != StreamKind::kOther && 2 * packets > stream.messages) return kind;
+  }
   if (stream.packet_bytes == kVelodynePositionBytes &&
       stream.endpoint.port == kVelodynePositionPort) {
     return StreamKind::kVelodynePositions;
@@ -198,10 +199,7 @@ class PcapRecording : public RecordingFile {
     }
     Stream& stream = streams_[traffic.stream];
     ++stream.messages;
-    if (is_velodyne_packet(packet.payload)) ++traffic.velodyne;
-    if (hesai_packet(packet.payload)) ++traffic.hesai;
-    if (robosense_packet(packet.payload)) ++traffic.robosense;
-    if (is_settings(packet.payload)) ++traffic.settings;
+    ++traffic.packets_of_kind[kind_of(packet.payload)];
     auto& sizes = traffic.packets_of_size;
     const std::size_t bytes = packet.payload.size();
     if (sizes.size() < kMaxStreams || sizes.contains(bytes)) {

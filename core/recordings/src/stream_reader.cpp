@@ -6,8 +6,8 @@
 
 #include "bags/message_packets.h"
 #include "hqslam/core/error.h"
-#include "packets/robosense_decoder.h"
 #include "packets/ouster_metadata.h"
+#include "packets/robosense_decoder.h"
 
 namespace hqslam::recordings {
 
@@ -103,7 +103,10 @@ void StreamReader::listen() {
     if (!begin_ns && has_scans(stream)) begin_ns = message->time_ns;
     const bool much = kept_bytes_ >= kMostKept_bytes;
     if (begin_ns && (much || seconds_apart(message->time_ns, *begin_ns) >= kListen_s)) break;
-    if (much) forget_kept();  // none of it was a scan's
+    if (!much) continue;
+    kept_.clear();  // none of it was a scan's
+    kept_imu_.clear();
+    kept_bytes_ = 0;
   }
 }
 
@@ -136,12 +139,6 @@ std::size_t StreamReader::chosen() const {
   }
   throw Error("{}: has several streams with scans: {}; name one of them with --stream", path_,
               listed(candidates));
-}
-
-void StreamReader::forget_kept() {
-  kept_.clear();
-  kept_imu_.clear();
-  kept_bytes_ = 0;
 }
 
 void StreamReader::keep(const Message& message, std::deque<Kept>& where) {

@@ -68,7 +68,6 @@ class StreamReader {
   void listen();
   std::size_t chosen() const;
   void keep(const Message& message, std::deque<Kept>& where);
-  void forget_kept();
   /// The stream's next message in the file; those of inertial data before it are kept or given.
   std::optional<Message> read(bool keeps_imu);
   /// Gives those that stand before the kept message of that number.

@@ -36,9 +36,9 @@ class StreamScans : public ScanSource {
   /// The next scan; as next().
   virtual std::optional<RecordedScan> read() = 0;
   /// The sensor has other columns now.
-  virtual void sensor_changed() = 0;
+  virtual void sensor_changed() {}
   /// Adds to the information, once all was read, what was lost.
-  virtual void complete(RecordingInfo& info) = 0;
+  virtual void complete(RecordingInfo& /*info*/) {}
   /// Takes a message of the stream of inertial data; samples of sensor_msgs/Imu come with the
   /// scans.
   virtual void add_imu(const Message& message);

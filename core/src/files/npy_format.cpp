@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -75,14 +76,6 @@ NpyHeader header_of(const std::string& literal, const std::string& path) {
   return header;
 }
 
-std::size_t size_from_little_endian(const char* bytes, std::size_t count) {
-  std::size_t value = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    value |= static_cast<std::size_t>(static_cast<unsigned char>(bytes[i])) << (8 * i);
-  }
-  return value;
-}
-
 }  // namespace
 
 std::string npy_shape_text(const std::vector<std::int64_t>& shape) {
@@ -140,7 +133,8 @@ NpyHeader read_npy_header(std::istream& stream, const std::string& path) {
   }
   const std::size_t size_bytes = version == 1 ? 2 : 4;
   stream.read(start.data() + 8, static_cast<std::streamsize>(size_bytes));
-  const std::size_t length = size_from_little_endian(start.data() + 8, size_bytes);
+  std::uint32_t length = 0;
+  std::memcpy(&length, start.data() + 8, size_bytes);
   if (!stream || length > kMaxHeaderBytes) {
     fail_in_npy(path, "expected an .npy header of at most {} bytes, found {}", kMaxHeaderBytes,
                 stream ? fmt::format("{} bytes", length) : "the end of the file");

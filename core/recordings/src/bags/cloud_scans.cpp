@@ -138,9 +138,6 @@ class CloudScans : public StreamScans {
     return scan;
   }
 
-  void sensor_changed() override {}
-  void complete(RecordingInfo& /*info*/) override {}
-
   CloudForm form_;
   WholeTurns turns_;
   AzimuthTimes azimuth_times_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <numeric>
 
@@ -46,24 +47,6 @@ const std::vector<double> kVls128Elevations_deg = {
     1.42,    -10.346, -1.88, 3.51,    -6.06, -0.67, 4.72,    -3.97,  2.3,   -6.39,   -1.0,  4.39,
     -5.18,   0.21,    6.98,  -3.09,   4.98,  -3.75, 1.64,    -8.352, -2.54, 2.85,    -5.84, -0.45,
     8.43,    -2.87,   2.52,  -6.17,   -1.66, 3.73,  -4.96,   0.43};
-
-std::vector<int> rows_by_elevation(const std::vector<double>& elevations) {
-  std::vector<int> lasers(elevations.size());
-  std::iota(lasers.begin(), lasers.end(), 0);
-  std::ranges::stable_sort(lasers, [&](int a, int b) { return elevations[a] > elevations[b]; });
-  std::vector<int> rows(elevations.size());
-  for (std::size_t row = 0; row < lasers.size(); ++row) rows[lasers[row]] = static_cast<int>(row);
-  return rows;
-}
-
-void check(const VelodyneStream& stream, const SensorModel& sensor, int lasers) {
-  if (sensor.rows() != lasers) {
-    throw Error(
-        "sensor '{}' has {} rows, expected the {} lasers of a {}; name the sensor that recorded "
-        "the packets",
-        sensor.name, sensor.rows(), lasers, name(stream.model));
-  }
-}
 
 }  // namespace
 
@@ -124,7 +107,14 @@ std::vector<double> laser_elevations_deg(VelodyneModel model) {
 }
 
 std::vector<int> laser_rows(VelodyneModel model) {
-  return rows_by_elevation(laser_elevations_deg(model));
+  const std::vector<double> elevations_deg = laser_elevations_deg(model);
+  std::vector<int> lasers(elevations_deg.size());
+  std::iota(lasers.begin(), lasers.end(), 0);
+  std::ranges::stable_sort(lasers, std::greater(),
+                           [&](int laser) { return elevations_deg[laser]; });
+  std::vector<int> rows(lasers.size());
+  for (std::size_t row = 0; row < lasers.size(); ++row) rows[lasers[row]] = static_cast<int>(row);
+  return rows;
 }
 
 int bank_of(std::uint16_t flag) {
@@ -156,7 +146,12 @@ bool is_velodyne_packet(Bytes payload) {
 
 VelodyneChannels channels_of(const VelodyneStream& stream, const SensorModel& sensor) {
   const VelodyneTiming& timing = recordings::timing(stream.model);
-  check(stream, sensor, timing.lasers);
+  if (sensor.rows() != timing.lasers) {
+    throw Error(
+        "sensor '{}' has {} rows, expected the {} lasers of a {}; name the sensor that recorded "
+        "the packets",
+        sensor.name, sensor.rows(), timing.lasers, name(stream.model));
+  }
   const std::vector<int> rows = laser_rows(stream.model);
   VelodyneChannels result;
   for (int bank = 0; bank < static_cast<int>(result.size()); ++bank) {

@@ -57,13 +57,6 @@ struct BinElevation {
   double nearness_per_m = 0.0;  ///< one by the horizontal distance
 };
 
-std::vector<float> azimuths_rad(const Scan& scan) {
-  std::vector<float> azimuth_rad;
-  azimuth_rad.reserve(scan.points_m.size());
-  for (const Eigen::Vector3f& p : scan.points_m) azimuth_rad.push_back(std::atan2(p.y(), p.x()));
-  return azimuth_rad;
-}
-
 /// +1 if the azimuth rises from point to point, -1 if it falls.
 float direction_of_rotation(const std::vector<float>& azimuth_rad, float gap_rad) {
   std::int64_t balance = 0;
@@ -115,8 +108,11 @@ float fall_across_seam(const std::vector<float>& angle_rad, const std::vector<fl
 }
 
 /// The angles from the front or from the back, wherever rings begin.
-std::vector<float> angles_from_ring_begin_rad(const std::vector<float>& azimuth_rad,
-                                              const std::vector<float>& tangent, float gap_rad) {
+std::vector<float> angles_from_ring_begin_rad(const Scan& scan, const std::vector<float>& tangent,
+                                              float gap_rad) {
+  std::vector<float> azimuth_rad;
+  azimuth_rad.reserve(scan.points_m.size());
+  for (const Eigen::Vector3f& p : scan.points_m) azimuth_rad.push_back(std::atan2(p.y(), p.x()));
   const float direction = direction_of_rotation(azimuth_rad, gap_rad);
   std::vector<float> from_front = angles_from_seam_rad(azimuth_rad, direction, 0.0F);
   std::vector<float> from_back =
@@ -209,21 +205,19 @@ class HeightTracker {
     return result;
   }
 
-  static std::vector<double> elevations_rad(const std::vector<BinElevation>& bins) {
+  static std::vector<double> values_of(const std::vector<BinElevation>& bins,
+                                       double BinElevation::*value) {
     std::vector<double> result;
-    for (const BinElevation& b : bins) result.push_back(b.elevation_rad);
+    for (const BinElevation& b : bins) result.push_back(b.*value);
     return result;
   }
 
   /// By how much one laser may see these higher than those, because it sees them nearer.
   static double parallax_rad(const std::vector<BinElevation>& before,
                              const std::vector<BinElevation>& after) {
-    const auto middle = [](const std::vector<BinElevation>& bins) {
-      std::vector<double> nearness;
-      for (const BinElevation& b : bins) nearness.push_back(b.nearness_per_m);
-      return median(nearness);
-    };
-    return kLaserApart_m * std::abs(middle(before) - middle(after));
+    const double before_per_m = median(values_of(before, &BinElevation::nearness_per_m));
+    const double after_per_m = median(values_of(after, &BinElevation::nearness_per_m));
+    return kLaserApart_m * std::abs(before_per_m - after_per_m);
   }
 
   struct Fall {
@@ -239,7 +233,8 @@ class HeightTracker {
     Fall fall;
     double count = 0.0;
     for (const auto& [bins, sign] : {std::pair(&before, 1.0), std::pair(&after, -1.0)}) {
-      std::vector<double> values = comparable ? heights_rad(*bins) : elevations_rad(*bins);
+      const std::vector<double> values =
+          comparable ? heights_rad(*bins) : values_of(*bins, &BinElevation::elevation_rad);
       const double middle = median(values);
       for (const double value : values) fall.deviation_rad += std::abs(value - middle);
       fall.fall_rad += sign * middle;
@@ -345,8 +340,8 @@ double median_beam_spacing_rad(const SensorModel& sensor) {
 
 std::vector<std::size_t> ring_begins(const Scan& scan) {
   const std::size_t points = scan.points_m.size();
-  const std::vector<float> angle_rad = angles_from_ring_begin_rad(
-      azimuths_rad(scan), elevation_tangents(scan), static_cast<float>(kGap_rad));
+  const std::vector<float> angle_rad =
+      angles_from_ring_begin_rad(scan, elevation_tangents(scan), static_cast<float>(kGap_rad));
   std::vector<std::size_t> wraps = {0};
   for (std::size_t i = 1; i < points; ++i) {
     if (angle_rad[i] - angle_rad[i - 1] < -kWrap_rad) wraps.push_back(i);
@@ -367,8 +362,7 @@ std::vector<RingSegment> ring_segments(const Scan& scan, const SensorModel& sens
   const auto gap_rad =
       static_cast<float>(std::max(kGap_rad, kGapColumns * sensor.column_step_rad()));
   const std::vector<float> tangent = elevation_tangents(scan);
-  const std::vector<float> angle_rad =
-      angles_from_ring_begin_rad(azimuths_rad(scan), tangent, gap_rad);
+  const std::vector<float> angle_rad = angles_from_ring_begin_rad(scan, tangent, gap_rad);
   const double points_per_row = static_cast<double>(scan.points_m.size()) / sensor.rows();
   const std::vector<float> nearness = nearness_per_m(scan);
   HeightTracker tracker(angle_rad, tangent, nearness, median_beam_spacing_rad(sensor),
