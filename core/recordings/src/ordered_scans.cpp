@@ -16,7 +16,7 @@ namespace {
 
 /// Two real scans of fewer returns may be the same by chance.
 constexpr std::int64_t kFewestReturns = 500;
-/// Scans are exchanged within so many periods: messages are late by less than two.
+/// Two scans are exchanged within this many periods: messages are late by less than two.
 constexpr double kMostExchanged = 2.5;
 /// The scan that follows, and one more, to tell a scan that is late from a clock that was set back.
 constexpr std::size_t kAhead = 3;

@@ -13,7 +13,7 @@ namespace hqslam::recordings {
 
 namespace {
 
-/// Sensors that are recorded together begin within so long.
+/// Sensors that are recorded together begin within this time.
 constexpr double kListen_s = 2.0;
 
 /// Of times that may be any, in a damaged file.

@@ -22,8 +22,8 @@ struct TopicText {
   std::string text;
 };
 
-/// One stream of a capture or a bag, which is read once: what must be looked at to find out which
-/// streams there are and what this one holds is kept, and comes first.
+/// One stream of a capture or a bag, which is read once: the reader keeps the messages from which
+/// it finds the streams and their content, and gives them first.
 class StreamReader {
  public:
   /// Reads on until the streams with scans are known: those that send within two seconds of the
@@ -38,11 +38,11 @@ class StreamReader {
   /// The first packet of settings (DIFOP) of the sensor that sent the stream; empty: none came so
   /// soon.
   Bytes settings() const;
-  /// Whose inertial data belong to the stream; they are given to whoever asks for them, message by
-  /// message, between those of the stream as they stand in the file.
+  /// The stream of the inertial data that belong to this one; the taker gets its messages between
+  /// those of the stream, in the order of the file.
   const ImuStream& imu() const { return imu_; }
   void give_imu_to(std::function<void(const Message&)> taker) { take_imu_ = std::move(taker); }
-  /// The message so many behind the next one, which it stays; nothing at the end, or where more
+  /// The message `index` behind the next one, without taking it; nothing at the end, or where more
   /// than kMostKept_bytes would have to be kept.
   std::optional<Message> ahead(std::size_t index);
   /// Messages of other streams need not be read, be it only to count them.

@@ -62,7 +62,7 @@ class StreamScans : public ScanSource {
   bool ended_ = false;
 };
 
-/// The packets that come next, looked at without being taken.
+/// The packets that come next, without taking them.
 inline MessagePackets packets_ahead(StreamReader& reader) {
   return {reader.stream(),
           [&reader, index = std::size_t{0}]() mutable { return reader.ahead(index++); }};

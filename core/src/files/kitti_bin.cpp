@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kBytesPerPoint = 4 * sizeof(float);
 constexpr std::size_t kMaxBinFileBytes = 64U << 20U;  // 4 million points, 30 times a scan
-/// No LiDAR reaches so far: a coordinate beyond is a number that was never one.
+/// No LiDAR measures farther: bytes that give a larger coordinate are no coordinates.
 constexpr float kMaxCoordinate_m = 10'000.0F;
 constexpr double kMaxImplausibleShare = 0.1;
 

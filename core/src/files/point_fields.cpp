@@ -14,7 +14,7 @@ namespace hqslam {
 
 namespace {
 
-/// No LiDAR takes so long for one scan.
+/// No LiDAR takes longer for one scan.
 constexpr double kMaxScanDuration_s = 1.0;
 
 /// Beyond this the stamp of a message and the clock of its points' times are not one clock.
@@ -63,9 +63,9 @@ constexpr double kMinRingCorrelation = 0.8;
 constexpr double kFarthestOff_rad = 2.0 * std::numbers::pi / 180.0;
 constexpr std::size_t kFewestPointsToJudge = 1000;
 
-/// A time that so few points have, so far from those of all others, is no time of the scan: one
-/// that wrapped below 0 (ouster-ros issue 46), or of the turn before. Shares of the points, and of
-/// the time that the others last.
+/// Times that at most this share of the points has, and that are farther from all others than this
+/// share of the time that those last, are not of the scan: they wrapped below 0 (ouster-ros issue
+/// 46) or are of the turn before.
 constexpr double kWildShare = 0.005;
 constexpr double kWildDistance = 0.25;
 
@@ -131,7 +131,7 @@ std::pair<double, double> usual_span(const std::vector<double>& values) {
   return span;
 }
 
-/// In the order of preference the first in which so long a scan is one turn; nullptr: none is.
+/// The first unit, in the order of preference, in which `span` is one turn; nullptr: none is.
 const Unit* unit_of(const PointTimeField& field, double span, double scan_period_s) {
   const auto& units = field.whole_numbers ? kWholeNumbers : kFractions;
   const auto turns = [&](const Unit& candidate) { return span * candidate.s / scan_period_s; };

@@ -29,7 +29,7 @@ constexpr int kWait_ms = 50;
 constexpr int kMostImuAtOnce = 100;
 /// Inertial samples of dropped scans that the next one carries.
 constexpr std::size_t kMostImuSamples = 20'000;
-/// For so long nothing of what the sensor sends is understood, or it sends nothing.
+/// After this time without a packet that can be decoded, counts() reports trouble.
 constexpr std::chrono::nanoseconds kTrouble = std::chrono::seconds(2);
 
 const LiveOptions& checked(const LiveOptions& options) {

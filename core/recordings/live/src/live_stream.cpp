@@ -32,7 +32,7 @@ constexpr std::size_t kMostSenders = 16;
 constexpr auto packets_of = [](const auto& sender) { return sender.second.packets; };
 /// A sender that gave no metadata is not asked again so soon.
 constexpr std::int64_t kAskAgain_ns = 5'000'000'000;
-/// The sensor may have another address after such a silence, once that has sent for so long.
+/// After kSilence_ns the sensor may have another address: one that has sent for kHeir_ns.
 constexpr std::int64_t kSilence_ns = 1'000'000'000;
 constexpr std::int64_t kHeir_ns = 500'000'000;
 constexpr std::int64_t kHeirPackets = 10;

@@ -24,7 +24,7 @@ using Statement =
 
 /// The name by which SQLite reads a bag without writing: one in write-ahead mode (rosbag2's preset
 /// "resilient") would get two files beside it, and could not be read in a folder that may not be
-/// written. A log that lies beside it already has what the bag has not yet: it is read, too.
+/// written. A log beside it has what the bag does not have yet: SQLite reads it, too.
 std::string uri_of(const std::string& path) {
   std::string uri = path.starts_with('/') ? "file://" : "file:";
   for (const char c : path) {

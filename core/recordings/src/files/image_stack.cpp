@@ -187,9 +187,9 @@ class ImageStackSource : public ScanSource {
                         path_, holes, between, *filled.begin(), *filled.rbegin());
   }
 
-  /// Stamps that lie in the folder may be more than the images: upsampling was interrupted. They
-  /// may be one fewer: simulation was, between a scan and its truth. Those that were asked for may
-  /// not.
+  /// The folder may hold more stamps than images where upsampling was interrupted, and one fewer
+  /// where simulation was, between a scan and its truth. Stamps that the user asked for must be as
+  /// many as the images.
   void complete_stamps(bool asked_for) {
     if (stamps_s_.empty()) return;
     const auto images = static_cast<std::size_t>(reader_.images());

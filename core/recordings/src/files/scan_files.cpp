@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <utility>
 
-#include "files/scan_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/point_fields.h"
 #include "hqslam/core/trajectory.h"
@@ -31,7 +30,7 @@ bool is_timestamps(const std::string& path) {
 }
 
 /// Files of a folder with this extension, in natural order. A link that leads nowhere keeps its
-/// place among them: whoever reads it says so, and the stamps of those behind it stay theirs.
+/// place: reading it fails in its turn, and the files behind it keep their stamps.
 std::vector<std::string> files_in(const fs::path& folder, const std::string& extension) {
   std::vector<std::string> paths;
   std::error_code error;
@@ -93,8 +92,8 @@ std::vector<double> wanted_stamps_s(const std::string& stack, const RecordingOpt
   return read_stamps_s(options.stamps);
 }
 
-/// The same, or those that lie in the folder of a stack: what hqslam upsample was given, or the
-/// truth of a simulated drive.
+/// The same, or those in the folder of a stack: the ones that hqslam upsample copied, or those of
+/// a simulated drive's truth.
 std::vector<double> stamps_of_folder_s(const fs::path& folder, const RecordingOptions& options) {
   if (!options.stamps.empty()) return wanted_stamps_s(folder.string(), options);
   std::error_code error;
@@ -170,7 +169,7 @@ std::unique_ptr<ScanSource> open_folder(const fs::path& folder,
     if (fs::is_directory(folder / below, error))
       return open_folder(folder / below, sensor, choose, options);
   }
-  // Last, because texts lie beside recordings of every kind.
+  // Last, because there are texts beside recordings of every kind.
   if (files_in(folder, ".npy").empty()) paths = files_of_one_kind(folder, kTextPoints);
   if (!paths.empty()) return make_file_scan_source(std::move(paths), choose, options);
   fail_for_folder_without_scans(folder);

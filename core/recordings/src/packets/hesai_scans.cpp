@@ -33,7 +33,7 @@ SensorModel empty_sensor(std::string name) {
 
 std::string name_of(int lasers) { return fmt::format("xt{}", lasers); }
 
-/// The angle file that lies beside a recording: its name with .csv or _angles.csv; "" if none does.
+/// The angle file beside a recording: its name with .csv or _angles.csv; "" if there is none.
 std::string angles_beside(const std::string& path) {
   const std::filesystem::path stem = std::filesystem::path(path).replace_extension();
   for (const char* ending : {"_angles.csv", kAnglesExtension}) {

@@ -12,7 +12,7 @@ constexpr std::uint8_t kUdp = 17;
 constexpr std::size_t kUdpHeader = 8;
 constexpr std::size_t kIpv6Header = 40;
 constexpr std::size_t kMaxDatagram = 65535;
-constexpr std::size_t kUnit = 8;  // fragments are cut at multiples of so many bytes
+constexpr std::size_t kUnit = 8;  // fragments are cut at multiples of it, bytes
 
 Endpoint ipv4_sender(Bytes header) {
   Endpoint sender;

@@ -142,7 +142,7 @@ void OusterDecoder::add_lidar(const Packet& packet) {
   ++counts_.used;
   ++packets_in_frame_;
   read_columns(packet.payload);
-  // Whoever follows a sensor need not wait for the first packet of the next turn.
+  // A live sensor's scan need not wait for the first packet of the next turn.
   if (packets_in_frame_ == packets_sent_) complete(false);
 }
 

@@ -22,7 +22,7 @@ namespace hqslam::recordings {
 
 namespace {
 
-/// No turn takes so long: the times of such a frame are damaged.
+/// No turn takes longer: the times of such a frame are damaged.
 constexpr double kMaxTurn_s = 1.0;
 
 /// The middle between a turn's first and last column, by the sensor's clock; nothing if it has no

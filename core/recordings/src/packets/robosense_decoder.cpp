@@ -36,7 +36,7 @@ constexpr std::size_t kAngleBytes = 3;
 constexpr double kMaxRange_m = 150.0;
 constexpr double kHundredth_rad = std::numbers::pi / 18000.0;  ///< of a degree
 
-/// No head turns so far from block to block: the sensor measures nothing between them.
+/// No head turns farther from block to block: the sensor measures nothing between them.
 constexpr int kBlindAdvance = 100;
 
 /// What the two models have different in the same packet.

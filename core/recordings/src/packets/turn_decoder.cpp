@@ -78,7 +78,7 @@ double TurnDecoder::fire(int azimuth, std::int64_t time_ns) {
     complete();
     began_with_cut_ = true;
   } else if (!empty_ && time_ns - first_ns_ > kSecond_ns) {
-    ++partial_scans_;  // the head stands still: no turn takes so long
+    ++partial_scans_;  // the head stands still: no turn takes a second
     scan_ = {};
     empty_ = true;
     began_with_cut_ = false;

@@ -14,7 +14,7 @@
 
 namespace hqslam::recordings {
 
-/// After so much of a turn without packets the azimuth may be about where it was.
+/// After this share of a turn without packets the azimuth may be about what it was before.
 inline constexpr double kWholeTurn = 0.99;
 
 inline constexpr int kTurn = 36000;  ///< of a head, hundredths of a degree
@@ -27,7 +27,7 @@ struct PulseReturn {
   std::uint16_t distance = 0;  ///< in the sensor's unit; 0: none
   std::uint8_t reflectivity = 0;
 };
-/// Of two returns of a pulse, in whichever order the sensor was told to send them.
+/// Of two returns of a pulse, in either order: sensors can be set to send them in both.
 PulseReturn kept_of(PulseReturn a, PulseReturn b, KeptReturn which);
 
 /// Nanoseconds since 1970 of a year and month, day, hour, minute, second, a byte each; nothing for

@@ -69,9 +69,8 @@ VelodyneDecoder::VelodyneDecoder(const VelodyneStream& stream, const SensorModel
   rate_ = expected_rate();
 }
 
-/// What passed since the packet before. The sensor's clock tells it, but for whole hours; after a
-/// second and more the recorder's clock tells whether nothing came for so long, or the sensor's was
-/// set.
+/// The time since the packet before. The sensor's clock gives it but for whole hours; from a second
+/// on the recorder's clock decides whether no packet came in that time, or the sensor's was set.
 std::int64_t VelodyneDecoder::passed_us(std::int64_t now_us, std::int64_t capture_ns,
                                         bool& clock_was_set) const {
   std::int64_t passed_us = now_us - *last_us_;

@@ -14,7 +14,7 @@ constexpr std::size_t kMaxSpacings = 20000;
 constexpr std::int64_t kMaxSpacing_us = 100'000;
 constexpr double kSpacingTolerance = 0.03;
 constexpr int kBins = 360;
-/// A head's azimuth may fall back by so much, hundredths of a degree.
+/// A head's azimuth may fall back by this much, hundredths of a degree.
 constexpr int kTremble = 200;
 /// A head that sees all around leaves no such gap, whatever was lost.
 constexpr int kSmallestBlindAngle_deg = 10;
@@ -82,7 +82,7 @@ void VelodyneProbe::set_period(VelodyneStream& stream) const {
     advance += advances_[i];
     time_us += static_cast<double>(spacings_us_[i]);
   }
-  // A head that stands still or turns beyond reason says nothing about a period.
+  // A head that stands still, or turns faster than any sensor's, gives no period.
   const double period_s = advance > 0.0 ? 1e-6 * time_us * kTurn / advance : 0.0;
   if (period_s > 0.01 && period_s < 1.0) stream.scan_period_s = period_s;
 }

@@ -74,7 +74,7 @@ class RowAssignment {
   double elevation_deviation(std::size_t s, int row) const {
     return std::abs(segments_[s].elevation_rad - elevation_rad_[row]) / spacing_rad_[row];
   }
-  /// Without what lasers that lie above the origin may see otherwise.
+  /// Without the parallax of lasers above the origin.
   double deviation_beyond_parallax(std::size_t s, int row) const {
     return std::max(0.0,
                     elevation_deviation(s, row) - segments_[s].parallax_rad / spacing_rad_[row]);
@@ -149,8 +149,8 @@ RingRecovery recovery_from(const std::vector<RingSegment>& segments, const std::
       const bool new_row = row_of[s] != row_of[s - 1];
       recovery.spurious_wraps += static_cast<int>(segment.begins_with_wrap && !new_row);
       recovery.missed_wraps += static_cast<int>(!segment.begins_with_wrap && new_row);
-      // The height of a ring seen in a few directions says nothing about a whole one, and that of
-      // one seen in new directions nothing at all.
+      // The height of a ring seen in few directions does not predict that of a whole one, and that
+      // of a ring seen in new directions is a guess.
       const RingSegment& before = segments[last_sure];
       const bool comparable =
           segment.is_sure && segment.end - segment.first < 2 * (before.end - before.first);

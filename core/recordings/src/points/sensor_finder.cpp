@@ -153,9 +153,9 @@ constexpr std::array<Way, 3> kWays = {{{"rings", beams_by_rings},
                                        {"the order of points", beams_by_order},
                                        {"elevations", beams_by_elevation}}};
 
-/// Points of few beams, taken for those of many, would lie in wrong rows: whether the beams that
-/// were found are others than the sensor's, and less than half as many between the highest and the
-/// lowest of them.
+/// Whether the beams that were found are others than the sensor's, and less than half as many
+/// between the highest and the lowest of them: taken for the sensor's, their points would get wrong
+/// rows.
 bool has_few_beams(const SensorModel& found, const SensorModel& taken_for) {
   const std::vector<double>& found_rad = found.beam_elevation_rad;
   const std::vector<double>& rows_rad = taken_for.beam_elevation_rad;
