@@ -172,17 +172,6 @@ std::string imu_of_drive(const std::string& path) {
   return fs::is_regular_file(samples, error) ? samples.string() : "";
 }
 
-void describe_imu(const std::string& path, RecordingInfo& info) {
-  if (path.empty()) return;
-  const std::vector<ImuSample> samples = read_imu_csv(path);
-  info.imu_stream = "imu.csv";
-  info.imu.used = std::ssize(samples);
-  const double duration_s = samples.back().stamp_s - samples.front().stamp_s;
-  if (duration_s > 0.0) {
-    info.imu_rate_hz = static_cast<double>(info.imu.used - 1) / duration_s;
-  }
-}
-
 RecordingInfo info_of_files(const std::string& path, const OpenOptions& options,
                             const ScanSource& source) {
   RecordingInfo info;
@@ -196,8 +185,16 @@ RecordingInfo info_of_files(const std::string& path, const OpenOptions& options,
   info.kind = fs::is_directory(path, error) ? "folder of scans"
               : extension == ".npy"         ? "stack of range images"
                                             : "file of one scan";
-  describe_imu(imu_of_drive(path), info);
   info.warnings = source.warnings();
+  const std::string imu = imu_of_drive(path);
+  if (imu.empty()) return info;
+  const std::vector<ImuSample> samples = read_imu_csv(imu);
+  info.imu_stream = "imu.csv";
+  info.imu.used = std::ssize(samples);
+  const double duration_s = samples.back().stamp_s - samples.front().stamp_s;
+  if (duration_s > 0.0) {
+    info.imu_rate_hz = static_cast<double>(info.imu.used - 1) / duration_s;
+  }
   return info;
 }
 

@@ -46,6 +46,9 @@ class RecordingFile {
 /// Opens a capture or a bag by its first bytes. Throws Error, also for other files and folders.
 std::unique_ptr<RecordingFile> open_recording_file(const std::string& path);
 
+/// A capture, each stream what one sender sends to one port. Throws Error.
+std::unique_ptr<RecordingFile> open_pcap_recording(const std::string& path);
+
 /// Longest excerpt of the name of a topic, a type or a field in a message.
 inline constexpr std::size_t kNameCharacters = 200;
 

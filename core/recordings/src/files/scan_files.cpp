@@ -120,15 +120,6 @@ std::vector<double> stamps_of_folder_s(const fs::path& folder, const RecordingOp
               fs::is_empty(folder, error) ? "an empty folder" : "none", kKnownRecordings);
 }
 
-/// Points come with their height: no order of rows is to be told.
-void refuse_row_order(const fs::path& recording, const RecordingOptions& options) {
-  if (options.row_order == RowOrder::kHighestFirst) return;
-  throw Error(
-      "{}: expected an .npy stack where rows are said to be lowest first, found points; leave the "
-      "order of rows out",
-      recording.string());
-}
-
 /// The files of a folder with one of these extensions; empty if there are none. Throws Error if
 /// there are some with different ones.
 template <std::size_t N>
@@ -161,7 +152,6 @@ std::unique_ptr<ScanSource> open_folder(const fs::path& folder,
                                    sensor_of_folder(folder, sensor), options,
                                    stamps_of_folder_s(folder, options), true);
   }
-  refuse_row_order(folder, options);
   std::vector<std::string> paths = files_of_one_kind(folder, kBinaryPoints);
   if (!paths.empty()) return make_file_scan_source(std::move(paths), choose, options);
   // KITTI keeps the scans of a drive in folders of these names.
@@ -260,7 +250,6 @@ std::unique_ptr<ScanSource> open_scan_files(const std::string& path,
     return std::ranges::find(extensions, extension) != extensions.end();
   };
   if (is_one_of(kBinaryPoints) || is_one_of(kTextPoints)) {
-    refuse_row_order(recording, options);
     return make_file_scan_source({path}, choose, options);
   }
   throw Error("{}: expected a recording, found a file named '{}'; give {}", path,

@@ -4,10 +4,16 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <map>
 
 #include "hqslam/core/error.h"
 #include "hqslam/recordings/packet.h"
+#include "packets/hesai_decoder.h"
 #include "packets/ip_datagram.h"
+#include "packets/ouster_decoder.h"
+#include "packets/robosense_decoder.h"
+#include "packets/velodyne_tables.h"
+#include "recording_file.h"
 
 namespace hqslam::recordings {
 
@@ -152,10 +158,88 @@ class PcapFile : public PacketSource {
   std::string failure_;
 };
 
+constexpr std::size_t kVelodynePositionBytes = 512;
+constexpr std::uint16_t kVelodynePositionPort = 8308;
+/// A capture of more senders and ports than this is of a whole network.
+constexpr std::size_t kMaxStreams = 1000;
+
+/// What a packet is by its bytes alone; kOther where these do not say it.
+StreamKind kind_of(Bytes payload) {
+  if (is_velodyne_packet(payload)) return StreamKind::kVelodynePackets;
+  if (hesai_packet(payload)) return StreamKind::kHesaiPackets;
+  if (robosense_packet(payload)) return StreamKind::kRobosensePackets;
+  return is_settings(payload) ? StreamKind::kSettings : StreamKind::kOther;
+}
+
+/// What came from one sender to one port.
+struct Traffic {
+  std::size_t stream = 0;
+  std::map<StreamKind, std::int64_t> packets_of_kind;
+  std::map<std::size_t, std::int64_t> packets_of_size;
+};
+
+StreamKind kind_of(const Stream& stream, const Traffic& traffic) {
+  for (const auto& [kind, packets] : traffic.packets_of_kind) {
+    if (kind != StreamKind::kOther && 2 * packets > stream.messages) return kind;
+  }
+  if (stream.packet_bytes == kVelodynePositionBytes &&
+      stream.endpoint.port == kVelodynePositionPort) {
+    return StreamKind::kVelodynePositions;
+  }
+  if (stream.packet_bytes == kOusterImuBytes) return StreamKind::kInertialData;
+  return stream.packet_bytes >= kSmallestLidarPacket ? StreamKind::kOusterPackets
+                                                     : StreamKind::kOther;
+}
+
+class PcapRecording : public RecordingFile {
+ public:
+  explicit PcapRecording(const std::string& path) : packets_(open_pcap(path)) {}
+
+  std::string kind() const override { return "pcap capture"; }
+  double read_share() const override { return packets_->read_share(); }
+  std::string complaint() const override { return packets_->complaint(); }
+
+  std::optional<Message> next() override {
+    while (const auto packet = packets_->next()) {
+      if (traffic_.size() == kMaxStreams && !traffic_.contains(packet->endpoint)) continue;
+      return Message{packet->capture_time_ns, packet->payload, false, count(*packet)};
+    }
+    return std::nullopt;
+  }
+
+ private:
+  /// The stream that the packet is of.
+  std::size_t count(const Packet& packet) {
+    const auto [found, is_new] = traffic_.try_emplace(packet.endpoint);
+    Traffic& traffic = found->second;
+    if (is_new) {
+      traffic.stream = streams_.size();
+      streams_.push_back({.name = text(packet.endpoint), .endpoint = packet.endpoint});
+    }
+    Stream& stream = streams_[traffic.stream];
+    ++stream.messages;
+    ++traffic.packets_of_kind[kind_of(packet.payload)];
+    auto& sizes = traffic.packets_of_size;
+    const std::size_t bytes = packet.payload.size();
+    if (sizes.size() < kMaxStreams || sizes.contains(bytes)) {
+      if (++sizes[bytes] > sizes[stream.packet_bytes]) stream.packet_bytes = bytes;
+    }
+    stream.kind = kind_of(stream, traffic);
+    return traffic.stream;
+  }
+
+  std::unique_ptr<PacketSource> packets_;
+  std::map<Endpoint, Traffic> traffic_;
+};
+
 }  // namespace
 
 std::unique_ptr<PacketSource> open_pcap(const std::string& path) {
   return std::make_unique<PcapFile>(path);
+}
+
+std::unique_ptr<RecordingFile> open_pcap_recording(const std::string& path) {
+  return std::make_unique<PcapRecording>(path);
 }
 
 }  // namespace hqslam::recordings

@@ -222,19 +222,6 @@ TEST_CASE("what a folder's sensor file says of its images holds whatever the sen
   CHECK(open_scan_files(path, preset, corrected)->next()->cloud.time_offset_s.empty());
 }
 
-TEST_CASE("an order of rows is refused where points say how high they are") {
-  const TemporaryDirectory directory;
-  const SensorModel sensor = sensor_preset("os1-16");
-  write_kitti_bin(as_scan(an_image(sensor), sensor), directory.file("0.bin"));
-  for (const std::string& path : {directory.path().string(), directory.file("0.bin")}) {
-    CHECK(refused_with(
-        [&] {
-          open_scan_files(path, sensor, {RowOrder::kLowestFirst, {}});
-        },
-        path, ".npy", "leave"));
-  }
-}
-
 TEST_CASE("a KITTI drive is opened by the folder above its scans") {
   const TemporaryDirectory directory;
   const SensorModel sensor = sensor_preset("os1-16");
