@@ -8,6 +8,7 @@
 #include "hqslam/core/scan_source.h"
 #include "hqslam/recordings/ouster.h"
 #include "hqslam/recordings/packet.h"
+#include "hqslam/recordings/velodyne.h"
 
 namespace hqslam::test {
 

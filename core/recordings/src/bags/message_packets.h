@@ -36,7 +36,6 @@ class MessageReader {
   /// A time of seconds and nanoseconds, ns since 1970.
   std::int64_t time_ns();
   MessageHeader header();
-  bool ros1() const { return ros1_; }
   std::size_t left() const { return bytes_.size() - at_; }
 
  private:

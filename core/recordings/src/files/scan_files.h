@@ -16,26 +16,24 @@ namespace hqslam::recordings {
 using ChooseSensor = std::function<FoundSensor(const std::function<FoundSensor()>& find)>;
 
 /// Opens a recording of `sensor`; without one, of that of its sensor.json or that which its points
-/// tell of, and a warning says which that is:
+/// determine, and a warning says which that is:
 /// - a folder of KITTI .bin files (motion-corrected; rows from the rings where the points are
 ///   stored ring after ring, from the elevation otherwise), or a KITTI drive with them in
 ///   `velodyne` or `velodyne_points/data`;
-/// - a folder of .pcd, .ply, .txt or .csv files (rows from rings, times from a field of
-/// times);
+/// - a folder of .pcd, .ply, .txt or .csv files (rows from rings, times from a field of times);
 /// - one such file: a recording of one scan;
 /// - an .npy stack of range images (N x H x W or N x H x W x 1, float32 metres; `options` apply);
 /// - a folder written by `hqslam-lab simulate` or `hqslam upsample` (scans.npy, sensor.json;
-/// `options`
-///   apply), with confidence and intensity of its pixels if there is a confidence.npy or an
-///   intensity.npy (float32, or bytes): what its sensor.json says of measured rows and of the
+///   `options` apply), with confidence and intensity of its pixels if there is a confidence.npy or
+///   an intensity.npy (float32, or bytes): what its sensor.json says of measured rows and of the
 ///   correction for motion holds, whatever `sensor` says.
 /// Files are taken in the natural order of their names. The stamp of a scan is what options.stamps
 /// says, else that of a timestamps.txt in the folder or, beside files, the one above it (KITTI's
 /// drives), else the middle of its points' times where those are a clock's or as
-/// options.without_times says, else its index times sensor.scan_period_s. A unit whose beams are
-/// off the sensor's by up to 1.5 degrees is read with its own, estimated from its first scans. In a
-/// folder of images with truth.tum and no timestamps.txt the stamps are those of truth.tum: (index
-/// + 1/2) times the period for a simulated drive, the middle of each scan. Pixels of images that
+/// options.without_times says, else its index times sensor.scan_period_s. In a folder of images
+/// with truth.tum and no timestamps.txt the stamps are those of truth.tum: (index + 1/2) times the
+/// period for a simulated drive, the middle of each scan. A unit whose beams are off the sensor's
+/// by up to 1.5 degrees is read with its own, estimated from its first scans. Pixels of images that
 /// are not finite or negative count as invalid points. Throws Error: which file, what was expected,
 /// what was found, what to do; also for scans that cannot be the sensor's.
 std::unique_ptr<ScanSource> open_scan_files(const std::string& path,

@@ -9,6 +9,7 @@ namespace hqslam::recordings {
 
 namespace {
 
+constexpr int kHesaiBlocks = 8;
 constexpr std::size_t kHeaderBytes = 12;
 constexpr std::size_t kMeasurementBytes = 4;
 constexpr std::size_t kTailBytes = 24;

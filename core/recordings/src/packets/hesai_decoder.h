@@ -11,9 +11,6 @@
 
 namespace hqslam::recordings {
 
-/// Blocks in a packet of a Hesai XT16 or XT32, each of an azimuth and a measurement per laser.
-inline constexpr int kHesaiBlocks = 8;
-
 /// The header of a packet.
 struct HesaiPacket {
   int lasers = 0;
@@ -34,7 +31,7 @@ SensorModel nominal_hesai(int lasers);
 /// Packets of a Hesai XT16 or XT32 -> scans, in the frame of the maker's own drivers: x at the
 /// azimuth of 90 degrees, y at 0.
 ///
-/// In:  block b of a packet: azimuth a_b; laser c: distance; the packet's time t.
+/// In:  block b of a packet, 0 to 7: azimuth a_b; laser c: distance; the packet's time t.
 /// Out: azimuth a_b + offset of the laser; time t + 5.632 us - 50 us (firings after this one) +
 ///      0.368 us + c step, the step 1.512 us (XT32) or 3.024 us (XT16).
 /// A scan is one turn, cut at azimuth 0; see TurnDecoder. Sources: PandarXT user manual, "Point

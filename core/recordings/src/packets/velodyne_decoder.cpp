@@ -47,15 +47,6 @@ PulseReturn measurement(Bytes payload, int block_index, int channel) {
   return {little_endian<std::uint16_t>(payload, at), payload[at + 2]};
 }
 
-/// Of two returns of a pulse. The first block of a pair has the last one, the second block the
-/// strongest, or the second strongest where the last one is the strongest.
-PulseReturn kept(PulseReturn last, PulseReturn other, KeptReturn which) {
-  if (other.distance == 0) return last;
-  if (last.distance == 0) return other;
-  if (which == KeptReturn::kLast) return last;
-  return last.reflectivity > other.reflectivity ? last : other;
-}
-
 }  // namespace
 
 VelodyneDecoder::VelodyneDecoder(const VelodyneStream& stream, const SensorModel& sensor,
@@ -212,8 +203,10 @@ void VelodyneDecoder::add_points(const Firing& firing, Bytes payload, double sta
   const int channels = static_cast<int>(channels_[firing.bank].size());
   for (int c = 0; c < channels; ++c) {
     PulseReturn measured = measurement(payload, firing.block, c);
+    // The first block of a pair has the last return, which is the farther one, the second block the
+    // strongest, or the second strongest where the last one is the strongest.
     if (stream_.dual_return) {
-      measured = kept(measured, measurement(payload, firing.block + 1, c), options_.kept_return);
+      measured = kept_of(measurement(payload, firing.block + 1, c), measured, options_.kept_return);
     }
     if (measured.distance == 0) continue;
     const VelodyneChannel& channel = channels_[firing.bank][c];
