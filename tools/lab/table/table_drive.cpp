@@ -100,7 +100,6 @@ bool is_there(const TableDrive& drive) { return !drive.simulated || difference_o
 
 bool prepare_drive(const TableDrive& drive, const InterruptGuard& interrupt,
                    const std::function<void()>& on_scan) {
-  if (is_there(drive)) return true;
   const std::string& folder = drive.recording.input;
   const bool something_is = !file_of_drive(folder, "drive.json").empty();
   if (something_is) {
