@@ -1,14 +1,12 @@
 #pragma once
 
-#include <doctest/doctest.h>
-
 #include <memory>
 #include <utility>
 #include <vector>
 
-#include "error_message.h"
 #include "hqslam/nn/training/trainer.h"
 #include "small_network.h"
+#include "testing.h"
 #include "thread_ranks.h"
 
 // Trainings of a moment, on three small scans.
