@@ -1,32 +1,18 @@
-#include <doctest/doctest.h>
-
 #include <cstdint>
 #include <string>
 #include <vector>
 
-#include "file_contents.h"
+#include "hash.h"
 #include "hqslam/core/connected_components.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
+using test::hash_of;
 
 namespace {
-
-/// FNV-1a, 64 bits, going on from `hash`.
-std::uint64_t hash_of(const void* data, std::size_t bytes, std::uint64_t hash) {
-  const auto* at = static_cast<const std::uint8_t*>(data);
-  for (std::size_t i = 0; i < bytes; ++i) hash = (hash ^ at[i]) * 1099511628211ULL;
-  return hash;
-}
-
-template <typename Value>
-std::uint64_t hash_of(const std::vector<Value>& values,
-                      std::uint64_t hash = 14695981039346656037ULL) {
-  return hash_of(values.data(), values.size() * sizeof(Value), hash);
-}
 
 /// Walls, posts and nothing, by whole numbers alone.
 RangeImage a_scene(const SensorModel& sensor) {
@@ -68,5 +54,5 @@ TEST_CASE("points, images, components and trajectories have the same bytes on ev
   const test::TemporaryDirectory directory;
   write_tum(trajectory, directory.file("trajectory.tum"));
   const std::string text = test::file_contents(directory.file("trajectory.tum"));
-  CHECK(hash_of(text.data(), text.size(), 14695981039346656037ULL) == 14911819237509355218U);
+  CHECK(hash_of(text) == 14911819237509355218U);
 }

@@ -135,25 +135,6 @@ TEST_CASE("a state of two layers has the same result as one of all") {
   }
 }
 
-TEST_CASE("the start is L, its measured neighbours and their interpolation; zero for Simple DU") {
-  const HqsPlan plan = small_du_or();
-  const RangeImage measured = measured_scene(plan);
-  const HqsRun run = run_of(plan, large_parameters(plan, 1), measured);
-  const std::vector<float> z0 = image_of(plan, run.hqs.z0);
-  const Candidates& candidates = run.hqs.measurement.candidates();
-  CHECK(80.0 * z0[5 * 64 + 33] == doctest::Approx(0.5 * (measured.at(0, 33) + measured.at(1, 33))));
-  CHECK(80.0 * z0[0 * 64 + 33] == doctest::Approx(measured.at(0, 33)));
-  CHECK(80.0 * image_of(plan, candidates.above)[6 * 64 + 9] == doctest::Approx(measured.at(0, 9)));
-  CHECK(80.0 * image_of(plan, candidates.below)[4 * 64 + 9] == doctest::Approx(measured.at(1, 9)));
-  REQUIRE(run.hqs.measurement.l_row(3 * 4 + 1, 1) != nullptr);
-  CHECK(80.0 * run.hqs.measurement.l_row(3 * 4 + 1, 1)[2] == doctest::Approx(measured.at(1, 9)));
-  CHECK(run.hqs.measurement.l_row(2 * 4 + 1, 1) == nullptr);
-
-  const HqsPlan simple = small_simple_du();
-  const HqsRun of_simple = run_of(simple, large_parameters(simple, 1), measured);
-  for (const float value : image_of(simple, of_simple.hqs.z0)) REQUIRE(value == 0.0F);
-}
-
 TEST_CASE(
     "the result does not change when min_pixels 0 switches a filter off that rejects nothing") {
   HqsPlan plan = small_du_or();

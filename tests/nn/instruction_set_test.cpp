@@ -1,12 +1,10 @@
 #include "hqslam/nn/instruction_set.h"
 
-#include <doctest/doctest.h>
-
 #include <cstdlib>
 #include <optional>
 #include <string>
 
-#include "error_message.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 namespace {
@@ -55,17 +53,6 @@ TEST_CASE("an unknown name is refused with the list of those that there are") {
   CHECK(test::one_line_with(message, kVariable, "'sse9'", "portable"));
   for (const InstructionSet instruction_set : available_instruction_sets()) {
     CHECK(message.find(name(instruction_set)) != std::string::npos);
-  }
-}
-
-TEST_CASE("every instruction set's peak is a processor's, and wider ones lose at most half of it") {
-  double narrower = 0.1;  // GFLOP/s
-  for (const InstructionSet instruction_set : available_instruction_sets()) {
-    const double peak = multiply_add_peak_gflops(instruction_set, 1, 5);
-    CHECK(peak < 10'000.0);
-    // AVX-512 runs on two halves on some processors; anything else may take time away.
-    CHECK(peak > 0.5 * narrower);
-    narrower = peak;
   }
 }
 

@@ -1,10 +1,8 @@
 #include "hqslam/nn/interpolation.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 
-#include "error_message.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

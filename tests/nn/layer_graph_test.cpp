@@ -1,11 +1,9 @@
-#include <doctest/doctest.h>
-
 #include <algorithm>
 
-#include "error_message.h"
 #include "golden.h"
 #include "graph/graph_backward.h"
 #include "random_values.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

@@ -1,12 +1,10 @@
 #include "hqslam/nn/network_description.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 
-#include "error_message.h"
 #include "hqslam/nn/network_json.h"
 #include "small_network.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

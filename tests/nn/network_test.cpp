@@ -1,15 +1,14 @@
 #include "hqslam/nn/network.h"
 
-#include <doctest/doctest.h>
 #include <omp.h>
 
 #include <array>
 #include <set>
 
 #include "architecture.h"
-#include "error_message.h"
 #include "hqslam/nn/network_json.h"
 #include "small_network.h"
+#include "testing.h"
 
 // What holds for every network, whatever it is.
 namespace hqslam::nn {

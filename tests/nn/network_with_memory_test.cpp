@@ -1,13 +1,11 @@
-#include <doctest/doctest.h>
-
 #include <cmath>
 
-#include "error_message.h"
 #include "hqslam/nn/network_json.h"
 #include "hqslam/nn/super_resolver.h"
 #include "hqslam/nn/training/starting_parameters.h"
 #include "reference_differences.h"
 #include "small_network.h"
+#include "testing.h"
 
 // DU-Mix with what earlier scans measured (Observation::recalled).
 namespace hqslam::nn {
@@ -32,15 +30,6 @@ RecalledImage recalled_scene() {
 }
 
 }  // namespace
-
-TEST_CASE("a pixel that is recalled is drawn towards what is recalled by W^2 / (W^2 + 1)") {
-  // A = 10, M = 12: with W^2 = 3 it is (3 * 12 + 10) / 4 = 11.5, with W^2 = 0 it stays.
-  const std::vector<float> m = {12.0F, 99.0F};
-  const std::vector<float> share = {0.75F, 0.0F};
-  std::vector<float> h = {10.0F, 10.0F};
-  recall_row(m.data(), share.data(), 2, h.data());
-  CHECK(h == std::vector<float>{11.5F, 10.0F});
-}
 
 TEST_CASE("every inner tensor of a network with a memory is that of the reference") {
   const NetworkDescription description = small_du_mix_with_memory();
@@ -87,30 +76,6 @@ TEST_CASE("a memory that begins with another network's weights begins as that ne
   };
   refuses(small_weights(description), plain);
   refuses(small_weights(small_du_or()), description);
-}
-
-TEST_CASE("the loss of a network with a memory falls along its gradient") {
-  const NetworkDescription description = small_du_mix_with_memory();
-  std::vector<float> parameters = initial_parameters(description, 3);
-  const RangeImage truth = small_scene();
-  const TrainingSample sample{select_rows(truth, description.measured_rows), truth,
-                              recalled_scene()};
-  const auto network = trainable(description, parameters);
-  std::vector<float> gradient(parameters.size());
-  const double before = add_gradient(*network, sample, gradient);
-  double squares = 0.0;
-  for (const float g : gradient) squares += static_cast<double>(g) * g;
-  constexpr float kStep = 1e-3F;
-  for (std::size_t i = 0; i < parameters.size(); ++i) parameters[i] -= kStep * gradient[i];
-  network->set_parameters(parameters);
-  std::vector<float> ignored(parameters.size());
-  const double after = add_gradient(*network, sample, ignored);
-  CHECK((before - after) / kStep == doctest::Approx(squares).epsilon(0.05));
-  // The weights of what is recalled, the last inputs of the first convolution, learn too.
-  const std::int64_t inputs = parameter_shapes(description).front().shape[1];
-  const std::int64_t first = (inputs - 32) * 9;
-  CHECK(std::any_of(gradient.begin() + first, gradient.begin() + inputs * 9,
-                    [](float g) { return g != 0.0F; }));
 }
 
 TEST_CASE("the field scan_memory of a recipe and a weights file gives a network a memory") {

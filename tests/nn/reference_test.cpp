@@ -1,10 +1,8 @@
 #include "hqslam/nn/reference/reference.h"
 
-#include <doctest/doctest.h>
-
-#include "error_message.h"
 #include "reference_differences.h"
 #include "small_network.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

@@ -1,16 +1,15 @@
 #include "hqslam/nn/scan_memory.h"
 
-#include <doctest/doctest.h>
 #include <omp.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "error_message.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/core/projection.h"
 #include "random_values.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

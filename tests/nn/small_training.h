@@ -1,13 +1,12 @@
 #pragma once
 
-#include <doctest/doctest.h>
-
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include "hqslam/nn/training/trainer.h"
 #include "small_network.h"
+#include "testing.h"
 
 // Trainings of a moment, on three small scans.
 namespace hqslam::nn {

@@ -92,18 +92,4 @@ TEST_CASE("tiles need not be square, and channels beyond the tile's pixels are l
   CHECK(tiles.at(6, 1, 3) == 9.0F);
 }
 
-TEST_CASE("measured is true for the pixels of measured image rows") {
-  for (const RowSelection rows : {RowSelection{3, 4}, RowSelection{0, 1}, RowSelection{5, 3}}) {
-    for (const TileSize tile : {TileSize{}, TileSize{2, 4}}) {
-      for (int y = 0; y < 12; ++y) {
-        for (int x = 0; x < tile.columns; ++x) {
-          const bool expected = y >= rows.offset && (y - rows.offset) % rows.stride == 0;
-          REQUIRE(measured(tile, rows, (y % tile.rows) * tile.columns + x, y / tile.rows) ==
-                  expected);
-        }
-      }
-    }
-  }
-}
-
 }  // namespace hqslam::nn

@@ -1,15 +1,12 @@
-#include <doctest/doctest.h>
-
 #include <memory>
 
-#include "error_message.h"
 #include "hqs/hqs_architecture.h"
 #include "hqs/prior_backward.h"
 #include "hqslam/nn/network_json.h"
 #include "hqslam/nn/training/trainer.h"
 #include "hqslam/nn/weights_file.h"
 #include "small_training.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 // A prior outside the library: all of it is here, with the table that names it.
 namespace hqslam::nn {

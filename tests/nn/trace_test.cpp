@@ -1,10 +1,8 @@
 #include "hqslam/nn/trace.h"
 
-#include <doctest/doctest.h>
-
-#include "error_message.h"
 #include "hqslam/nn/super_resolver.h"
 #include "small_network.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

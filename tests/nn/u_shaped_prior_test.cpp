@@ -1,33 +1,13 @@
 #include "hqs/u_shaped_prior.h"
 
-#include <doctest/doctest.h>
-
-#include "error_message.h"
-#include "random_values.h"
-#include "small_network.h"
+#include "hqslam/nn/network_description.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 namespace {
 
 const UShapedPriorShape kSmall{
     .tile = {2, 4}, .channels = {5, 7, 6}, .memory = 3, .negative_slope = 0.1F};
-
-std::unique_ptr<Prior> small_prior(InstructionSet instruction_set = InstructionSet::kPortable) {
-  const PriorDescription prior = u_shaped_prior(kSmall);
-  const Engine engine{instruction_set, 1};
-  return prior.make(prior.graph(8, 32, engine), {}, 32, engine);
-}
-
-std::vector<float> initial_parameters(std::uint64_t seed) {
-  NetworkDescription description = small_du_or();
-  HqsSizes sizes;
-  sizes.layers = 1;
-  description.architecture =
-      std::make_shared<HqsArchitecture>(kDuOr, sizes, u_shaped_prior(kSmall));
-  std::vector<float> parameters = nn::initial_parameters(description, seed);
-  parameters.pop_back();  // the penalty
-  return parameters;
-}
 
 std::string message(const UShapedPriorShape& shape, int rows, int columns) {
   return test::error_message([&] { check_image(u_shaped_prior(shape), rows, columns); });
@@ -36,8 +16,10 @@ std::string message(const UShapedPriorShape& shape, int rows, int columns) {
 }  // namespace
 
 TEST_CASE("the U-shaped denoiser's arrays have the names and shapes of its description") {
-  const auto prior = small_prior();
-  const std::vector<ParameterShape> shapes = prior->parameter_shapes();
+  const PriorDescription prior = u_shaped_prior(kSmall);
+  const Engine engine{InstructionSet::kPortable, 1};
+  const std::vector<ParameterShape> shapes =
+      prior.make(prior.graph(8, 32, engine), {}, 32, engine)->parameter_shapes();
   const std::vector<std::pair<std::string, std::vector<std::int64_t>>> expected{
       {"encoder.0.weight", {5, 11, 3, 3}}, {"encoder.0.bias", {5}},
       {"encoder.1.weight", {7, 5, 3, 3}},  {"encoder.1.bias", {7}},
@@ -50,37 +32,6 @@ TEST_CASE("the U-shaped denoiser's arrays have the names and shapes of its descr
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     CHECK(shapes[i].name == expected[i].first);
     CHECK(shapes[i].shape == expected[i].second);
-  }
-  CHECK(std::ssize(initial_parameters(1)) == elements(shapes));
-  CHECK(initial_parameters(1) == initial_parameters(1));
-  CHECK(initial_parameters(1) != initial_parameters(2));
-}
-
-TEST_CASE("multiply_adds counts what a hand counts") {
-  const auto prior = small_prior();
-  // Levels of 4 x 8, 2 x 4 and 1 x 2 tiles; a 2 x 2 deconvolution works once per input pixel.
-  CHECK(prior->multiply_adds() == 5 * 11 * 9 * 32 + 7 * 5 * 9 * 8 + 6 * 7 * 9 * 2 + 6 * 6 * 9 * 2 +
-                                      6 * 7 * 4 * 2 + 7 * 5 * 4 * 8 + 43 * 5 * 32);
-}
-
-TEST_CASE("with a head of zeros Z is the mean of the candidates and nothing") {
-  for (const InstructionSet any : available_instruction_sets()) {
-    const auto prior = small_prior(any);
-    std::vector<float> parameters = initial_parameters(1);
-    std::fill(parameters.end() - 43 * 6, parameters.end(), 0.0F);
-    prior->set_parameters(parameters);
-    PriorState state = prior->make_state();
-    Candidates candidates{state.z, state.z};
-    fill_random(1, candidates.above);
-    fill_random(2, candidates.below);
-    fill_random(3, state.input());
-    prior->forward(candidates, state, {});
-    for (int x = 0; x < 8; ++x) {
-      REQUIRE(state.z.at(7, 3, x) ==
-              doctest::Approx((candidates.above.at(7, 3, x) + candidates.below.at(7, 3, x) +
-                               state.input().at(7, 3, x)) /
-                              4));
-    }
   }
 }
 

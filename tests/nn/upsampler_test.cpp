@@ -1,9 +1,7 @@
 #include "hqslam/nn/upsampler.h"
 
-#include <doctest/doctest.h>
-
-#include "error_message.h"
 #include "small_network.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 

@@ -1,19 +1,16 @@
 #include "hqslam/nn/weights_file.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "../temporary_directory.h"
-#include "error_message.h"
 #include "golden_folder.h"
 #include "hqslam/core/npz.h"
 #include "hqslam/nn/network_json.h"
 #include "small_network.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 namespace {
@@ -63,16 +60,6 @@ TEST_CASE("weights of every network come back as they were written") {
     CHECK(nlohmann::json::parse(read.training) == nlohmann::json::parse(written.training));
     CHECK_NOTHROW(check_self_test(read, path));
   }
-}
-
-TEST_CASE("arrays stand in the file under PyTorch's names and layouts") {
-  const test::TemporaryDirectory directory;
-  const std::string path = directory.file("weights.npz");
-  write_weights(path, small_weights(small_du_or(), 7));
-  const NpzArrays arrays = read_npz(path);
-  CHECK(arrays.at("layers.0.encoder.0.weight").shape == std::vector<std::int64_t>{6, 19, 3, 3});
-  CHECK(arrays.at("layers.2.decoder.0.weight").shape == std::vector<std::int64_t>{8, 6, 2, 2});
-  CHECK(arrays.at("log_penalty").shape == std::vector<std::int64_t>{3});
 }
 
 TEST_CASE("a changed weight is found by the self-test") {

@@ -1,13 +1,11 @@
-#include <doctest/doctest.h>
-
 #include <limits>
 #include <string>
 #include <utility>
 
-#include "error_message.h"
 #include "hqslam/core/error.h"
 #include "hqslam/slam/slam.h"
 #include "slam/yard_drive.h"
+#include "testing.h"
 
 using namespace hqslam;
 using slam::Status;
@@ -84,28 +82,6 @@ TEST_CASE("a pixel with a capture time that is not finite is no return") {
   }
 }
 
-TEST_CASE(
-    "a scan with a pixel without its own point, range, capture time or intensity is refused") {
-  const SensorModel sensor = test::small_sensor(16, 512);
-  slam::Slam slam(sensor);
-  const OrganizedCloud sound = drive_scan(sensor, 0);
-  OrganizedCloud cloud = sound;
-  cloud.points_m.pop_back();
-  CHECK_THROWS_AS(slam.process(cloud, 0.0), Error);
-  cloud = sound;
-  cloud.range_m.push_back(1.0F);
-  CHECK_THROWS_AS(slam.process(cloud, 0.0), Error);
-  cloud = sound;
-  cloud.time_offset_s.resize(1);
-  CHECK_THROWS_AS(slam.process(cloud, 0.0), Error);
-  cloud.time_offset_s.clear();
-  cloud.intensity.resize(1);
-  CHECK_THROWS_AS(slam.process(cloud, 0.0), Error);
-  cloud.intensity.clear();
-  CHECK_NOTHROW(slam.process(cloud, 0.0));
-  CHECK(slam.trajectory().size() == 1);
-}
-
 TEST_CASE("capture times that are no offsets from the middle of the scan in seconds are refused") {
   const SensorModel sensor = test::small_sensor(16, 512);
   slam::Slam slam(sensor);
@@ -142,10 +118,26 @@ TEST_CASE("capture times that are no offsets from the middle of the scan in seco
   CHECK_NOTHROW(slam.process(cloud, 0.3));
 }
 
-TEST_CASE("a scan of another shape is refused") {
-  slam::Slam slam(test::small_sensor(16, 512));
-  CHECK_THROWS_AS(slam.process(OrganizedCloud(64, 1024), 0.0), Error);
-  SensorModel broken = test::small_sensor(16, 512);
-  broken.columns = 0;
-  CHECK_THROWS_AS(slam::Slam{broken}, Error);
+TEST_CASE(
+    "scans of another shape or without a part of a pixel are refused, as is an empty sensor") {
+  const std::pair<const char*, void (*)(OrganizedCloud&)> faults[] = {
+      {"another shape", [](OrganizedCloud& cloud) { cloud = OrganizedCloud(64, 1024); }},
+      {"a point too few", [](OrganizedCloud& cloud) { cloud.points_m.pop_back(); }},
+      {"a range too many", [](OrganizedCloud& cloud) { cloud.range_m.push_back(1.0F); }},
+      {"one capture time", [](OrganizedCloud& cloud) { cloud.time_offset_s.resize(1); }},
+      {"one intensity", [](OrganizedCloud& cloud) { cloud.intensity.resize(1); }}};
+  SensorModel sensor = test::small_sensor(16, 512);
+  slam::Slam slam(sensor);
+  const OrganizedCloud sound = drive_scan(sensor, 0);
+  for (const auto& [fault, make] : faults) {
+    const std::string of_scan = fault;
+    CAPTURE(of_scan);
+    OrganizedCloud cloud = sound;
+    make(cloud);
+    CHECK_THROWS_AS(slam.process(cloud, 0.0), Error);
+  }
+  CHECK_NOTHROW(slam.process(sound, 0.0));
+  CHECK(slam.trajectory().size() == 1);
+  sensor.columns = 0;
+  CHECK_THROWS_AS(slam::Slam{sensor}, Error);
 }

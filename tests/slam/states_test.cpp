@@ -88,20 +88,6 @@ TEST_CASE("up to five scans that miss the map are bridged, blind or of another p
   }
 }
 
-TEST_CASE("a scan that fits much worse than the last registered one is of another place") {
-  StreetDrive drive;
-  drive.states("ssssss");
-  CHECK(drive.trace.last_inlier_ratio > 0.0);
-  CHECK(drive.trace.inlier_ratio > 0.6 * drive.trace.last_inlier_ratio);
-  drive.states("e");
-  CHECK(drive.trace.inlier_ratio < 0.6 * drive.trace.last_inlier_ratio);
-  CHECK(!is_registered(drive.report.mapping_status));
-  // The ratio is that of the last registered one: missed scans in between do not count.
-  const double last = drive.trace.last_inlier_ratio;
-  drive.states("e");
-  CHECK(drive.trace.last_inlier_ratio == last);
-}
-
 TEST_CASE(
     "with the sixth missed scan tracking is lost: a segment begins with the next scan that has "
     "features") {
@@ -168,9 +154,6 @@ TEST_CASE("a trace has each feature with its match, and asking for it changes no
   CHECK(std::abs(edges - report.edge_correspondences) <= 5);
   CHECK(std::abs(planes - report.planar_correspondences) <= 10);
   CHECK(trace.direction_share.sum() > 0.5);
-  CHECK(trace.direction_share[0] > 0.0);
-  CHECK(trace.degenerate_directions == 0);
-  CHECK((trace.T_map_expected.translation() - trace.T_map_level.translation()).norm() < 0.05);
   CHECK(trace.T_map_level.matrix() == report.T_map_sensor.matrix());
 }
 

@@ -1,14 +1,12 @@
 #include "hqslam/evaluation/cloud_error.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
 
-#include "error_message.h"
 #include "hqslam/evaluation/image_error.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::test;

@@ -1,10 +1,6 @@
 #include "hqslam/evaluation/png.h"
 
-#include <doctest/doctest.h>
-
-#include "error_message.h"
-#include "file_contents.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::test;

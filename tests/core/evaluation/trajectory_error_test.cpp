@@ -1,11 +1,9 @@
 #include "hqslam/evaluation/trajectory_error.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 
-#include "error_message.h"
 #include "hqslam/core/angles.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::test;

@@ -1,11 +1,7 @@
 #include "hqslam/core/cloud_file.h"
 
-#include <doctest/doctest.h>
-
-#include "error_message.h"
-#include "file_contents.h"
 #include "hqslam/core/point_fields.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::test;

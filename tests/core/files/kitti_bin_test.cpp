@@ -1,13 +1,9 @@
 #include "hqslam/core/kitti_bin.h"
 
-#include <doctest/doctest.h>
-
 #include <cstring>
 #include <limits>
 
-#include "error_message.h"
-#include "file_contents.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::test;

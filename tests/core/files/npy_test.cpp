@@ -1,12 +1,8 @@
 #include "hqslam/core/npy.h"
 
-#include <doctest/doctest.h>
-
 #include <cstring>
 
-#include "error_message.h"
-#include "file_contents.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::test;

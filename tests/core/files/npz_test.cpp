@@ -1,7 +1,5 @@
 #include "hqslam/core/npz.h"
 
-#include <doctest/doctest.h>
-
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -9,10 +7,8 @@
 #include <filesystem>
 #include <limits>
 
-#include "error_message.h"
-#include "file_contents.h"
 #include "golden_folder.h"
-#include "temporary_directory.h"
+#include "testing.h"
 #include "zip_by_hand.h"
 
 using namespace hqslam;

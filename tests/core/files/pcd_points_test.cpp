@@ -1,14 +1,10 @@
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 
-#include "error_message.h"
-#include "file_contents.h"
 #include "files/pcd_header.h"
 #include "hqslam/core/cloud_file.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::test;
@@ -273,31 +269,21 @@ TEST_CASE("compressed data that would become gigabytes are refused before they d
 }
 
 TEST_CASE("numbers too large for a double are infinite, those too small are 0") {
-  const std::string too_large[] = {"1e400",
-                                   "-1e400",
-                                   "0.001E+999",
-                                   "1" + std::string(400, '0'),
-                                   "0." + std::string(400, '0') + "1e800",
-                                   "1e99999999999999999999"};
-  for (const std::string& number : too_large) {
+  using namespace std::string_literals;
+  const std::string zeros(400, '0');
+  const auto point_with = [](const std::string& number) {
+    return scan_of(header("x y z", "4 4 4", "F F F", 1, "ascii") + "5 " + number + " 1\n");
+  };
+  for (const std::string& number : {"1e400"s, "-1e400"s, "0.001E+999"s, "1" + zeros,
+                                    "0." + zeros + "1e800", "1e99999999999999999999"s}) {
     CAPTURE(number);
-    const Scan scan =
-        scan_of(header("x y z", "4 4 4", "F F F", 2, "ascii") + "5 " + number + " 1\n1 2 3\n");
-    CHECK(scan.invalid_points == 1);
-    CHECK(scan.points_m == std::vector<Eigen::Vector3f>{{1, 2, 3}});
+    CHECK(point_with(number).invalid_points == 1);
   }
-  const std::string too_small[] = {"1e-400",
-                                   "-1e-400",
-                                   "100E-999",
-                                   "0e400",
-                                   "0." + std::string(400, '0') + "1",
-                                   "1" + std::string(400, '0') + "e-800",
-                                   "1e-99999999999999999999"};
-  for (const std::string& number : too_small) {
+  for (const std::string& number :
+       {"1e-400"s, "-1e-400"s, "100E-999"s, "0e400"s, "0." + zeros + "1", "1" + zeros + "e-800",
+        "1e-99999999999999999999"s}) {
     CAPTURE(number);
-    const Scan scan =
-        scan_of(header("x y z", "4 4 4", "F F F", 1, "ascii") + "5 " + number + " 1\n");
-    CHECK(scan.points_m == std::vector<Eigen::Vector3f>{{5, 0, 1}});
+    CHECK(point_with(number).points_m == std::vector<Eigen::Vector3f>{{5, 0, 1}});
   }
 }
 

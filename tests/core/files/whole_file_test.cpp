@@ -1,15 +1,12 @@
 #include "hqslam/core/whole_file.h"
 
-#include <doctest/doctest.h>
 #include <sys/stat.h>
 
 #include <filesystem>
 #include <stdexcept>
 
-#include "error_message.h"
-#include "file_contents.h"
 #include "hqslam/core/npy.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::test;

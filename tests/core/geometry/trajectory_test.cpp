@@ -1,14 +1,10 @@
 #include "hqslam/core/trajectory.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <filesystem>
 #include <functional>
 
-#include "error_message.h"
-#include "file_contents.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::test;

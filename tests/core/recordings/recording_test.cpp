@@ -1,7 +1,5 @@
 #include "hqslam/recordings/recording.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -10,10 +8,8 @@
 #include "bags.h"
 #include "captures.h"
 #include "core/real_data.h"
-#include "error_message.h"
-#include "file_contents.h"
 #include "hqslam/core/npy.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

@@ -1,12 +1,10 @@
 #include "hqslam/core/projection.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <random>
 
-#include "error_message.h"
 #include "hqslam/core/error.h"
+#include "testing.h"
 
 using namespace hqslam;
 using hqslam::test::error_message;

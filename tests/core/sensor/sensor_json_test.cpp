@@ -1,12 +1,8 @@
-#include <doctest/doctest.h>
-
 #include <cmath>
 
-#include "error_message.h"
-#include "file_contents.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/core/sensor_model.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::test;

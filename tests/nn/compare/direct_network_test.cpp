@@ -1,14 +1,12 @@
 #include "direct_network.h"
 
-#include <doctest/doctest.h>
-
-#include "error_message.h"
 #include "golden.h"
 #include "hqslam/core/error.h"
 #include "hqslam/nn/compare/compared_networks.h"
 #include "parameters.h"
 #include "small_network.h"
 #include "srae.h"
+#include "testing.h"
 #include "tulip.h"
 
 namespace hqslam::nn {

@@ -1,8 +1,6 @@
-#include <doctest/doctest.h>
-
-#include "error_message.h"
 #include "small_training.h"
 #include "srae.h"
+#include "testing.h"
 #include "tulip.h"
 
 // SRAE's and TULIP's trainings.

@@ -49,15 +49,6 @@ TEST_CASE("an uncertain velocity becomes an uncertain pose, and so do accelerati
   CHECK(later.covariance(1, 1) == 0.0);
 }
 
-TEST_CASE("an uncertain heading becomes an uncertain place to the side of where one drives") {
-  const test::SteadyDrive straight{Pose::Identity(), {10, 0, 0}, {0, 0, 1e-9}};
-  MotionState state = driving(straight);
-  state.covariance(5, 5) = 0.01 * 0.01;
-  const MotionState later = slam::predicted(state, 2.0, kLong_s, Vector6::Zero());
-  CHECK(std::sqrt(later.covariance(1, 1)) == doctest::Approx(0.2));
-  CHECK(later.covariance(0, 0) == doctest::Approx(0.0));
-}
-
 TEST_CASE("covariance is carried as random errors of the start are") {
   // Eight errors of the start, driven on in closed form, and their mean square at the end.
   const test::SteadyDrive drive{

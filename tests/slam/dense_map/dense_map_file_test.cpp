@@ -1,13 +1,9 @@
-#include <doctest/doctest.h>
-
 #include <cstring>
 
-#include "error_message.h"
-#include "file_contents.h"
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/point_fields.h"
 #include "hqslam/slam/dense_map.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::slam;

@@ -1,7 +1,5 @@
 #include "hqslam/slam/dense_map.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -9,8 +7,8 @@
 #include <random>
 #include <utility>
 
-#include "error_message.h"
 #include "slam/cloud_of.h"
+#include "testing.h"
 #include "thread_limit.h"
 
 using namespace hqslam;

@@ -1,8 +1,6 @@
 #include "hqslam/slam/sensor_path.h"
 
-#include <doctest/doctest.h>
-
-#include "error_message.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::slam;

@@ -1,14 +1,12 @@
 #include "hqslam/lego_loam/lego_loam.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "error_message.h"
 #include "hqslam/evaluation/trajectory_error.h"
 #include "slam/yard_drive.h"
+#include "testing.h"
 
 using namespace hqslam;
 using lego_loam::LegoLoam;

@@ -1,6 +1,5 @@
 #include "hqslam/pcl.h"
 
-#include <doctest/doctest.h>
 #include <pcl/filters/voxel_grid.h>
 #include <pcl/io/pcd_io.h>
 #include <pcl/io/ply_io.h>
@@ -11,7 +10,7 @@
 #include "front_end/voxel_thinning.h"
 #include "hqslam/core/cloud_file.h"
 #include "points.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
 using PclCloud = pcl::PointCloud<pcl::PointXYZI>;

@@ -1,7 +1,5 @@
 #include "hqslam/slam/saved_map.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -9,7 +7,7 @@
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/npz.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
 

@@ -1,9 +1,5 @@
-#include <doctest/doctest.h>
-
-#include "error_message.h"
-#include "file_contents.h"
 #include "hqslam/slam/occupancy_grid.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::slam;

@@ -1,15 +1,14 @@
 #include "hqslam/slam/occupancy_grid.h"
 
-#include <doctest/doctest.h>
 #include <omp.h>
 
 #include <algorithm>
 #include <limits>
 #include <optional>
 
-#include "error_message.h"
 #include "hqslam/core/angles.h"
 #include "slam/yard_drive.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::slam;

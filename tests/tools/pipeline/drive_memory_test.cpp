@@ -1,12 +1,10 @@
 #include "hqslam/pipeline/drive_memory.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "hqslam/core/projection.h"
-#include "temporary_directory.h"
+#include "testing.h"
 #include "tools/program/untrained_weights.h"
 
 namespace hqslam::pipeline {

@@ -1,11 +1,9 @@
 #include "hqslam/pipeline/pipeline.h"
 
-#include <doctest/doctest.h>
-
 #include "hqslam/core/projection.h"
 #include "hqslam/slam/scan_trace.h"
 #include "slam/yard_drive.h"
-#include "temporary_directory.h"
+#include "testing.h"
 #include "tools/program/untrained_weights.h"
 
 namespace hqslam::pipeline {

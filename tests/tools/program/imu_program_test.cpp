@@ -1,11 +1,9 @@
-#include <doctest/doctest.h>
-
 #include <filesystem>
 #include <sstream>
 #include <string>
 
-#include "file_contents.h"
 #include "hqslam/core/trajectory.h"
+#include "testing.h"
 #include "tools/program/program.h"
 
 namespace hqslam::test {

@@ -1,13 +1,12 @@
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include <limits>
 
 #include "core/recordings/captures.h"
-#include "file_contents.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
+#include "testing.h"
 #include "tools/program/program.h"
 
 namespace hqslam::test {

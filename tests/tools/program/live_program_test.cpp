@@ -270,29 +270,4 @@ TEST_CASE("captures are opened by upsample, compare, inspect, bench and table as
   CHECK(holds(none.error, "has 6 scans"));
 }
 
-TEST_CASE("a port in use and other wrong input of live are one line and status 2") {
-  const live::UdpSocket other(0);
-  const TemporaryDirectory folder;
-  write_file(folder.file("a.pcap"), "");
-  write_file(folder.file("metadata.json"), drive().metadata);
-  write_untrained_weights(folder.file("os1.npz"), sensor_preset("os1-64"));
-  SensorModel wide = sensor_preset("os1-16");
-  wide.columns = 2048;
-  wide.beam_elevation_rad = load_sensor(folder.file("metadata.json")).beam_elevation_rad;
-  write_untrained_weights(folder.file("wide.npz"), wide);
-  for (const char* arguments :
-       {"--sensor vlp-16 --port {2}", "--sensor vlp-17", "--sensor vlp-16 --port 99999",
-        "--port 2368", "--sensor vlp-16 --port {1} --record '{0}/a.pcap'",
-        "--sensor vlp-16 --port {1} --view 0 --view-address nowhere --record '{0}/never.pcap'",
-        "--sensor vlp-16 --port {1} --upsample linear", "--sensor vlp-16 --port {1} --rows 7",
-        "--sensor vlp-16 --port {1} --upsample '{0}/os1.npz' --record '{0}/never.pcap'",
-        "--sensor os1-64 --port {1} --upsample '{0}/wide.npz'",
-        "--sensor '{0}/metadata.json' --port {1} --upsample '{0}/wide.npz'"}) {
-    refused(fmt::format(fmt::runtime(std::string("live --out '{0}/out' ") + arguments),
-                        folder.path().string(), free_udp_port(), other.port()));
-  }
-  CHECK_FALSE(fs::exists(folder.file("out")));
-  CHECK_FALSE(fs::exists(folder.file("never.pcap")));
-}
-
 }  // namespace hqslam::test

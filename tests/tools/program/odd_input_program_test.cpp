@@ -2,10 +2,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <limits>
 
-#include "golden_folder.h"
-#include "hqslam/core/npy.h"
 #include "tools/program/arguments.h"
 #include "tools/program/program.h"
 #include "tools/program/untrained_weights.h"
@@ -72,25 +69,6 @@ TEST_CASE("options that would do nothing are refused with what they need") {
   }
 }
 
-TEST_CASE("compare refuses what cannot be compared or written before it begins") {
-  const TemporaryDirectory folder;
-  NpyStackWriter(folder.file("scans.npy"), 64, 1024).append(RangeImage(64, 1024));
-  write_file(folder.file("notes.json"), R"({"todo": "hqslam-lab compare", "sensor": "os1-64"})");
-  for (const auto& [arguments, with] :
-       {std::pair("'{1}'", "'os1-16' with 16"),
-        std::pair("'{0}/scans.npy' --sensor os1-64 --json '{0}/notes.json'", "was not written by"),
-        std::pair("'{0}/scans.npy' --sensor os1-64 --json '{0}/none/table.json'", "make "),
-        std::pair("'{0}/scans.npy' --sensor os1-64 --weights '{2}/du-mix_vlp16_16to64.npz'",
-                  "64 x 1800")}) {
-    CAPTURE(arguments);
-    const ProgramResult result = refused(
-        fmt::format(fmt::runtime(std::string("compare ") + arguments), folder.path().string(),
-                    simulated_drive(), golden_folder() + "/../../weights"));
-    CHECK(holds(result.error, with));
-    CHECK(result.out.empty());
-  }
-}
-
 TEST_CASE("names and contents of files do not steer the terminal, and stay in one line") {
   const TemporaryDirectory folder;
   const std::string pcd =
@@ -141,28 +119,6 @@ TEST_CASE("a recipe that is no file, or no text, is refused without being read")
         command_line(fmt::format("train --config '{}' --out '{}'", recipe, folder.file("out")))));
     CHECK(result.status == 2);
     CHECK(holds(result.error, recipe + ": expected a training configuration (.json)"));
-  }
-}
-
-TEST_CASE("stacks without a single range that the sensor can measure are not trained on") {
-  constexpr float kInfinite = std::numeric_limits<float>::infinity();
-  for (const float range_m : {0.0F, 1e30F, kInfinite, -1.0F}) {
-    const TemporaryDirectory folder;
-    {
-      NpyStackWriter writer(folder.file("stack.npy"), 64, 1024);
-      RangeImage image(64, 1024);
-      image.range_m.assign(image.range_m.size(), range_m);
-      for (int i = 0; i < 2; ++i) writer.append(image);
-    }
-    const std::string arguments = train_arguments(folder, folder.file("out"));
-    std::string recipe = file_contents(folder.file("recipe.json"));
-    const std::string drive = R"({"drive": "block", "seeds": [5], "scans": 2})";
-    recipe.replace(recipe.find(drive), drive.size(),
-                   fmt::format(R"({{"stack": "{}"}})", folder.file("stack.npy")));
-    write_file(folder.file("recipe.json"), recipe);
-    const ProgramResult result = run_hqslam(arguments);
-    CHECK(result.status == 2);
-    CHECK(holds(result.error, "stack.npy: expected images with ranges"));
   }
 }
 

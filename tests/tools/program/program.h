@@ -1,6 +1,5 @@
 #pragma once
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 #include <sys/wait.h>
 
@@ -11,8 +10,7 @@
 #include <string>
 #include <utility>
 
-#include "file_contents.h"
-#include "temporary_directory.h"
+#include "testing.h"
 #include "tools/parts_of_text.h"
 
 namespace hqslam::test {

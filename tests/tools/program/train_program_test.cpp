@@ -4,7 +4,6 @@
 #include <iterator>
 #include <sstream>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "hqslam/core/npy.h"
@@ -130,25 +129,6 @@ TEST_CASE("a scan without a return costs a comparison that scan and no more") {
   CHECK_FALSE(holds(compared.out, "nan"));
   CHECK(holds(compared.error, "1 scan was left out: " + folder.file("gap.npy") +
                                   "[1]: has no return in the measured rows"));
-}
-
-TEST_CASE("compare tells networks of one kind apart by their files") {
-  const TemporaryDirectory folder;
-  const std::string drive = simulated_drive("--sensor os1-64 --scans 2 --seed 9");
-  std::string weights;
-  for (const auto& [name, kind] :
-       {std::pair("one", "du-mix"), std::pair("two", "du-mix"), std::pair("three", "du-or")}) {
-    const std::string file = folder.file(std::string(name) + ".npz");
-    write_untrained_weights(file, sensor_preset("os1-64"), kind);
-    weights += " '" + file + "'";
-  }
-  const std::string json = folder.file("table.json");
-  const ProgramResult compared =
-      succeeds("compare '{}' --every 2 --weights {} --json '{}'", drive, weights, json);
-  CHECK(missing(compared.out, {"\none ", "\ntwo ", "\ndu-or "}) == "");
-  const auto methods = json_of(json)["methods"];
-  CHECK(methods[3]["method"] == "one");
-  CHECK(methods[4]["method"] == "two");
 }
 
 TEST_CASE("compare refuses weights of a sensor with as many rows whose beams look elsewhere") {

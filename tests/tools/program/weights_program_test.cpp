@@ -79,17 +79,4 @@ TEST_CASE("weights pack takes a self-test that is there, and refuses arrays that
   CHECK_FALSE(fs::exists(bad.packed));
 }
 
-TEST_CASE("weights pack says which description or file does not fit") {
-  const Foreign foreign(false);
-  std::ofstream(foreign.description)
-      << R"({"kind": "du-or", "sensor": "os1-64", "measured_rows": 16})";
-  const ProgramResult other = foreign.pack();
-  CHECK(other.status == 2);
-  CHECK(holds(other.error, "expected"));
-  std::ofstream(foreign.description) << "no JSON";
-  const ProgramResult broken = foreign.pack();
-  CHECK(broken.status == 2);
-  CHECK(holds(broken.error, "network.json"));
-}
-
 }  // namespace hqslam::test

@@ -1,6 +1,5 @@
 #include "bags/bag.h"
 
-#include <doctest/doctest.h>
 #include <zstd.h>
 
 #include <cmath>
@@ -10,12 +9,10 @@
 
 #include "bags.h"
 #include "captures.h"
-#include "error_message.h"
-#include "file_contents.h"
 #include "hqslam/core/error.h"
 #include "hqslam/recordings/recording.h"
 #include "stream_reader.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

@@ -1,16 +1,13 @@
 #include "bags/imu_stream.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <numbers>
 
 #include "bags.h"
 #include "captures.h"
-#include "file_contents.h"
 #include "hqslam/recordings/recording.h"
 #include "near.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

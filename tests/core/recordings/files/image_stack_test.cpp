@@ -1,16 +1,12 @@
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 
-#include "error_message.h"
-#include "file_contents.h"
 #include "files/scan_files.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/trajectory.h"
 #include "recording_complaint.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

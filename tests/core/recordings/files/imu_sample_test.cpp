@@ -1,14 +1,10 @@
 #include "hqslam/core/imu_sample.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 
-#include "error_message.h"
-#include "file_contents.h"
 #include "files/scan_files.h"
 #include "made_scans.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

@@ -1,4 +1,3 @@
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,8 +6,6 @@
 #include <functional>
 #include <numbers>
 
-#include "error_message.h"
-#include "file_contents.h"
 #include "files/scan_files.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/core/cloud_file.h"
@@ -16,7 +13,7 @@
 #include "hqslam/core/left_out.h"
 #include "hqslam/core/point_fields.h"
 #include "recording_complaint.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

@@ -1,18 +1,15 @@
-#include <doctest/doctest.h>
 #include <sys/stat.h>
 
 #include <cmath>
 #include <filesystem>
 #include <limits>
 
-#include "error_message.h"
-#include "file_contents.h"
 #include "files/scan_files.h"
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/npy.h"
 #include "points_file.h"
 #include "recording_complaint.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

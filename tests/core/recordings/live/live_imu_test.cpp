@@ -1,12 +1,10 @@
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include "core/recordings/captures.h"
-#include "file_contents.h"
 #include "hqslam/live/live.h"
 #include "hqslam/recordings/recording.h"
 #include "loopback.h"
-#include "temporary_directory.h"
+#include "testing.h"
 #include "udp_socket.h"
 
 using namespace hqslam;

@@ -1,5 +1,4 @@
 #include <arpa/inet.h>
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -7,11 +6,11 @@
 #include <thread>
 
 #include "core/recordings/captures.h"
-#include "error_message.h"
 #include "hqslam/core/file_descriptor.h"
 #include "hqslam/live/live.h"
 #include "http_get.h"
 #include "loopback.h"
+#include "testing.h"
 #include "udp_socket.h"
 
 // The metadata of an Ouster that is only named, asked for over HTTP.

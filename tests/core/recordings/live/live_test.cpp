@@ -1,21 +1,16 @@
 #include "hqslam/live/live.h"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
-#include <atomic>
-#include <chrono>
 #include <filesystem>
 #include <sstream>
 #include <thread>
 
 #include "core/recordings/captures.h"
-#include "error_message.h"
-#include "file_contents.h"
 #include "hqslam/recordings/recording.h"
 #include "loopback.h"
 #include "pcap_writer.h"
-#include "temporary_directory.h"
+#include "testing.h"
 #include "udp_socket.h"
 
 using namespace hqslam;
@@ -52,14 +47,6 @@ std::vector<LiveScan> all_scans(LiveSensor& sensor, std::int64_t expected) {
     scans.push_back(std::move(*scan));
   }
   return scans;
-}
-
-void wait_until_no_more_come(const LiveSensor& sensor) {
-  std::int64_t before = -1;
-  while (sensor.counts().scans != before) {
-    before = sensor.counts().scans;
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
-  }
 }
 
 /// Sends packets no faster than they are taken in, however slow the computer is.
@@ -111,50 +98,6 @@ TEST_CASE("scans that come over UDP are those of the capture with the same packe
   }
   CHECK(sensor.counts().packets.lost == 0);
   CHECK(sensor.counts().dropped_scans == 0);
-}
-
-TEST_CASE("packets that never come, come twice or are of another kind are counted") {
-  auto packets = velodyne_capture({.duration_s = 1.4});
-  const std::size_t behind = 600;  // behind what it is recognised by
-  packets.erase(packets.begin() + behind, packets.begin() + behind + 3);
-  packets.insert(packets.begin() + behind + 50, packets[behind + 49]);
-  packets[behind + 80].payload.assign(512, 7);
-  const LiveOptions options = vlp16();
-  LiveSensor sensor(options);
-  const std::jthread sending([&] { replay(packets, options.port, 2.0); });
-  start(sensor);
-  REQUIRE(all_scans(sensor, 7).size() == 7);
-  const LiveCounts counts = sensor.counts();
-  CHECK(counts.packets.lost == 4);  // three, and the one that was another
-  CHECK(counts.packets.late == 1);
-  CHECK(counts.packets.foreign == 1);
-  CHECK(counts.scans >= 7);
-}
-
-TEST_CASE("who does not take scans in time loses whole ones, the oldest, and memory is bounded") {
-  const auto packets = velodyne_capture({.duration_s = 2.6});
-  LiveOptions options = vlp16();
-  options.most_waiting = 3;
-  LiveSensor sensor(options);
-  std::atomic<bool> sent = false;
-  const std::jthread sending([&] {
-    replay(packets, options.port, 0.0);
-    sent = true;
-  });
-  start(sensor);
-  while (!sent) std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  wait_until_no_more_come(sensor);
-  const LiveCounts counts = sensor.counts();
-  CHECK(counts.packets.lost == 0);  // packets are read on
-  CHECK(counts.dropped_scans == counts.scans - 3);
-  int waiting = 0;
-  std::string last_name;
-  while (const auto scan = sensor.next(0.05)) {
-    ++waiting;
-    last_name = scan->scan.name;
-  }
-  CHECK(waiting == 3);
-  CHECK(last_name == fmt::format("live[{}]", counts.scans - 1));
 }
 
 TEST_CASE("memory does not grow with what was received, whether scans are taken or not") {
@@ -379,16 +322,4 @@ TEST_CASE("a sensor that falls silent, or is set to another mode in the drive, i
     return !sensor.counts().trouble.empty();
   });
   CHECK(one_line_with(sensor.counts().trouble, "another form", "mode"));
-}
-
-TEST_CASE("a sensor of which no scan may wait is refused before a file is begun for it") {
-  const TemporaryDirectory folder;
-  for (const int most_waiting : {0, -1}) {
-    LiveOptions options = vlp16();
-    options.most_waiting = most_waiting;
-    options.record = folder.file("a.pcap");
-    CHECK(refused_with([&] { LiveSensor sensor(options); }, "most_waiting",
-                       std::to_string(most_waiting)));
-    CHECK_FALSE(std::filesystem::exists(options.record));
-  }
 }

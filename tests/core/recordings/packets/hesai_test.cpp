@@ -1,4 +1,3 @@
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,12 +5,10 @@
 
 #include "bags.h"
 #include "captures.h"
-#include "error_message.h"
-#include "file_contents.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/recordings/recording.h"
 #include "packets/hesai_decoder.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

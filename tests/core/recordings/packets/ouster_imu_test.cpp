@@ -1,5 +1,3 @@
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,14 +5,12 @@
 
 #include "bags.h"
 #include "captures.h"
-#include "error_message.h"
-#include "file_contents.h"
 #include "files/scan_files.h"
 #include "hqslam/recordings/recording.h"
 #include "imu_queue.h"
 #include "near.h"
 #include "packets/ouster_decoder.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

@@ -1,16 +1,14 @@
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include <cmath>
 #include <numbers>
-#include <span>
 #include <tuple>
 
 #include "captures.h"
 #include "core/real_data.h"
-#include "error_message.h"
-#include "file_contents.h"
+#include "hash.h"
 #include "packets/ouster_decoder.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;
@@ -25,18 +23,6 @@ constexpr OusterProfile kAllProfiles[] = {OusterProfile::kLegacy, OusterProfile:
 OusterMetadata small_metadata(OusterProfile profile) {
   return ouster_metadata_from_json(ouster_metadata_text(profile), "a test");
 }
-
-/// FNV-1a, 64 bits, of the bytes of all values, one vector after the other.
-struct Digest {
-  std::uint64_t value = 0xCBF29CE484222325;
-  template <typename T>
-  Digest& add(const std::vector<T>& values) {
-    for (const std::byte byte : std::as_bytes(std::span(values))) {
-      value = (value ^ static_cast<std::uint64_t>(byte)) * 0x100000001B3;
-    }
-    return *this;
-  }
-};
 
 }  // namespace
 
@@ -294,9 +280,14 @@ TEST_CASE("real Ouster frames have every value that Ouster's own decoder reads")
     REQUIRE(frames.size() == 1);
     const OusterFrame& of_it = frames[0];
     CHECK(of_it.frame_id == frame);
-    Digest found;
-    found.add(of_it.timestamp_ns).add(of_it.status).add(of_it.range_mm).add(of_it.second_range_mm);
-    CHECK(found.add(of_it.reflectivity).add(of_it.second_reflectivity).value == digest);
+    std::uint64_t found = hash_of(of_it.timestamp_ns);
+    for (const auto* values : {&of_it.status, &of_it.range_mm, &of_it.second_range_mm}) {
+      found = hash_of(*values, found);
+    }
+    for (const auto* values : {&of_it.reflectivity, &of_it.second_reflectivity}) {
+      found = hash_of(*values, found);
+    }
+    CHECK(found == digest);
     CHECK(decoder.counts().lost == 0);
   }
 }

@@ -1,11 +1,7 @@
-#include <doctest/doctest.h>
-
 #include "captures.h"
-#include "error_message.h"
-#include "file_contents.h"
 #include "hqslam/recordings/packet.h"
 #include "packets/ip_datagram.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

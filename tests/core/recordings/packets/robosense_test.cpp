@@ -1,15 +1,11 @@
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "captures.h"
-#include "error_message.h"
-#include "file_contents.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/recordings/recording.h"
 #include "packets/robosense_decoder.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

@@ -1,7 +1,5 @@
 #include "points/ring_recovery.h"
 
-#include <doctest/doctest.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -9,9 +7,9 @@
 #include <numbers>
 
 #include "core/real_data.h"
-#include "error_message.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/core/kitti_bin.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

@@ -1,18 +1,15 @@
 #include "points/sensor_finder.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <random>
 
 #include "core/real_data.h"
-#include "error_message.h"
 #include "files/scan_files.h"
 #include "hqslam/core/angles.h"
 #include "points_file.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

@@ -1,13 +1,9 @@
 #include "files/content_hash.h"
 
-#include <doctest/doctest.h>
-
 #include <filesystem>
 #include <set>
 
-#include "error_message.h"
-#include "file_contents.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 namespace hqslam::tools {
 

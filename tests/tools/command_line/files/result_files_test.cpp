@@ -1,13 +1,10 @@
 #include "files/result_files.h"
 
-#include <doctest/doctest.h>
 #include <sys/stat.h>
 
 #include <filesystem>
 
-#include "error_message.h"
-#include "file_contents.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 namespace hqslam::tools {
 namespace {

@@ -1,14 +1,12 @@
 #include "pages/page.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <regex>
 #include <string>
 #include <vector>
 
-#include "error_message.h"
 #include "pages/web_files.h"
+#include "testing.h"
 #include "tools/page_data.h"
 #include "tools/parts_of_text.h"
 

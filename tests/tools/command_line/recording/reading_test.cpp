@@ -1,14 +1,12 @@
 #include "recording/reading.h"
 
-#include <doctest/doctest.h>
-
 #include <csignal>
 #include <functional>
 #include <vector>
 
-#include "error_message.h"
 #include "hqslam/core/error.h"
 #include "made_scans.h"
+#include "testing.h"
 
 namespace hqslam::tools {
 namespace {

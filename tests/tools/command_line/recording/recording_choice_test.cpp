@@ -1,13 +1,9 @@
 #include "recording/recording_choice.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <filesystem>
 
-#include "error_message.h"
-#include "file_contents.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 namespace hqslam::tools {
 

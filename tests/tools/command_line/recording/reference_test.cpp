@@ -1,10 +1,8 @@
 #include "recording/reference.h"
 
-#include <doctest/doctest.h>
-
 #include <utility>
 
-#include "error_message.h"
+#include "testing.h"
 #include "tools/example_run.h"
 
 namespace hqslam::tools {

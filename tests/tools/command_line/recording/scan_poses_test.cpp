@@ -1,14 +1,11 @@
 #include "recording/scan_poses.h"
 
-#include <doctest/doctest.h>
-
 #include <memory>
 #include <vector>
 
-#include "error_message.h"
 #include "hqslam/core/error.h"
 #include "made_scans.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 namespace hqslam::tools {
 namespace {

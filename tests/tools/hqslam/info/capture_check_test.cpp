@@ -1,10 +1,8 @@
 #include "info/capture_check.h"
 
-#include <doctest/doctest.h>
-
 #include "hqslam/core/npy.h"
 #include "hqslam/sim/drive.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 namespace hqslam::test {
 

@@ -1,7 +1,6 @@
 #include "live/live_view.h"
 
 #include <arpa/inet.h>
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -11,9 +10,9 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "error_message.h"
 #include "live/live_run.h"
 #include "live/view_server.h"
+#include "testing.h"
 #include "tools/page_data.h"
 #include "tools/parts_of_text.h"
 

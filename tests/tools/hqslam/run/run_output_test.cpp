@@ -1,17 +1,13 @@
 #include "run/run_output.h"
 
-#include <doctest/doctest.h>
-
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
 #include <string>
 #include <vector>
 
-#include "error_message.h"
-#include "file_contents.h"
 #include "hqslam/core/cloud_file.h"
-#include "temporary_directory.h"
+#include "testing.h"
 #include "tools/example_run.h"
 
 namespace hqslam::tools {
@@ -89,21 +85,6 @@ TEST_CASE("an earlier run's results are replaced, and a checkpoint leaves none o
   CHECK(names_in(folder.path()) ==
         std::set<std::string>{"trajectory.tum", "trajectory.kitti", "timings.json"});
   CHECK(read_tum(folder.file("trajectory.tum")).size() == 4);
-}
-
-TEST_CASE("a file of somebody else beside the results stays") {
-  const TemporaryDirectory folder;
-  write_file(folder.file("notes.txt"), "mine");
-  RunOutput(folder.path().string()).write_results(example_run(3));
-  CHECK(file_contents(folder.file("notes.txt")) == "mine");
-}
-
-TEST_CASE("a file in the place of the folder or above it is one clear line") {
-  const TemporaryDirectory folder;
-  write_file(folder.file("out"), "");
-  CHECK(refused_with([&] { RunOutput(folder.file("out")); }, "out", "--out"));
-  CHECK(refused_with([&] { RunOutput(folder.file("out/deeper")).write_checkpoint(example_run(1)); },
-                     "deeper", "--out"));
 }
 
 namespace {

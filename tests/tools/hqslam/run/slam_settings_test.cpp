@@ -1,12 +1,10 @@
 #include "run/slam_settings.h"
 
-#include <doctest/doctest.h>
-
 #include <string>
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/whole_file.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::tools;

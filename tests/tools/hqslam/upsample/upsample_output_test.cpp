@@ -1,16 +1,12 @@
 #include "upsample/upsample_output.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <set>
 
-#include "error_message.h"
-#include "file_contents.h"
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/recordings/recording.h"
-#include "temporary_directory.h"
+#include "testing.h"
 #include "tools/parts_of_text.h"
 
 namespace hqslam::tools {

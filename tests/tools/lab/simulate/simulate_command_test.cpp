@@ -1,12 +1,10 @@
 #include "simulate/simulate_command.h"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include <filesystem>
 
-#include "error_message.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 namespace hqslam::tools {
 

@@ -1,14 +1,10 @@
-#include <doctest/doctest.h>
-
 #include <cmath>
 
-#include "error_message.h"
-#include "file_contents.h"
 #include "hqslam/sim/drive.h"
 #include "hqslam/sim/read_drive.h"
 #include "hqslam/sim/write_drive.h"
 #include "small_city.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::sim;
@@ -21,14 +17,6 @@ DriveSpec block_with_seed(std::uint64_t seed) {
   spec.seed = seed;
   spec.scans = 2;
   return spec;
-}
-
-/// Of the lowest beam, straight ahead and straight behind, left and right.
-double range_at(const DriveSpec& spec, double share_of_circle) {
-  const SensorModel sensor = small_sensor();
-  const RangeImage image = DriveSimulator(spec, sensor).next()->image;
-  const int column = static_cast<int>(share_of_circle * sensor.columns);
-  return image.at(15, column);
 }
 
 }  // namespace
@@ -60,18 +48,6 @@ TEST_CASE("conditions are drawn from the seed, within their bounds, and differ b
   CHECK(steepest_rad <= 0.0873);
   CHECK(steepest_rad > 0.06);
   CHECK(clear == doctest::Approx(0.75 * kSeeds).epsilon(0.1));
-}
-
-TEST_CASE("a lower sensor sees the street nearer, a tilted one nearer on the side it leans to") {
-  DriveSpec spec = block_with_seed(1);
-  // -20 degrees from 1.85 m: 5.4 m to the street ahead.
-  CHECK(range_at(spec, 0.5) == doctest::Approx(1.85 / std::sin(0.349)).epsilon(0.05));
-  spec.mount.sensor_height_m = 0.6;
-  CHECK(range_at(spec, 0.5) == doctest::Approx(0.6 / std::sin(0.349)).epsilon(0.08));
-  spec = block_with_seed(1);
-  spec.mount.mount_pitch_rad = 0.0873;  // nose down: -25 degrees ahead, -15 behind
-  CHECK(range_at(spec, 0.5) == doctest::Approx(1.85 / std::sin(0.436)).epsilon(0.05));
-  CHECK(range_at(spec, 0.0) == doctest::Approx(1.85 / std::sin(0.262)).epsilon(0.08));
 }
 
 TEST_CASE("mounts and conditions that cannot be are named with field and bounds") {

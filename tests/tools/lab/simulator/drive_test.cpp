@@ -1,16 +1,17 @@
 #include "hqslam/sim/drive.h"
 
-#include <doctest/doctest.h>
 #include <omp.h>
 
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <vector>
 
-#include "error_message.h"
+#include "hash.h"
 #include "hqslam/core/error.h"
 #include "small_city.h"
 #include "style.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::sim;
@@ -46,23 +47,19 @@ DriveSpec short_drive(const char* name, std::int64_t scans) {
   return spec;
 }
 
-/// FNV-1a over ranges in whole millimetres, four bytes each, the lowest first.
-std::uint64_t hash_of(const RangeImage& image) {
-  std::uint64_t hash = 14695981039346656037ULL;
+/// Of ranges in whole millimetres.
+std::uint64_t hash_of_ranges(const RangeImage& image) {
+  std::vector<std::uint32_t> ranges_mm;
   for (const float range_m : image.range_m) {
-    auto range_mm = static_cast<std::uint32_t>(std::lround(1000.0 * range_m));
-    for (int byte = 0; byte < 4; ++byte) {
-      hash = (hash ^ (range_mm & 0xffU)) * 1099511628211ULL;
-      range_mm >>= 8U;
-    }
+    ranges_mm.push_back(static_cast<std::uint32_t>(std::lround(1000.0 * range_m)));
   }
-  return hash;
+  return hash_of(ranges_mm);
 }
 
 std::uint64_t hash_of_scan(const DriveSpec& spec, std::int64_t scan) {
   DriveSimulator simulator(spec, small_sensor());
   simulator.skip(scan);
-  return hash_of(simulator.next()->image);
+  return hash_of_ranges(simulator.next()->image);
 }
 
 }  // namespace

@@ -108,37 +108,6 @@ TEST_CASE("intensity is of the surface and how it is met, not of its distance") 
   CHECK(drops.intensity == 2);
 }
 
-TEST_CASE("on a clear day a pixel reports what it would report") {
-  const Return clear = disturbed_return({12.345F, 40}, {}, small_sensor(), 1);
-  CHECK(clear.range_m == 12.345F);
-  CHECK(clear.intensity == 40);
-  CHECK(disturbed_return({}, {}, small_sensor(), 1).range_m == 0.0F);
-}
-
-TEST_CASE("drop-outs take their share of the returns and leave the others as they are") {
-  int lost = 0;
-  for (const float range_m : disturbed(12.345F, {.dropout_share = 0.1})) {
-    CHECK((range_m == 0.0F || range_m == 12.345F));
-    lost += range_m == 0.0F ? 1 : 0;
-  }
-  CHECK(lost == doctest::Approx(0.1 * kPixels).epsilon(0.1));
-}
-
-TEST_CASE("extra noise has no mean and its standard deviation; beyond the limits nothing is seen") {
-  std::vector<double> errors_m;
-  for (const float range_m : disturbed(12.0F, {.extra_range_noise_m = 0.05})) {
-    errors_m.push_back(range_m - 12.0);
-  }
-  CHECK(std::abs(mean_of(errors_m)) < 0.002);
-  CHECK(deviation_of(errors_m) == doctest::Approx(0.05).epsilon(0.03));
-  int lost = 0;
-  for (const float range_m : disturbed(120.0F, {.extra_range_noise_m = 0.05})) {
-    CHECK(range_m <= 120.0F);
-    lost += range_m == 0.0F ? 1 : 0;
-  }
-  CHECK(lost == doctest::Approx(0.5 * kPixels).epsilon(0.05));
-}
-
 TEST_CASE("drops in the air are near, never behind what is seen, and hide it in their share") {
   int nearer = 0;
   for (const float range_m : disturbed(6.0F, {.airborne_share = 0.2})) {

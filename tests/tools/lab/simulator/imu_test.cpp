@@ -1,17 +1,14 @@
 #include "hqslam/sim/imu.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <numbers>
 
-#include "file_contents.h"
 #include "hqslam/sim/write_drive.h"
 #include "sample_statistics.h"
 #include "scenario.h"
 #include "small_city.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::sim;

@@ -91,27 +91,3 @@ TEST_CASE("rolling capture: with the pose of each column walls are straight, wit
   CHECK(largest_m < 0.06);
   CHECK(largest_with_one_pose_m > 0.5);
 }
-
-TEST_CASE("at an edge between two near surfaces some ranges lie between them, elsewhere none") {
-  City city = empty_city();
-  add_wall(city.fixed, 10.0, -60.0, 0.3);
-  add_wall(city.fixed, 10.5, 0.2, 60.0);
-  const RayScene scene(city);
-  SensorModel sensor = small_sensor();
-  sensor.columns = 1024;
-  sensor.beam_azimuth_offset_rad.assign(sensor.beam_elevation_rad.size(), 0.0);
-  int between = 0;
-  for (int step = 0; step < 20; ++step) {
-    const std::vector<Pose> poses(static_cast<std::size_t>(sensor.columns),
-                                  pose_from_xyz_rpy({0.0, 0.0, 0.0}, 0.0, 0.0, 0.0005 * step));
-    const RangeImage image = Lidar(sensor, DriveSpec{}).measure(scene, poses, step);
-    for_each_return(image, sensor, [&](int /*row*/, int /*column*/, const Eigen::Vector3d& seen) {
-      const Eigen::Vector3d point = poses[0] * seen;
-      if (point.x() > 10.1 && point.x() < 10.4) {
-        ++between;
-        CHECK(std::abs(point.y() - 0.3) < 0.06);
-      }
-    });
-  }
-  CHECK(between > 10);
-}

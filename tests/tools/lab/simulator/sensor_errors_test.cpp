@@ -1,21 +1,17 @@
 #include "hqslam/sim/sensor_errors.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "error_message.h"
-#include "file_contents.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/sim/read_drive.h"
 #include "hqslam/sim/write_drive.h"
 #include "lidar.h"
 #include "sample_statistics.h"
 #include "small_city.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::sim;

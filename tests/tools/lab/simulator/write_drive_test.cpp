@@ -1,19 +1,15 @@
 #include "hqslam/sim/write_drive.h"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <filesystem>
 
-#include "error_message.h"
-#include "file_contents.h"
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/trajectory.h"
 #include "hqslam/recordings/recording.h"
 #include "small_city.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::sim;

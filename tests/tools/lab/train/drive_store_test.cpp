@@ -1,16 +1,12 @@
 #include "train/drive_store.h"
 
-#include <doctest/doctest.h>
-
 #include <csignal>
 #include <filesystem>
 
-#include "error_message.h"
-#include "file_contents.h"
 #include "files/result_files.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/sim/drive.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 namespace hqslam::tools {
 namespace {

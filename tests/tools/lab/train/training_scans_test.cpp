@@ -1,20 +1,17 @@
 #include "train/training_scans.h"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include <cmath>
 #include <filesystem>
 #include <thread>
 
-#include "error_message.h"
-#include "file_contents.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/nn/network_json.h"
 #include "hqslam/sim/drive.h"
 #include "points_file.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 namespace hqslam::tools {
 namespace {
