@@ -16,7 +16,8 @@ TEST_CASE("keyframes between two nodes are moved by their share of the path betw
                                        test::at_x(5)};
   // The second node, keyframe 3, is moved by 1 m to the left and turned.
   const Pose moved = pose_from_xyz_rpy({4.0, 1.0, 0.0}, 0.0, 0.0, 0.1);
-  const auto result = slam::corrected_keyframes(keyframes, {0, 3}, {test::at_x(0), moved});
+  const std::vector<Pose> nodes = {test::at_x(0), moved};
+  const auto result = slam::corrected_keyframes(keyframes, {0, 3}, nodes);
   REQUIRE(result.size() == 5);
   CHECK(result[0].matrix() == keyframes[0].matrix());
   CHECK(result[3].isApprox(moved, 1e-12));
@@ -35,9 +36,9 @@ TEST_CASE("keyframes between two nodes are moved by their share of the path betw
 
 TEST_CASE("keyframes that would hardly move stay exactly") {
   const std::vector<Pose> keyframes = {test::at_x(0), test::at_x(4), test::at_x(8)};
-  const auto result = slam::corrected_keyframes(
-      keyframes, {0, 1, 2},
-      {test::at_x(0), test::at_x(4.0005), pose_from_xyz_rpy({8.0, 0.5, 0.0}, 0, 0, 0)});
+  const std::vector<Pose> nodes = {test::at_x(0), test::at_x(4.0005),
+                                   pose_from_xyz_rpy({8.0, 0.5, 0.0}, 0, 0, 0)};
+  const auto result = slam::corrected_keyframes(keyframes, {0, 1, 2}, nodes);
   CHECK(result[1].matrix() == keyframes[1].matrix());
   CHECK(result[2].translation().y() == doctest::Approx(0.5));
 }
