@@ -15,7 +15,7 @@ constexpr double kNarrowSearchShare = 0.3;
 constexpr double kMinWeight = 0.1;
 constexpr int kStepsPerSearch = 3;
 
-/// The parameters of a search, besides the point.
+/// The parameters of a search, except the point.
 struct SearchState {
   Pose T_reference_sensor;
   double max_distance_m;
