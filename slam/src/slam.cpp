@@ -46,8 +46,8 @@ Slam::Implementation::Implementation(const SensorModel& sensor_, const SlamOptio
 }
 
 /// Processes a scan in the level frame.
-ScanReport Slam::Implementation::process_level(const OrganizedCloud& cloud, double stamp_s,
-                                               ScanTrace* trace) {
+Notes Slam::Implementation::process_level(const OrganizedCloud& cloud, double stamp_s,
+                                          ScanTrace* trace) {
   Notes notes;
   notes.trace = trace;
   notes.report.stamp_s = stamp_s;
@@ -69,8 +69,7 @@ ScanReport Slam::Implementation::process_level(const OrganizedCloud& cloud, doub
   times.mapping_s += notes.stopwatch.lap_s();
   times.total_s = times.segmentation_s + times.features_s + times.odometry_s + times.mapping_s +
                   times.loop_closing_s;
-  own_covariance = notes.own_covariance;
-  return notes.report;
+  return notes;
 }
 
 /// Converts between the frame of the sensor and the level frame of process_level().
@@ -85,13 +84,15 @@ ScanReport Slam::Implementation::process(const OrganizedCloud& cloud, double sta
     mounting.estimate(cloud);
   }
   const std::optional<OrganizedCloud> level = mounting.level(cloud);
-  ScanReport report = process_level(level ? *level : cloud, stamp_s, trace);
+  Notes notes = process_level(level ? *level : cloud, stamp_s, trace);
+  ScanReport& report = notes.report;
   report.T_map_sensor = mounting.of_sensor(report.T_map_sensor);
   report.T_odom_sensor = mounting.of_sensor(report.T_odom_sensor);
   report.covariance = mounting.of_sensor(report.covariance);
   report.velocity = mounting.of_sensor(report.velocity);
   report.velocity_covariance = mounting.of_sensor(report.velocity_covariance);
-  path.add({stamp_s, report.T_map_sensor}, mapping.keyframes(), mounting.of_sensor(own_covariance));
+  path.add({stamp_s, report.T_map_sensor}, mapping.keyframes(),
+           mounting.of_sensor(notes.own_covariance));
   imu.forget_before(stamp_s - kImuMemory_s);
   return report;
 }

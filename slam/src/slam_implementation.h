@@ -56,7 +56,6 @@ struct Slam::Implementation {
   GravityWindow gravity_window;
   AccelerationNoise accelerations;
   Drift drift;
-  Matrix6 own_covariance = Matrix6::Zero();  ///< Drift::own_covariance() of the last scan
   // Exactly one of the two:
   std::optional<BackgroundLoopClosing> loop_closing;  ///< without a given map
   std::optional<PlaceRecognition> place_recognition;  ///< in a given map
@@ -66,7 +65,7 @@ struct Slam::Implementation {
 
   // slam.cpp
   ScanReport process(const OrganizedCloud& cloud, double stamp_s, ScanTrace* trace);
-  ScanReport process_level(const OrganizedCloud& cloud, double stamp_s, ScanTrace* trace);
+  Notes process_level(const OrganizedCloud& cloud, double stamp_s, ScanTrace* trace);
   void collect_loops(Notes& notes);
   void apply(const LoopResult& found);
   void apply(const LoopedDrift& found, const Pose& T_map_reference);

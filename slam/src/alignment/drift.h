@@ -68,8 +68,8 @@ DriftState improved(const DriftState& later, const DriftImprovement& earlier, co
 /// ground.
 ///
 /// After tracking was lost, the covariance of the expected motion (which grows with the time
-/// without registration) is added for good, as `unmeasured`; the pose of a sensor that was carried
-/// away is unknown, with infinite variances. Loop closing removes what it measured anew.
+/// without registration) is added permanently, as `unmeasured`; the pose of a sensor that was
+/// carried away is unknown, with infinite variances. Loop closing removes what it measured anew.
 ///
 /// The parameters maximise the likelihood of the errors on 68 runs over simulated drives (`town`,
 /// `hills`, `meadow`, seeds 101 to 110, `indoors` and `handheld`, 101 and 102, with half weight; 16

@@ -11,6 +11,9 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector12 = Eigen::Matrix<double, 12, 1>;
 using Matrix12 = Eigen::Matrix<double, 12, 12>;
 
+inline double distance_m(const Pose& a, const Pose& b) {
+  return (a.translation() - b.translation()).norm();
+}
 /// One value for x, y and z, and one for the rotations about them.
 Vector6 six(double linear, double angular);
 /// (linear, angular)

@@ -8,12 +8,12 @@ namespace hqslam::slam {
 
 namespace {
 
-/// The share of the constraints that wrong matches feign along a tunnel, of 16 or 64 rows: with
-/// half of it squared errors are up to 700 times the covariance there (36 with it), with half as
-/// much again the covariance of meadows is far too large (simulated tunnels of 5 m, meadows,
-/// streets).
+/// The share of all constraints up to which wrong matches explain information, along a tunnel and
+/// with 16 or 64 rows: with half of it squared errors are up to 700 times the covariance there (36
+/// with it), with half as much again the covariance of meadows is far too large (simulated tunnels
+/// of 5 m, meadows, streets).
 constexpr double kMismatchedShare = 0.002;
-/// From six times what is feigned on all information counts.
+/// Information of six times b and more (known_information) is known in full.
 constexpr double kKnownPerExcess = 0.2;
 
 /// Scales that make lengths of all parameters.

@@ -16,7 +16,7 @@ struct Beam {
 
 /// The distance up to which a beam votes against what it crosses: a beam that meets a plane at a
 /// grazing angle stays within the thickness of a voxel for voxel_m range_m / 1.5 m if the plane
-/// passes the sensor at 1.5 m (the ground, a parked car, a wall), and 0.3 m are kept besides.
+/// passes the sensor at 1.5 m (the ground, a parked car, a wall); 0.3 m more are left out.
 inline double seen_through_m(double range_m, double voxel_m) {
   return range_m - (0.3 + voxel_m * range_m / 1.5);
 }

@@ -15,30 +15,24 @@ constexpr double kNarrowSearchShare = 0.3;
 constexpr double kMinWeight = 0.1;
 constexpr int kStepsPerSearch = 3;
 
-/// The parameters of a search, besides the point.
+/// The parameters of a search, except the point.
 struct SearchState {
   Pose T_reference_sensor;
   double max_distance_m;
   bool robust;
 };
 
-/// The points that a feature was matched with, as a guess for the next search.
-struct MatchedPoints {
-  std::optional<int> first, second, third;
-};
-
 /// A plane through the nearest point, its neighbour in the same row and one in a row nearby.
 std::optional<PlaneConstraint> match_plane(const RowOrderedCloud& target,
-                                           const Eigen::Vector3f& point_m, const SearchState& state,
-                                           MatchedPoints& matched) {
+                                           const Eigen::Vector3f& point_m,
+                                           const SearchState& state) {
   const Eigen::Vector3d point = point_m.cast<double>();
   const Eigen::Vector3d moved = state.T_reference_sensor * point;
   const RowQuery query(moved.cast<float>());
-  auto& [first, second, third] = matched;
-  first = target.nearest(query, state.max_distance_m, first);
+  const auto first = target.nearest(query, state.max_distance_m);
   if (!first) return std::nullopt;
-  second = target.nearest_in_row_of(*first, query, state.max_distance_m, second);
-  third = target.nearest_near_row_of(*first, query, state.max_distance_m, third);
+  const auto second = target.nearest_in_row_of(*first, query, state.max_distance_m);
+  const auto third = target.nearest_near_row_of(*first, query, state.max_distance_m);
   if (!second || !third) return std::nullopt;
   const Eigen::Vector3d a = target.point_m(*first).cast<double>();
   const Eigen::Vector3d b = target.point_m(*second).cast<double>();
@@ -55,15 +49,14 @@ std::optional<PlaneConstraint> match_plane(const RowOrderedCloud& target,
 
 /// The line through the nearest point and one in a row nearby, as two planes.
 std::optional<EdgeConstraints> match_edge(const RowOrderedCloud& target,
-                                          const Eigen::Vector3f& point_m, const SearchState& state,
-                                          MatchedPoints& matched) {
+                                          const Eigen::Vector3f& point_m,
+                                          const SearchState& state) {
   const Eigen::Vector3d point = point_m.cast<double>();
   const Eigen::Vector3d moved = state.T_reference_sensor * point;
   const RowQuery query(moved.cast<float>());
-  auto& [first, second, third] = matched;
-  first = target.nearest(query, state.max_distance_m, first);
+  const auto first = target.nearest(query, state.max_distance_m);
   if (!first) return std::nullopt;
-  second = target.nearest_near_row_of(*first, query, state.max_distance_m, second);
+  const auto second = target.nearest_near_row_of(*first, query, state.max_distance_m);
   if (!second) return std::nullopt;
   const Eigen::Vector3d a = target.point_m(*first).cast<double>();
   const Eigen::Vector3d along = target.point_m(*second).cast<double>() - a;
@@ -78,12 +71,12 @@ std::optional<EdgeConstraints> match_edge(const RowOrderedCloud& target,
 /// One constraint or none per feature, searched in parallel.
 template <typename Find>
 ConstraintList find_all(const std::vector<FeaturePoint>& features, const Twist& velocity,
-                        std::vector<MatchedPoints>& matched, const Find& find) {
+                        const Find& find) {
   const MotionCorrection corrected(velocity);
-  std::vector<decltype(find(Eigen::Vector3f(), matched.front()))> found(features.size());
+  std::vector<decltype(find(Eigen::Vector3f()))> found(features.size());
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < features.size(); ++i) {
-    found[i] = find(corrected(features[i]), matched[i]);
+    found[i] = find(corrected(features[i]));
   }
   ConstraintList list;
   list.add(found);
@@ -124,8 +117,6 @@ OdometryResult scan_to_scan(const OdometryTarget& reference, const Features& fea
   const bool has_edges = static_cast<int>(reference.edges.size()) >= options.min_edges;
   const bool has_ground = static_cast<int>(reference.ground.size()) >= options.min_planar;
   if (!has_edges && !has_ground) return result;
-  std::vector<MatchedPoints> matched_flat(features.flat_points.size());
-  std::vector<MatchedPoints> matched_sharp(features.sharp_edges.size());
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
     const Pose before = result.T_reference_sensor;
     const Twist velocity = (1.0 / predicted.duration_s) * logarithm(before);
@@ -133,11 +124,9 @@ OdometryResult scan_to_scan(const OdometryTarget& reference, const Features& fea
     const double reach_m = options.max_distance_m * (robust ? kNarrowSearchShare : 1.0);
 
     const SearchState planar_state{before, reach_m, robust};
-    const ConstraintList planar =
-        find_all(features.flat_points, velocity, matched_flat,
-                 [&](const auto& point_m, MatchedPoints& matched) {
-                   return match_plane(reference.ground, point_m, planar_state, matched);
-                 });
+    const ConstraintList planar = find_all(
+        features.flat_points, velocity,
+        [&](const auto& point_m) { return match_plane(reference.ground, point_m, planar_state); });
     result.planar_correspondences = planar.planes;
     const bool enough_planar = has_ground && planar.planes >= options.min_correspondences;
     const bool planar_observable =
@@ -145,11 +134,9 @@ OdometryResult scan_to_scan(const OdometryTarget& reference, const Features& fea
         improve(planar.all, FreeParameters::kOutOfPlane, result.T_reference_sensor);
 
     const SearchState edge_state{result.T_reference_sensor, reach_m, robust};
-    const ConstraintList edges =
-        find_all(features.sharp_edges, velocity, matched_sharp,
-                 [&](const auto& point_m, MatchedPoints& matched) {
-                   return match_edge(reference.edges, point_m, edge_state, matched);
-                 });
+    const ConstraintList edges = find_all(features.sharp_edges, velocity, [&](const auto& point_m) {
+      return match_edge(reference.edges, point_m, edge_state);
+    });
     result.edge_correspondences = edges.edges;
     const bool enough_edges = has_edges && edges.edges >= options.min_correspondences;
     // Without ground, edges estimate all six parameters as far as they can.

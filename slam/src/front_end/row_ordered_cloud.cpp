@@ -97,23 +97,13 @@ void RowOrderedCloud::find_elevations() {
   }
 }
 
-/// The squared distance that bounds a search; the guess itself is within it.
-float RowOrderedCloud::limit_m2(const RowQuery& query, double max_distance_m,
-                                std::optional<int> guess) const {
-  const auto most_m2 = static_cast<float>(max_distance_m * max_distance_m);
-  if (!guess) return most_m2;
-  const float guess_m2 = (points_m_[*guess] - query.point_m).squaredNorm();
-  return std::min(most_m2, 1.00001F * guess_m2 + 1e-12F);
-}
-
 /// Points of an elevation u above that of the query q are at least as far from it as it is from the
 /// cone of u, |q x u| in the plane of (horizontal, vertical).
-std::optional<int> RowOrderedCloud::nearest(const RowQuery& query, double max_distance_m,
-                                            std::optional<int> guess) const {
+std::optional<int> RowOrderedCloud::nearest(const RowQuery& query, double max_distance_m) const {
   const Eigen::Vector3f& query_m = query.point_m;
   if (points_m_.empty() || !query_m.allFinite()) return std::nullopt;
   const Eigen::Vector2f q_m(query_m.head<2>().norm(), query_m.z());
-  float nearest_m2 = limit_m2(query, max_distance_m, guess);
+  float nearest_m2 = static_cast<float>(max_distance_m * max_distance_m);
   std::optional<int> best;
   const auto search = [&](int row) {
     const auto found = nearest_in_row(row, std::nullopt, query, nearest_m2);
@@ -182,22 +172,16 @@ std::optional<int> RowOrderedCloud::nearest_in_row(int row, std::optional<int> e
 }
 
 std::optional<int> RowOrderedCloud::nearest_in_row_of(int i, const RowQuery& query,
-                                                      double max_distance_m,
-                                                      std::optional<int> guess) const {
-  if (guess && (*guess == i || row_[*guess] != row_[i])) guess.reset();
-  float nearest_m2 = limit_m2(query, max_distance_m, guess);
+                                                      double max_distance_m) const {
+  float nearest_m2 = static_cast<float>(max_distance_m * max_distance_m);
   return nearest_in_row(row_[i], i, query, nearest_m2);
 }
 
 std::optional<int> RowOrderedCloud::nearest_near_row_of(int i, const RowQuery& query,
-                                                        double max_distance_m,
-                                                        std::optional<int> guess) const {
+                                                        double max_distance_m) const {
   const int first = std::max(0, row_[i] - kRowReach);
   const int last = std::min(rows() - 1, row_[i] + kRowReach);
-  if (guess && (row_[*guess] == row_[i] || row_[*guess] < first || row_[*guess] > last)) {
-    guess.reset();
-  }
-  float nearest_m2 = limit_m2(query, max_distance_m, guess);
+  float nearest_m2 = static_cast<float>(max_distance_m * max_distance_m);
   std::optional<int> best;
   for (int row = first; row <= last; ++row) {
     if (row == row_[i]) continue;

@@ -18,9 +18,6 @@ struct RowQuery {
 /// Points ordered by row, and by azimuth within a row: the search target of the odometry, which
 /// seeks nearest points in one row, in rows nearby and in all rows.
 ///
-/// A search can take a guess, the result for a query a little beside the present one, which bounds
-/// the distance; the result is the same without.
-///
 /// The order serves as the index: from the row at the query's elevation the search goes up and down
 /// while the rows beyond can be nearer than the best so far, and in each row from the query's
 /// azimuth in both directions likewise. Each direction takes at most half of the row's points:
@@ -38,20 +35,16 @@ class RowOrderedCloud {
   const Eigen::Vector3f& point_m(int i) const { return points_m_[i]; }
 
   /// The nearest point within max_distance_m.
-  std::optional<int> nearest(const RowQuery& query, double max_distance_m,
-                             std::optional<int> guess = {}) const;
+  std::optional<int> nearest(const RowQuery& query, double max_distance_m) const;
   /// The nearest other point in the row of point i.
-  std::optional<int> nearest_in_row_of(int i, const RowQuery& query, double max_distance_m,
-                                       std::optional<int> guess = {}) const;
+  std::optional<int> nearest_in_row_of(int i, const RowQuery& query, double max_distance_m) const;
   /// The nearest point in another row, at most two rows from that of point i.
-  std::optional<int> nearest_near_row_of(int i, const RowQuery& query, double max_distance_m,
-                                         std::optional<int> guess = {}) const;
+  std::optional<int> nearest_near_row_of(int i, const RowQuery& query, double max_distance_m) const;
 
  private:
   int rows() const;
   int row_begin(int row) const;
   void find_elevations();
-  float limit_m2(const RowQuery& query, double max_distance_m, std::optional<int> guess) const;
   int first_from(int row, float azimuth_rad) const;
   std::optional<int> nearest_in_row(int row, std::optional<int> except, const RowQuery& query,
                                     float& squared_distance_m2) const;

@@ -17,13 +17,13 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// Of right data the mean over about 20 scans stays below 0.75 (simulated drives of all kinds; a
-/// registration's errors are assumed larger than they usually are), of a sensor that is stuck, late
-/// or mounted otherwise it exceeds 1 within 2 to 5 seconds. The three scans on which one wrong
-/// sample has an effect do not reach it: more than 5 of a scan does not count.
+/// With right data the mean over about 20 scans stays below 0.75 (simulated drives of all kinds; a
+/// registration's errors are assumed larger than they usually are); with a sensor that is stuck,
+/// late or mounted otherwise it exceeds 1 within 2 to 5 seconds. The three scans that one wrong
+/// sample affects do not reach it, since a scan counts as 5 at most.
 constexpr double kMostMeanInnovation = 1.0;
 constexpr double kShareOfScan = 0.05;
-/// Turns are compared over this many scans, during which the sensor turned by this much. Of right
+/// Turns are compared over this many scans, during which the sensor turned by this much. With right
 /// data at most 0.003 rad/s remain unexplained on streets and 0.009 indoors, with 16 rows
 /// (simulated drives of all kinds).
 constexpr std::size_t kCompared = 40;

@@ -28,8 +28,8 @@ class InertialCheck {
   static constexpr double kMostInnovation = 12.0;
   /// A larger one counts as this, and corrects no bias.
   static constexpr double kMostOfScan = 5.0;
-  /// Of a registered scan. Angular rates since the scan before, in the level frame: the gyroscope's
-  /// mean and the registered one.
+  /// To be called for every registered scan. In: the angular rates since the scan before, in the
+  /// level frame: the gyroscope's mean and the registered one.
   void compare_turns(const Eigen::Vector3d& gyroscope_rad_per_s,
                      const Eigen::Vector3d& registered_rad_per_s);
   /// Sets the complaint for a mean specific force that is not is_gravity().

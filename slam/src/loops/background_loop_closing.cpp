@@ -34,14 +34,11 @@ std::optional<LoopResult> BackgroundLoopClosing::finish() {
 
 bool BackgroundLoopClosing::wants_view(const Pose& T_map_sensor) const {
   if (!T_map_last_) return true;
-  const double step_m = (T_map_sensor.translation() - T_map_last_->translation()).norm();
-  return since_view_m_ + step_m >= kViewSpacing_m;
+  return since_view_m_ + distance_m(T_map_sensor, *T_map_last_) >= kViewSpacing_m;
 }
 
 void BackgroundLoopClosing::add(LoopKeyframe keyframe) {
-  if (T_map_last_) {
-    since_view_m_ += (keyframe.T_map_sensor.translation() - T_map_last_->translation()).norm();
-  }
+  if (T_map_last_) since_view_m_ += distance_m(keyframe.T_map_sensor, *T_map_last_);
   T_map_last_ = keyframe.T_map_sensor;
   if (keyframe.view) {
     since_view_m_ = 0.0;

@@ -42,8 +42,7 @@ void KeyframeGraph::add_keyframe(const LoopKeyframe& keyframe) {
     gravity_.clear();
     drift_m_ = 0.0;
   } else {
-    const double step_m =
-        (keyframe.T_map_sensor.translation() - T_map_keyframe_.back().translation()).norm();
+    const double step_m = distance_m(keyframe.T_map_sensor, T_map_keyframe_.back());
     const bool observed =
         keyframe.mapping_status == Status::kOk || keyframe.mapping_status == Status::kNotConverged;
     path_m_ += step_m;

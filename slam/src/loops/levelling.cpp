@@ -105,15 +105,11 @@ struct PriorResidual {
   }
 };
 
-Vector3d step_m(const std::vector<Pose>& T_first_node, std::size_t to) {
-  return T_first_node[to].translation() - T_first_node[to - 1].translation();
-}
-
 /// The integral of R along the path from one node to another.
 Matrix3d integral_of_turn(const std::vector<Pose>& T_first_node, std::size_t from, std::size_t to) {
   Matrix3d result = Matrix3d::Zero();
   for (std::size_t i = from; i < to; ++i) {
-    result += step_m(T_first_node, i + 1).norm() * T_first_node[i].linear();
+    result += distance_m(T_first_node[i + 1], T_first_node[i]) * T_first_node[i].linear();
   }
   return result;
 }
@@ -162,7 +158,7 @@ std::vector<Pose> levelled(const std::vector<Pose>& T_first_node,
   if (!solve(T_first_node, gravity, unknowns)) return T_first_node;
   std::vector<double> path_m{0.0};
   for (std::size_t i = 1; i < T_first_node.size(); ++i) {
-    path_m.push_back(path_m.back() + step_m(T_first_node, i).norm());
+    path_m.push_back(path_m.back() + distance_m(T_first_node[i], T_first_node[i - 1]));
   }
   std::vector<Pose> result{T_first_node.front()};
   Vector3d lean_rad = Vector3d::Zero();

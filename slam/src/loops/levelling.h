@@ -14,11 +14,11 @@ struct GravityAtNode {
   FeltGravity felt;
 };
 
-/// Levels a path by gravity. A scan registered in the map of the scans before it takes over their
+/// Levels a path by gravity. A scan registered in the map of the scans before it inherits their
 /// tilt, and beam errors add to it with every metre, with a constant direction in the sensor's
 /// frame: a degree in a hundred metres. An accelerometer's bias has the same order (10 mg are 0.6
 /// degrees) and can be separated from the tilt only where the sensor turns, so all of a path is
-/// levelled at once, its past too.
+/// levelled at once, including its past.
 ///
 ///   minimise  sum over measurements |R_i^T exp(l_i)^T g - L_i b_i - M_i m - z_i|^2 / sigma_i^2
 ///             + sum |l_i - l_(i-1) - A_i d|^2 / (sigma_l^2 t_i)  + sum |b_i - b_(i-1)|^2 /

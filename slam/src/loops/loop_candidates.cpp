@@ -7,6 +7,8 @@
 #include <queue>
 #include <utility>
 
+#include "alignment/motion_state.h"
+
 namespace hqslam::slam {
 
 namespace {
@@ -94,9 +96,8 @@ std::vector<LoopCandidate> loop_candidates(const PoseGraph& graph,
   std::vector<LoopCandidate> result;
   for (const LoopCandidate& candidate : within_reach) {
     const auto near_candidate = [&](const LoopCandidate& chosen) {
-      return (graph.T_map_node[chosen.node].translation() -
-              graph.T_map_node[candidate.node].translation())
-                 .norm() < kSameCandidate_m;
+      return distance_m(graph.T_map_node[chosen.node], graph.T_map_node[candidate.node]) <
+             kSameCandidate_m;
     };
     if (std::ranges::any_of(result, near_candidate)) continue;
     result.push_back(candidate);

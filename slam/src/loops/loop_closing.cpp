@@ -188,8 +188,7 @@ void LoopClosing::close(LoopResult& result) {
 }
 
 void LoopClosing::move(const std::vector<Pose>& T_map_node, LoopResult& result) {
-  result.report.correction_m =
-      (T_map_node.back().translation() - graph_.T_map_last().translation()).norm();
+  result.report.correction_m = distance_m(T_map_node.back(), graph_.T_map_last());
   result.corrections = graph_.move(T_map_node);
 }
 

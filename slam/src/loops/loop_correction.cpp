@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "alignment/motion_state.h"
+
 namespace hqslam::slam {
 
 namespace {
@@ -37,8 +39,7 @@ std::vector<Pose> corrected_keyframes(std::span<const Pose> T_map_keyframe,
                                       std::span<const Pose> T_map_node) {
   std::vector<double> path_m(T_map_keyframe.size(), 0.0);
   for (std::size_t k = 1; k < path_m.size(); ++k) {
-    path_m[k] = path_m[k - 1] +
-                (T_map_keyframe[k].translation() - T_map_keyframe[k - 1].translation()).norm();
+    path_m[k] = path_m[k - 1] + distance_m(T_map_keyframe[k], T_map_keyframe[k - 1]);
   }
   std::vector<Pose> result(T_map_keyframe.begin(), T_map_keyframe.end());
   std::size_t node = 0;

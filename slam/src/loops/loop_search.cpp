@@ -76,7 +76,7 @@ std::vector<FoundLoop> loops_at_candidate(const LoopSearchSpace& space,
 }
 
 bool is_elsewhere(const FoundLoop& a, const FoundLoop& b) {
-  return (a.T_map_last.translation() - b.T_map_last.translation()).norm() >= kOtherPlace_m;
+  return distance_m(a.T_map_last, b.T_map_last) >= kOtherPlace_m;
 }
 
 }  // namespace
@@ -90,11 +90,10 @@ std::optional<FoundLoop> loop_at(const LoopSearchSpace& space, const Pose& T_map
   std::optional<std::size_t> nearest;
   double nearest_m = kNearNode_m;
   for (const std::size_t node : space.nodes) {
-    const double distance_m =
-        (space.graph.T_map_node[node].translation() - T_map_last_estimated.translation()).norm();
-    if (distance_m >= nearest_m) continue;
+    const double away_m = distance_m(space.graph.T_map_node[node], T_map_last_estimated);
+    if (away_m >= nearest_m) continue;
     nearest = node;
-    nearest_m = distance_m;
+    nearest_m = away_m;
   }
   if (!nearest) return std::nullopt;
   return verified(space, *nearest, map_about(space, T_map_last_estimated), T_map_last_estimated);

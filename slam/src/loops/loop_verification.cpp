@@ -37,7 +37,7 @@ bool slides(const MapFeatures& features, const Mapping& older_map, const Pose& T
   for (const int axis : {0, 1}) {
     const Pose pushed = T_map_sensor * Eigen::Translation3d(kPush_m * Eigen::Vector3d::Unit(axis));
     const Pose returned = registered_at(features, older_map, pushed).state.T_map_sensor;
-    if ((returned.translation() - T_map_sensor.translation()).norm() > kMaxReturn_m) return true;
+    if (distance_m(returned, T_map_sensor) > kMaxReturn_m) return true;
   }
   return false;
 }

@@ -39,7 +39,7 @@ bool is_within(const Pose& motion, double max_m, double max_rad);
 /// there: a loop that the others contradict is rejected (the first and last step of graduated
 /// non-convexity, Yang et al., RA-L 2020). Otherwise that step is left out: where a
 /// path drifts always to the same side its edges are strained by far more than their sigmas, and
-/// the loss would rather let all loops go. Ceres, Levenberg-Marquardt, sparse Cholesky, one thread.
+/// the loss would reject all loops. Ceres, Levenberg-Marquardt, sparse Cholesky, one thread.
 std::vector<Pose> optimized(const PoseGraph& graph);
 
 }  // namespace hqslam::slam

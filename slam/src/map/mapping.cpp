@@ -194,9 +194,7 @@ void Mapping::insert(const MapFeatures& features, const Pose& T_map_sensor, cons
   insert(features.posts, map_.posts);
   insert(features.ground, map_.planes);
   insert(features.surfaces, map_.planes);
-  if (keyframes_ > 0) {
-    path_m_ += (T_map_sensor.translation() - T_map_last_keyframe_.translation()).norm();
-  }
+  if (keyframes_ > 0) path_m_ += distance_m(T_map_sensor, T_map_last_keyframe_);
   T_map_last_keyframe_ = T_map_sensor;
   ++keyframes_;
   recent_path_m_.push_back(path_m_);

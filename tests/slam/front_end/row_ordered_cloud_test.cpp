@@ -80,21 +80,12 @@ void compare_with_search_through_all(const FeaturesAndPoints& points,
         points, query_m, [&](int r, const auto&) { return r != row && std::abs(r - row) <= 2; });
     if (third_m2 < 25.0F) REQUIRE(third);
     if (third) CHECK((cloud.point_m(*third) - query_m).squaredNorm() == third_m2);
-    for (int guess = 0; guess < static_cast<int>(cloud.size()); guess += 17) {
-      CHECK(cloud.nearest(query, 5.0, guess) == first);
-      CHECK(cloud.nearest_in_row_of(*first, query, 5.0, guess) == second);
-      CHECK(cloud.nearest_near_row_of(*first, query, 5.0, guess) == third);
-    }
-    CHECK(cloud.nearest(query, 5.0, first) == first);
-    CHECK(cloud.nearest_in_row_of(*first, query, 5.0, second) == second);
-    CHECK(cloud.nearest_near_row_of(*first, query, 5.0, third) == third);
   }
 }
 
 }  // namespace
 
-TEST_CASE(
-    "nearest, in the row and near the row agree with a search through all, whatever is guessed") {
+TEST_CASE("nearest, in the row and near the row agree with a search through all") {
   compare_with_search_through_all(random_rows(40, 1), random_rows(30, 2));
   compare_with_search_through_all(rings(40, 1), rings(30, 2));
   compare_with_search_through_all(rings(40, 1), random_rows(30, 3));
