@@ -11,7 +11,6 @@
 #include "error_message.h"
 #include "file_contents.h"
 #include "hqslam/core/angles.h"
-#include "hqslam/sim/read_drive.h"
 #include "hqslam/sim/write_drive.h"
 #include "lidar.h"
 #include "sample_statistics.h"
