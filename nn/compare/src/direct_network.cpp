@@ -140,15 +140,15 @@ RangeImage DirectNetwork::estimate(const RangeImage& measured) {
 
 Trace DirectNetwork::trace(const Observation& seen) {
   const RangeImage upsampled = upsample(seen, 0.5F).image;
-  RangeImage said = upsampled;
+  RangeImage estimated = upsampled;
   RangeImage disagreed = upsampled;
   for (std::size_t pixel = 0; pixel < sum_.size(); ++pixel) {
-    said.range_m[pixel] = unit_.to_metres(mean(pixel));
+    estimated.range_m[pixel] = unit_.to_metres(mean(pixel));
     disagreed.range_m[pixel] = agreed(pixel) ? 0.0F : 1.0F;
   }
   Trace trace;
   trace.add(traced_image("measured", seen.measured));
-  trace.add(traced_image("layers.0.z", said));
+  trace.add(traced_image("layers.0.z", estimated));
   trace.add(traced_image("layers.0.rejected", disagreed, ""));
   trace.add(traced_image("layers.0.y", upsampled));
   return trace;

@@ -16,7 +16,6 @@ namespace hqslam::nn {
 namespace {
 
 constexpr int kLevels = 5;
-constexpr float kBatchNormEpsilon = 1e-3F;  // Keras' batch norm
 
 /// Adds layers to a graph; every function returns the number of its result.
 struct SraeBuilder {
@@ -31,13 +30,11 @@ struct SraeBuilder {
     if (purpose == Purpose::kUpsampling) {
       options.negative_slope = 0.0F;
       return graph.add(name,
-                       make_normalised_convolution(options, kBatchNormEpsilon, graph.shape(from),
-                                                   graph.engine()),
+                       make_normalised_convolution(options, graph.shape(from), graph.engine()),
                        {from}, dropout);
     }
     const int sums = graph.add(name + ".convolution", options, {from});
-    return graph.add(name + ".norm", make_batch_norm(kBatchNormEpsilon, 0.0F, graph.shape(sums)),
-                     {sums}, dropout);
+    return graph.add(name + ".norm", make_batch_norm(0.0F, graph.shape(sums)), {sums}, dropout);
   }
 
   int up(const std::string& name, int channels, int stride_columns, int from) {

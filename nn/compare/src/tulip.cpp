@@ -13,7 +13,6 @@
 namespace hqslam::nn {
 namespace {
 
-constexpr float kLayerNormEpsilon = 1e-6F;
 constexpr float kHeadSlope = 0.01F;
 
 /// Uniform starting values with this standard deviation.
@@ -31,7 +30,7 @@ struct TulipBuilder {
   int channels(int from) const { return graph.shape(from).channels; }
 
   int norm(const std::string& name, int from) {
-    return graph.add(name, make_layer_norm(kLayerNormEpsilon, graph.shape(from)), {from});
+    return graph.add(name, make_layer_norm(graph.shape(from)), {from});
   }
 
   /// inputs: one, and what is added.
@@ -46,14 +45,12 @@ struct TulipBuilder {
   int block(const std::string& name, int heads, bool shifted, int x) {
     const int c = channels(x);
     const int qkv = linear(name + ".attn.qkv", 3 * c, {norm(name + ".norm1", x)});
-    const int attended = graph.add(name + ".attn",
-                                   make_window_attention({.heads = heads,
-                                                          .window_rows = kTulipWindowRows,
-                                                          .window_columns = kTulipWindowColumns,
-                                                          .shifted = shifted,
-                                                          .circular = shape.circular_attention},
-                                                         graph.shape(qkv), graph.engine()),
-                                   {qkv});
+    const int attended =
+        graph.add(name + ".attn",
+                  make_window_attention(
+                      {.heads = heads, .shifted = shifted, .circular = shape.circular_attention},
+                      graph.shape(qkv), graph.engine()),
+                  {qkv});
     x = linear(name + ".attn.proj", c, {attended, x});
     const int hidden = linear(name + ".mlp.fc1", 4 * c, {norm(name + ".norm2", x)});
     const int activated =
@@ -118,12 +115,12 @@ std::shared_ptr<const Architecture> read_tulip(JsonFields& network) {
 }
 
 int Tulip::column_multiple() const {
-  return (kTulipUpscaling * kTulipWindowColumns) << (shape_.heads.size() - 1);
+  return (kTulipUpscaling * kWindowColumns) << (shape_.heads.size() - 1);
 }
 
 void Tulip::validate(const NetworkDescription& d) const {
   const int rows = d.sensor.rows();
-  const int multiple = (kTulipUpscaling * kTulipWindowRows) << (shape_.heads.size() - 1);
+  const int multiple = (kTulipUpscaling * kWindowRows) << (shape_.heads.size() - 1);
   if (d.measured_rows.stride != kTulipUpscaling || d.measured_rows.offset >= kTulipUpscaling ||
       rows % multiple != 0) {
     throw Error(

@@ -26,13 +26,11 @@ namespace hqslam::nn {
 struct TulipShape {
   int channels = 16;
   std::vector<int> heads{2, 4, 8};
-  /// An addition: attention goes round the scan.
+  /// An addition to the paper: the last column attends to the first.
   bool circular_attention = false;
 };
 /// Rows of the result and columns of a token for each measured row and token.
 inline constexpr int kTulipUpscaling = 4;
-inline constexpr int kTulipWindowRows = 2;
-inline constexpr int kTulipWindowColumns = 8;
 
 /// "tulip".
 class Tulip final : public DirectArchitecture {

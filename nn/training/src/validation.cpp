@@ -105,10 +105,10 @@ double best_exponent(const ValidatedScan& scan) {
     double score = 0.0;
     for (int i = 0; i < ValidatedScan::kBins; ++i) {
       const ValidatedScan::Bin& bin = scan.bins[i];
-      const double said = std::pow((i + 0.5) / ValidatedScan::kBins, 0.01 * percent);
+      const double stated = std::pow((i + 0.5) / ValidatedScan::kBins, 0.01 * percent);
       const auto wrong = static_cast<double>(bin.wrong);
       const double right = static_cast<double>(bin.returns) - wrong;
-      score += right * (1.0 - said) * (1.0 - said) + wrong * said * said;
+      score += right * (1.0 - stated) * (1.0 - stated) + wrong * stated * stated;
     }
     if (score < least) {
       least = score;

@@ -51,13 +51,13 @@ std::vector<LayerCase> layer_cases() {
           convolution("linear", kCircular, {.channels = 7, .linear = true}),
           convolution("patch_embedding", kCircular, patches),
           {"batch_norm", kCircular,
-           [](const Shapes& in, const Engine&) { return make_batch_norm(1e-3F, 0.125F, in[0]); }},
+           [](const Shapes& in, const Engine&) { return make_batch_norm(0.125F, in[0]); }},
           {"average_pool", kZero,
            [](const Shapes& in, const Engine&) { return make_average_pool(in[0]); }},
           {"concatenation", kCircular,
            [](const Shapes& in, const Engine&) { return make_concatenation(in[0], in[1]); }},
           {"layer_norm", kCircular,
-           [](const Shapes& in, const Engine&) { return make_layer_norm(1e-6F, in[0]); }},
+           [](const Shapes& in, const Engine&) { return make_layer_norm(in[0]); }},
           {"gelu", kCircular,
            [](const Shapes& in, const Engine& engine) { return make_gelu(in[0], engine); }},
           attention("attention", {.heads = 2}),
@@ -202,7 +202,7 @@ TEST_CASE("a convolution with the batch norm behind it worked into its weights g
     options.transposed = transposed;
     const LayerCase c{transposed ? "normalised.1" : "normalised.0", kZero,
                       [&](const Shapes& in, const Engine& engine) {
-                        return make_normalised_convolution(options, 1e-3F, in[0], engine);
+                        return make_normalised_convolution(options, in[0], engine);
                       }};
     Batch batch = golden_batch(golden, c, {});
     batch.loss();

@@ -111,18 +111,18 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
     memory.insert(measured_of(calibrated(read.scan.cloud, sensor)), read.index, read.scan.stamp_s);
   };
   auto source = recordings::Recording::open(options.input, open_options(options));
-  const std::size_t told = print_warnings(source, options.input);
+  const std::size_t warnings_printed = print_warnings(source, options.input);
   Progress progress("compare", source.size());
   std::int64_t used = 0;
-  std::int64_t looked_at = 0;
+  std::int64_t scans_read = 0;
   Reading reading;
   reading.wanted = wanted_scans(options);
   const auto compare = [&](const ReadScan& read) {
-    progress.update(++looked_at, source.read_share());
+    progress.update(++scans_read, source.read_share());
     const OrganizedCloud truth = calibrated(read.scan.cloud, sensor);
     const OrganizedCloud measured = measured_of(truth);
     const nn::RecalledImage recalled = memory.recall(measured, read.index, read.scan.stamp_s);
-    if ((looked_at - 1) % options.every != 0) return true;
+    if ((scans_read - 1) % options.every != 0) return true;
     if (points_of(measured).empty()) throw ScanError("has no return in the measured rows");
     use(truth, recalled);
     ++used;
@@ -130,7 +130,7 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
   };
   read_scans(source, interrupt, reading, compare, {memory.look_ahead_scans(), insert});
   progress.finish();
-  print_later_warnings(source, told);
+  print_later_warnings(source, warnings_printed);
   if (reading.end == ReadingEnd::kUnreadableScan) throw Error(reading.end_message);
   if (used == 0 && reading.left_out.scans > 0 && reading.end == ReadingEnd::kComplete) {
     throw Error(reading.left_out.text());

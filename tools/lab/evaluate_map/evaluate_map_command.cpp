@@ -15,7 +15,6 @@
 #include "hqslam/evaluation/cloud_error.h"
 #include "hqslam/evaluation/trajectory_error.h"
 #include "hqslam/sim/drive.h"
-#include "hqslam/sim/read_drive.h"
 #include "recording/recording_choice.h"
 #include "terminal/command_options.h"
 #include "terminal/terminal.h"

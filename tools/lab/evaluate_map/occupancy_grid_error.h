@@ -39,8 +39,8 @@ struct TrueDrive {
   Trajectory truth;
 };
 
-/// Cells of known truth: their centres in the frame of the truth, up to 20 m from the sensor, each
-/// once.
+/// Cells whose true state is certain: their centres in the frame of the truth, up to 20 m from the
+/// sensor, each once.
 struct TrueCells {
   std::vector<Eigen::Vector3f> empty_m;     ///< the ground is visible, nothing stands above it
   std::vector<Eigen::Vector3f> standing_m;  ///< a surface is visible that stands there

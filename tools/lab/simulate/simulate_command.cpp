@@ -76,7 +76,7 @@ std::optional<std::uint64_t> seed_from(std::string_view text) {
 
 std::vector<std::uint64_t> seeds_from(const std::string& list) {
   std::vector<std::uint64_t> seeds;
-  std::set<std::uint64_t> known;
+  std::set<std::uint64_t> listed;
   std::string_view rest = list;
   for (bool more = true; more;) {
     const std::size_t comma = rest.find(',');
@@ -89,7 +89,7 @@ std::vector<std::uint64_t> seeds_from(const std::string& list) {
         dots == std::string_view::npos ? first : seed_of(part.substr(dots + 2), list);
     if (last < first || last - first >= kMostSeeds - seeds.size()) fail(list);
     for (std::uint64_t i = 0; i <= last - first; ++i) {
-      if (!known.insert(first + i).second) fail(list);
+      if (!listed.insert(first + i).second) fail(list);
       seeds.push_back(first + i);
     }
   }

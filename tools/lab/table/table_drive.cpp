@@ -11,7 +11,6 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/sensor_model.h"
-#include "hqslam/sim/read_drive.h"
 #include "recording/recording_choice.h"
 #include "simulate/simulate_command.h"
 

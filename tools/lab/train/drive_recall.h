@@ -23,7 +23,7 @@ class DriveRecall {
   void want(const sim::SimulatedScan& scan);
   /// Adds the measured rows of a scan to the memory.
   void add(const sim::SimulatedScan& scan);
-  /// The image of the first scan that was asked for, with M and W^2 below it, once all scans that
+  /// The image of the first scan that is wanted, with M and W^2 below it, once all scans that
   /// it recalls were added. is_last: no more scans follow.
   std::optional<RangeImage> finished(bool is_last = false);
 

@@ -8,8 +8,8 @@ namespace {
 
 class BatchNorm final : public TrainableLayer {
  public:
-  BatchNorm(float epsilon, float negative_slope, const TensorShape& input)
-      : TrainableLayer(input), epsilon_(epsilon), negative_slope_(negative_slope) {}
+  BatchNorm(float negative_slope, const TensorShape& input)
+      : TrainableLayer(input), negative_slope_(negative_slope) {}
 
   std::vector<ParameterShape> parameter_shapes() const override {
     const std::int64_t channels = output_.channels;
@@ -58,7 +58,7 @@ class BatchNorm final : public TrainableLayer {
     const double pixels = pixels_of(batch.size());
     for (int channel = 0; channel < channels; ++channel) {
       const float mean = mean_[channel];
-      const float inverse = 1.0F / std::sqrt(variance_[channel] + epsilon_);
+      const float inverse = 1.0F / std::sqrt(variance_[channel] + kBatchNormEpsilon);
       double sum = 0.0;
       double sum_normal = 0.0;
       for_each_row(batch, [&](const BackwardPass& pass, int y) {
@@ -127,7 +127,7 @@ class BatchNorm final : public TrainableLayer {
   void normalise(const LayerPass& pass, const float* mean, const float* variance) const {
 #pragma omp for schedule(static)
     for (int channel = 0; channel < output_.channels; ++channel) {
-      const float scale = weight_[channel] / std::sqrt(variance[channel] + epsilon_);
+      const float scale = weight_[channel] / std::sqrt(variance[channel] + kBatchNormEpsilon);
       for (int y = 0; y < output_.rows; ++y) {
         const float* x = pass.input->row(channel, y);
         float* output = pass.output->row(channel, y);
@@ -140,7 +140,6 @@ class BatchNorm final : public TrainableLayer {
     }
   }
 
-  float epsilon_;
   float negative_slope_;
   std::vector<float> weight_;
   std::vector<float> bias_;
@@ -153,12 +152,11 @@ class BatchNorm final : public TrainableLayer {
 /// Upsampling alone: it has no gradients.
 class NormalisedConvolution final : public Layer {
  public:
-  NormalisedConvolution(const ConvolutionOptions& options, float epsilon, const TensorShape& input,
+  NormalisedConvolution(const ConvolutionOptions& options, const TensorShape& input,
                         const Engine& engine)
       : Layer({}),
         // conv_transpose2d's weights have the input channels first.
         outer_(options.transposed ? input.channels : 1),
-        epsilon_(epsilon),
         convolution_(options, input, engine) {
     output_ = convolution_.output_shape();
   }
@@ -169,7 +167,7 @@ class NormalisedConvolution final : public Layer {
   std::vector<ParameterShape> parameter_shapes() const override {
     std::vector<ParameterShape> shapes;
     add_part("convolution", convolution_.parameter_shapes(), shapes);
-    add_part("norm", BatchNorm(epsilon_, 1.0F, output_).parameter_shapes(), shapes);
+    add_part("norm", BatchNorm(1.0F, output_).parameter_shapes(), shapes);
     return shapes;
   }
 
@@ -185,7 +183,7 @@ class NormalisedConvolution final : public Layer {
     const std::int64_t weights = own - output_.channels;
     const std::int64_t inner = weights / (static_cast<std::int64_t>(outer_) * output_.channels);
     for (int channel = 0; channel < output_.channels; ++channel) {
-      const float s = scale[channel] / std::sqrt(variance[channel] + epsilon_);
+      const float s = scale[channel] / std::sqrt(variance[channel] + kBatchNormEpsilon);
       for (std::int64_t outer = 0; outer < outer_; ++outer) {
         float* weight = &folded[(outer * output_.channels + channel) * inner];
         for (std::int64_t i = 0; i < inner; ++i) weight[i] *= s;
@@ -198,20 +196,18 @@ class NormalisedConvolution final : public Layer {
 
  private:
   int outer_;
-  float epsilon_;
   ConvolutionLayer convolution_;
 };
 
 }  // namespace
 
-std::unique_ptr<Layer> make_batch_norm(float epsilon, float negative_slope,
-                                       const TensorShape& input) {
-  return std::make_unique<BatchNorm>(epsilon, negative_slope, input);
+std::unique_ptr<Layer> make_batch_norm(float negative_slope, const TensorShape& input) {
+  return std::make_unique<BatchNorm>(negative_slope, input);
 }
 
-std::unique_ptr<Layer> make_normalised_convolution(const ConvolutionOptions& options, float epsilon,
+std::unique_ptr<Layer> make_normalised_convolution(const ConvolutionOptions& options,
                                                    const TensorShape& input, const Engine& engine) {
-  return std::make_unique<NormalisedConvolution>(options, epsilon, input, engine);
+  return std::make_unique<NormalisedConvolution>(options, input, engine);
 }
 
 }  // namespace hqslam::nn

@@ -24,15 +24,12 @@ class AveragePool final : public TrainableLayer {
     }
   }
 
-  void backward(std::span<const BackwardPass> batch, std::span<float> /*d_parameters*/) override {
-    for (const BackwardPass& pass : batch) {
-      Tensor& d_input = *pass.d_input;
-      for (int channel = 0; channel < output_.channels; ++channel) {
-        for (int y = 0; y < d_input.rows() / 2 * 2; ++y) {
-          const float* d_mean = pass.d_output->row(channel, y / 2);
-          float* d = d_input.row(channel, y);
-          for (int x = 0; x < 2 * output_.columns; ++x) d[x] += 0.25F * d_mean[x / 2];
-        }
+  void backward_scan(const BackwardPass& pass, std::span<float> /*d_parameters*/) override {
+    for (int channel = 0; channel < output_.channels; ++channel) {
+      for (int y = 0; y < 2 * output_.rows; ++y) {
+        const float* d_mean = pass.d_output->row(channel, y / 2);
+        float* d = pass.d_input->row(channel, y);
+        for (int x = 0; x < 2 * output_.columns; ++x) d[x] += 0.25F * d_mean[x / 2];
       }
     }
   }
@@ -50,35 +47,29 @@ class Concatenation final : public TrainableLayer {
     copy_channels(*pass.second, 0, pass.second->channels(), *pass.output, of_first);
   }
 
-  void backward(std::span<const BackwardPass> batch, std::span<float> /*d_parameters*/) override {
-    for (const BackwardPass& pass : batch) {
-      add_channels(*pass.d_output, 0, *pass.d_input);
-      add_channels(*pass.d_output, pass.d_input->channels(), *pass.d_second);
-    }
+  void backward_scan(const BackwardPass& pass, std::span<float> /*d_parameters*/) override {
+    add_channels(*pass.d_output, 0, *pass.d_input);
+    add_channels(*pass.d_output, pass.d_input->channels(), *pass.d_second);
   }
 };
 
-/// Moves values between patches of pixels and channels; which channel is which pixel of the patch,
-/// `channel_of` says.
+/// Moves values between patches of pixels and channels: from pixels to channels if it merges,
+/// otherwise from channels to pixels. `channel_of` has the channel of each pixel of a patch.
 class PatchesAndChannels final : public TrainableLayer {
  public:
-  /// Merging: pixels -> channels; otherwise channels -> pixels.
-  enum class Direction { kMerge, kShuffle };
-  PatchesAndChannels(Direction direction, int factor, const TensorShape& input)
-      : TrainableLayer(direction == Direction::kMerge
-                           ? TensorShape{input.channels * factor * factor, input.rows / factor,
-                                         input.columns / factor, input.padding}
-                           : TensorShape{input.channels / (factor * factor), input.rows * factor,
-                                         input.columns * factor, input.padding}),
-        direction_(direction),
+  PatchesAndChannels(bool merges, int factor, const TensorShape& input)
+      : TrainableLayer(merges ? TensorShape{input.channels * factor * factor, input.rows / factor,
+                                            input.columns / factor, input.padding}
+                              : TensorShape{input.channels / (factor * factor), input.rows * factor,
+                                            input.columns * factor, input.padding}),
+        merges_(merges),
         factor_(factor) {}
 
   void forward(const LayerPass& pass) override {
-    const bool merges = direction_ == Direction::kMerge;
-    const int rows = merges ? pass.input->rows() : output_.rows;
+    const int rows = merges_ ? pass.input->rows() : output_.rows;
 #pragma omp for schedule(static)
     for (int y = 0; y < rows; ++y) {
-      move_row(merges, y, *pass.input, *pass.output, [](float& to, float from) { to = from; });
+      move_row(merges_, y, *pass.input, *pass.output, [](float& to, float from) { to = from; });
     }
 #pragma omp for schedule(static)
     for (int channel = 0; channel < output_.channels; ++channel) {
@@ -86,22 +77,18 @@ class PatchesAndChannels final : public TrainableLayer {
     }
   }
 
-  void backward(std::span<const BackwardPass> batch, std::span<float> /*d_parameters*/) override {
-    const bool merges = direction_ == Direction::kShuffle;  // the other way
-    for (const BackwardPass& pass : batch) {
-      const int rows = merges ? pass.d_output->rows() : pass.d_input->rows();
-      for (int y = 0; y < rows; ++y) {
-        move_row(merges, y, *pass.d_output, *pass.d_input,
-                 [](float& to, float from) { to += from; });
-      }
+  void backward_scan(const BackwardPass& pass, std::span<float> /*d_parameters*/) override {
+    const bool merges = !merges_;
+    const int rows = merges ? pass.d_output->rows() : pass.d_input->rows();
+    for (int y = 0; y < rows; ++y) {
+      move_row(merges, y, *pass.d_output, *pass.d_input, [](float& to, float from) { to += from; });
     }
   }
 
  private:
   /// The channel of row i, column j of a patch of `channel`, one of `channels`.
   int channel_of(int channels, int channel, int i, int j) const {
-    return direction_ == Direction::kMerge ? (j * factor_ + i) * channels + channel
-                                           : (channel * factor_ + i) * factor_ + j;
+    return merges_ ? (j * factor_ + i) * channels + channel : (channel * factor_ + i) * factor_ + j;
   }
   /// What row y of the pixels and its part of the channels have in common, from either to the
   /// other.
@@ -121,7 +108,7 @@ class PatchesAndChannels final : public TrainableLayer {
     }
   }
 
-  Direction direction_;
+  bool merges_;
   int factor_;
 };
 
@@ -136,12 +123,11 @@ std::unique_ptr<Layer> make_concatenation(const TensorShape& first, const Tensor
 }
 
 std::unique_ptr<Layer> make_patch_merging(const TensorShape& input) {
-  return std::make_unique<PatchesAndChannels>(PatchesAndChannels::Direction::kMerge, 2, input);
+  return std::make_unique<PatchesAndChannels>(true, 2, input);
 }
 
 std::unique_ptr<Layer> make_pixel_shuffle(int factor, const TensorShape& input) {
-  return std::make_unique<PatchesAndChannels>(PatchesAndChannels::Direction::kShuffle, factor,
-                                              input);
+  return std::make_unique<PatchesAndChannels>(false, factor, input);
 }
 
 }  // namespace hqslam::nn

@@ -10,10 +10,8 @@ namespace {
 
 class LayerNorm final : public TrainableLayer {
  public:
-  LayerNorm(float epsilon, const TensorShape& input)
-      : TrainableLayer(input),
-        epsilon_(epsilon),
-        of_pixel_(4, input.rows, input.columns, input.padding) {}
+  explicit LayerNorm(const TensorShape& input)
+      : TrainableLayer(input), of_pixel_(4, input.rows, input.columns, input.padding) {}
 
   std::vector<ParameterShape> parameter_shapes() const override {
     return {{"weight", {output_.channels}}, {"bias", {output_.channels}}};
@@ -49,13 +47,9 @@ class LayerNorm final : public TrainableLayer {
   }
 
   /// As batch norm's (batch_norm.cpp), over the channels of each pixel.
-  void backward(std::span<const BackwardPass> batch, std::span<float> d_parameters) override {
+  void backward_scan(const BackwardPass& pass, std::span<float> d_parameters) override {
     const std::span<float> d_weight = take(d_parameters, output_.channels);
-    for (const BackwardPass& pass : batch) {
-      for (int y = 0; y < output_.rows; ++y) {
-        backward_row(pass, y, d_weight, d_parameters);
-      }
-    }
+    for (int y = 0; y < output_.rows; ++y) backward_row(pass, y, d_weight, d_parameters);
   }
 
  private:
@@ -78,7 +72,7 @@ class LayerNorm final : public TrainableLayer {
         inverse[x] += share * (from[x] - mean[x]) * (from[x] - mean[x]);
       }
     }
-    for (int x = 0; x < columns; ++x) inverse[x] = 1.0F / std::sqrt(inverse[x] + epsilon_);
+    for (int x = 0; x < columns; ++x) inverse[x] = 1.0F / std::sqrt(inverse[x] + kLayerNormEpsilon);
   }
 
   void backward_row(const BackwardPass& pass, int y, std::span<float> d_weight,
@@ -120,7 +114,6 @@ class LayerNorm final : public TrainableLayer {
     }
   }
 
-  float epsilon_;
   Tensor of_pixel_;
   std::vector<float> weight_;
   std::vector<float> bias_;
@@ -143,15 +136,13 @@ class Gelu final : public TrainableLayer {
     }
   }
 
-  void backward(std::span<const BackwardPass> batch, std::span<float> /*d_parameters*/) override {
-    for (const BackwardPass& pass : batch) {
-      for (int channel = 0; channel < output_.channels; ++channel) {
-        for (int y = 0; y < output_.rows; ++y) {
-          kernels_->gelu({.input = pass.input->row(channel, y),
-                          .output = pass.d_input->row(channel, y),
-                          .d_output = pass.d_output->row(channel, y),
-                          .columns = output_.columns});
-        }
+  void backward_scan(const BackwardPass& pass, std::span<float> /*d_parameters*/) override {
+    for (int channel = 0; channel < output_.channels; ++channel) {
+      for (int y = 0; y < output_.rows; ++y) {
+        kernels_->gelu({.input = pass.input->row(channel, y),
+                        .output = pass.d_input->row(channel, y),
+                        .d_output = pass.d_output->row(channel, y),
+                        .columns = output_.columns});
       }
     }
   }
@@ -162,8 +153,8 @@ class Gelu final : public TrainableLayer {
 
 }  // namespace
 
-std::unique_ptr<Layer> make_layer_norm(float epsilon, const TensorShape& input) {
-  return std::make_unique<LayerNorm>(epsilon, input);
+std::unique_ptr<Layer> make_layer_norm(const TensorShape& input) {
+  return std::make_unique<LayerNorm>(input);
 }
 
 std::unique_ptr<Layer> make_gelu(const TensorShape& input, const Engine& engine) {

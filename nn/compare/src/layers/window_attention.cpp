@@ -1,4 +1,3 @@
-
 #include <array>
 #include <cmath>
 
@@ -10,7 +9,10 @@ namespace hqslam::nn {
 namespace {
 
 constexpr int kPixels = kernels::kWindowPixels;
+static_assert(kPixels == kWindowRows * kWindowColumns);
 constexpr int kPairs = kPixels * kPixels;
+/// Of one pixel of a window relative to another.
+constexpr int kPlaces = (2 * kWindowRows - 1) * (2 * kWindowColumns - 1);
 constexpr int kGreatestDepth = 64;
 /// Added to the score of two pixels that must not attend to each other.
 constexpr float kUnseen = -100.0F;
@@ -25,21 +27,19 @@ class WindowAttention final : public TrainableLayer {
       : TrainableLayer({input.channels / 3, input.rows, input.columns, input.padding}),
         options_(options),
         depth_(output_.channels / options.heads),
-        shift_rows_(options.shifted ? options.window_rows / 2 : 0),
-        shift_columns_(options.shifted ? options.window_columns / 2 : 0),
-        window_rows_(input.rows / options.window_rows),
-        window_columns_(input.columns / options.window_columns),
+        shift_rows_(options.shifted ? kWindowRows / 2 : 0),
+        shift_columns_(options.shifted ? kWindowColumns / 2 : 0),
+        window_rows_(input.rows / kWindowRows),
+        window_columns_(input.columns / kWindowColumns),
         kernels_(&kernels::attention_kernels(engine.instruction_set)) {
-    if (options.window_rows * options.window_columns != kPixels ||
-        depth_ * options.heads * 3 != input.channels || depth_ % 4 != 0 ||
-        depth_ > kGreatestDepth || window_rows_ * options.window_rows != input.rows ||
-        window_columns_ * options.window_columns != input.columns) {
+    if (depth_ * options.heads * 3 != input.channels || depth_ % 4 != 0 ||
+        depth_ > kGreatestDepth || window_rows_ * kWindowRows != input.rows ||
+        window_columns_ * kWindowColumns != input.columns) {
       throw Error(
-          "attention: windows of {} x {} and {} heads for {} channels, {} rows, {} columns, "
-          "expected windows of {} pixels that divide rows and columns, and heads of 4, 8, ... {} "
-          "channels",
-          options.window_rows, options.window_columns, options.heads, output_.channels, input.rows,
-          input.columns, kPixels, kGreatestDepth);
+          "attention: {} heads for {} channels, {} rows, {} columns, expected windows of {} x {} "
+          "that divide rows and columns, and heads of 4, 8, ... {} channels",
+          options.heads, output_.channels, input.rows, input.columns, kWindowRows, kWindowColumns,
+          kGreatestDepth);
     }
   }
 
@@ -49,11 +49,11 @@ class WindowAttention final : public TrainableLayer {
   }
 
   std::vector<ParameterShape> parameter_shapes() const override {
-    return {{"relative_position_bias_table", {places(), options_.heads}}};
+    return {{"relative_position_bias_table", {kPlaces, options_.heads}}};
   }
 
   void add_initial_parameters(UniformStart& start, std::vector<float>& parameters) const override {
-    start.add(static_cast<std::int64_t>(places()) * options_.heads, 0.02F * std::sqrt(3.0F),
+    start.add(static_cast<std::int64_t>(kPlaces) * options_.heads, 0.02F * std::sqrt(3.0F),
               parameters);
   }
 
@@ -84,7 +84,7 @@ class WindowAttention final : public TrainableLayer {
                 [](float& to, float from) { to = from; });
       }
       for (int channel = head * depth_; channel < (head + 1) * depth_; ++channel) {
-        for (int r = 0; r < options_.window_rows; ++r) {
+        for (int r = 0; r < kWindowRows; ++r) {
           pass.output->fill_border(channel, image_row(row, r));
         }
       }
@@ -140,38 +140,36 @@ class WindowAttention final : public TrainableLayer {
   };
 
   float query_scale() const { return 1.0F / std::sqrt(static_cast<float>(depth_)); }
-  int places() const { return (2 * options_.window_rows - 1) * (2 * options_.window_columns - 1); }
   /// The place of a query relative to a key.
   int place(int query, int key) const {
-    const int columns = options_.window_columns;
-    const int down = query / columns - key / columns + options_.window_rows - 1;
-    const int right = query % columns - key % columns + columns - 1;
-    return down * (2 * columns - 1) + right;
+    const int down = query / kWindowColumns - key / kWindowColumns + kWindowRows - 1;
+    const int right = query % kWindowColumns - key % kWindowColumns + kWindowColumns - 1;
+    return down * (2 * kWindowColumns - 1) + right;
   }
   /// Whether two pixels of a window that goes on at the other end are from different ends.
   bool unseen(int kind, int a, int b) const {
     const auto beyond_row = [&](int pixel) {
-      return pixel / options_.window_columns >= options_.window_rows - shift_rows_;
+      return pixel / kWindowColumns >= kWindowRows - shift_rows_;
     };
     const auto beyond_column = [&](int pixel) {
-      return pixel % options_.window_columns >= options_.window_columns - shift_columns_;
+      return pixel % kWindowColumns >= kWindowColumns - shift_columns_;
     };
     return ((kind & 1) != 0 && beyond_row(a) != beyond_row(b)) ||
            ((kind & 2) != 0 && !options_.circular && beyond_column(a) != beyond_column(b));
   }
   int image_row(int window_row, int r) const {
-    return (window_row * options_.window_rows + r + shift_rows_) % output_.rows;
+    return (window_row * kWindowRows + r + shift_rows_) % output_.rows;
   }
 
   /// work(number in the window, row, column of the image) of each pixel.
   template <typename Work>
   void for_each_pixel(const Place& at, const Work& work) const {
-    for (int r = 0; r < options_.window_rows; ++r) {
+    for (int r = 0; r < kWindowRows; ++r) {
       const int y = image_row(at.row, r);
-      int x = at.column * options_.window_columns + shift_columns_;
-      for (int c = 0; c < options_.window_columns; ++c, ++x) {
+      int x = at.column * kWindowColumns + shift_columns_;
+      for (int c = 0; c < kWindowColumns; ++c, ++x) {
         if (x == output_.columns) x = 0;
-        work(r * options_.window_columns + c, y, x);
+        work(r * kWindowColumns + c, y, x);
       }
     }
   }

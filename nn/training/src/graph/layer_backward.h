@@ -44,6 +44,13 @@ class TrainableLayer : public Layer, public LayerBackward {
   void forward_batch(std::span<const LayerPass> batch) override {
     for (const LayerPass& pass : batch) forward(pass);
   }
+  void backward(std::span<const BackwardPass> batch, std::span<float> d_parameters) override {
+    for (const BackwardPass& pass : batch) backward_scan(pass, d_parameters);
+  }
+
+ protected:
+  /// `backward` of a layer whose scans do not depend on each other.
+  virtual void backward_scan(const BackwardPass& /*pass*/, std::span<float> /*d_parameters*/) {}
 };
 
 /// The backward pass of ConvolutionLayer.

@@ -6,7 +6,6 @@
 #include <numeric>
 
 #include "hqslam/core/angles.h"
-#include "hqslam/sim/read_drive.h"
 #include "hqslam/sim/write_drive.h"
 #include "lidar.h"
 #include "sample_statistics.h"

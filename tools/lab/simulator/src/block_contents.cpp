@@ -65,7 +65,7 @@ void add_row_houses(City& city, const Block& block, Random& random) {
   }
 }
 
-/// What a garden shows to the street, with a gate left open.
+/// The front of a garden: a fence, a hedge, a wall or nothing, with an open gate in it.
 void add_garden_front(City& city, const BlockSide& side, double from_m, double to_m,
                       Random& random) {
   const double gate_m = from_m + (to_m - from_m) * random.uniform(0.2, 0.6);
@@ -119,7 +119,7 @@ void add_detached_houses(City& city, const Block& block, Random& random) {
   }
 }
 
-/// A paved square: a monument, benches, a few trees, much room.
+/// A paved square with a monument, benches and a few trees.
 void add_square(City& city, const Block& block, Random& random) {
   const Part stone{city.fixed,
                    frame_at(city, block.sheet_m.center(), {1.0, 0.0}, kKerbHeight_m),

@@ -56,7 +56,7 @@ struct BlockSide {
 /// The side of small v first, then counter-clockwise.
 std::array<BlockSide, 4> sides_of(const Eigen::AlignedBox2d& sheet_m);
 
-/// Upright on the ground, lifted by `lift_m`; x looks where `along` of the sheet does.
+/// Upright on the ground, lifted by `lift_m`; x points in the direction `along` of the sheet.
 Eigen::Isometry3d frame_at(const City& city, const Eigen::Vector2d& sheet_m,
                            const Eigen::Vector2d& along, double lift_m);
 /// The frame beside a kerb, x along it.

@@ -6,7 +6,6 @@
 #include "hqslam/core/json_fields.h"
 #include "hqslam/core/whole_file.h"
 #include "hqslam/sim/drive.h"
-#include "hqslam/sim/read_drive.h"
 #include "hqslam/sim/write_drive.h"
 #include "random.h"
 
@@ -40,27 +39,6 @@ std::vector<Number> numbers_of(DriveSpec& spec) {
 /// Normally distributed, cut off at 5 degrees.
 double drawn_tilt_rad(Random& random) {
   return kDegree_rad * std::clamp(1.5 * random.normal(), -5.0, 5.0);
-}
-
-JsonFields fields_of_drive(const std::string& path) {
-  constexpr std::size_t kMostBytes = 1U << 16U;
-  return {whole_file(path, "a drive.json written by hqslam-lab simulate", kMostBytes), path,
-          "give a folder written by hqslam-lab simulate, by this version of it"};
-}
-
-DriveSpec spec_in(JsonFields fields) {
-  DriveSpec spec;
-  spec.name = fields.text("name");
-  spec.seed = fields.unsigned_integer("seed");
-  spec.scans = fields.integer("scans");
-  for (const Number& number : numbers_of(spec)) {
-    if (fields.has(number.part)) number.value = fields.object(number.part).number(number.name);
-  }
-  if (fields.has("sensor_errors")) {
-    spec.sensor_errors = sensor_errors_named(fields.text("sensor_errors"));
-  }
-  validate(spec);
-  return spec;
 }
 
 }  // namespace
@@ -101,17 +79,25 @@ DriveSpec with_varied_conditions(DriveSpec spec) {
 }
 
 DriveSpec read_drive_json(const std::string& path) {
-  JsonFields fields = fields_of_drive(path);
-  DriveSpec spec = spec_in(fields);
+  constexpr std::size_t kMostBytes = 1U << 16U;
+  JsonFields fields(whole_file(path, "a drive.json written by hqslam-lab simulate", kMostBytes),
+                    path, "give a folder written by hqslam-lab simulate, by this version of it");
+  DriveSpec spec;
+  spec.name = fields.text("name");
+  spec.seed = fields.unsigned_integer("seed");
+  spec.scans = fields.integer("scans");
+  for (const Number& number : numbers_of(spec)) {
+    if (fields.has(number.part)) number.value = fields.object(number.part).number(number.name);
+  }
+  if (fields.has("sensor_errors")) {
+    spec.sensor_errors = sensor_errors_named(fields.text("sensor_errors"));
+  }
+  validate(spec);
   if (const auto revision = fields.integer("revision"); revision != kDriveRevision) {
     throw Error("{}: of drives of revision {}, expected {}: its city is another; simulate it anew",
                 path, revision, kDriveRevision);
   }
   return spec;
-}
-
-DriveSpec read_drive_json_of_any_revision(const std::string& path) {
-  return spec_in(fields_of_drive(path));
 }
 
 void write_drive_json(const std::string& path, DriveSpec spec, const SensorModel& sensor) {

@@ -58,7 +58,7 @@ class RouteMaker {
     walk_corridor(0, 0.5 * plan_.length_m);
   }
 
-  /// From here along the corridor, with a look into some of the rooms.
+  /// From here along the corridor, with visits to some of the rooms.
   void walk_corridor(int storey, double to_x_m) {
     const double from_x_m = route_.back().x();
     std::vector<Room> passed;
@@ -110,7 +110,7 @@ class RouteMaker {
     }
   }
 
-  /// The next one ahead of the middle of the lower corridor, for who walks along x or against it.
+  /// The next room ahead of the middle of the lower corridor; direction: 1 along x, -1 against it.
   const Room& next_room(double direction) const {
     const auto ahead_m = [&](const Room& room) {
       const double away_m = direction * (room.door_x_m - 0.5 * plan_.length_m);

@@ -64,7 +64,5 @@ std::vector<Eigen::Vector3d> indoor_route(const IndoorPlan& plan, std::uint64_t 
 
 /// Walls with doors and windows, floors, stairs, and the furniture of rooms and corridors.
 TriangleMesh make_indoor_mesh(const IndoorPlan& plan);
-/// Furniture of a room, clear of its middle and of the path to the door.
-void furnish_room(TriangleMesh& mesh, const Room& room);
 
 }  // namespace hqslam::sim

@@ -10,7 +10,7 @@
 
 namespace hqslam::sim {
 
-/// Smooth hills: a sum of plane waves, so that height and slope are known in closed form.
+/// Smooth hills: a sum of plane waves, whose height and slope have a closed form.
 ///   height(p) = sum_k a_k sin(w_k . p + phase_k),  sum_k a_k |w_k| <= slope_bound
 class Terrain {
  public:
@@ -20,8 +20,8 @@ class Terrain {
   Eigen::Vector2d slope(const Eigen::Vector2d& plane_m) const;
   /// The point of the terrain at `plane_m`, lifted.
   Eigen::Vector3d ground(const Eigen::Vector2d& plane_m, double lift_m) const;
-  /// Frame of something that stands on the terrain and looks along `heading_rad`: x forward, z
-  /// along the terrain's normal to first order.
+  /// Frame of something that stands on the terrain: x along `heading_rad`, z along the terrain's
+  /// normal to first order.
   ///   pitch = -atan(slope along x), roll = atan(slope along y)
   Eigen::Isometry3d frame(const Eigen::Vector2d& plane_m, double heading_rad) const;
 
@@ -83,7 +83,7 @@ struct Layout {
   Eigen::Vector3d ground(const Eigen::Vector2d& sheet_m, double lift_m) const {
     return terrain.ground(plane(sheet_m), lift_m);
   }
-  /// Where the direction (u, v) of the sheet points in the plane.
+  /// The heading in the plane of a direction (u, v) of the sheet.
   double heading_rad(const Eigen::Vector2d& sheet_m, const Eigen::Vector2d& direction) const;
 };
 

@@ -10,7 +10,7 @@ namespace {
 constexpr double kWallSetback_m = 0.7;  ///< from the street
 constexpr double kCut_m = 4.0;          ///< by which walls' corners are cut off
 constexpr double kPlaceWidth_m = 2.6;   ///< of a parked car
-constexpr double kRowEnd_m = 2.5;       ///< free at both ends, for those who turn
+constexpr double kRowEnd_m = 2.5;       ///< free at both ends, where cars turn
 
 /// Two piers that stand out from the wall.
 void add_gate(City& city, const BlockSide& side, double along_m, double setback_m, double height_m,
@@ -58,10 +58,10 @@ void add_parking_row(City& city, const BlockSide& side, Random& random) {
   }
 }
 
-/// Distance kept from crossings, so that drivers can see across them.
+/// Hedges and fences keep this distance from crossings, so that drivers can see across them.
 constexpr double kCornerRoom_m = 14.0;
 
-/// Stretches of hedge or fence along a road, with nothing between them.
+/// Stretches along a road, each with a hedge, a fence or nothing.
 void add_edge(City& city, const BlockSide& side, Random& random) {
   double from_m = kCornerRoom_m;
   while (from_m < side.length_m - kCornerRoom_m - 5.0) {
@@ -135,7 +135,7 @@ void add_farm(City& city, const Block& block, int front, Random& random) {
   }
 }
 
-/// Round bales, lying.
+/// Round bales on their sides.
 void add_bales(City& city, const Block& block, Random& random) {
   for (int bales = 3 + random.below(10); bales > 0; --bales) {
     const Eigen::Vector2d at = draw_inside(block.sheet_m, 12.0, random);

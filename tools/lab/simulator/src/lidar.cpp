@@ -95,9 +95,9 @@ struct Lidar::Revolution {
     const SensorModel& sensor = lidar.sensor_;
     auto echo = footprint(row, column, bits)
                     .reported_echo(lidar.pulse_.mixed_share, seed_of(bits.pixel, kMixed));
-    if (echo) echo->range_m += lidar.beams_.range_m[static_cast<std::size_t>(row)];
     Return measured;
     if (echo) {
+      echo->range_m += lidar.beams_.range_m[static_cast<std::size_t>(row)];
       measured.range_m =
           detected_range_m(*echo, sensor.min_range_m, sensor.max_range_m, bits.pixel);
       if (measured.range_m > 0.0F) {

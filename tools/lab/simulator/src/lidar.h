@@ -67,7 +67,8 @@ class Lidar {
   const BeamErrors beams_;
   const PulseErrors pulse_;
   std::uint64_t seed_;
-  std::vector<Eigen::Vector3d> directions_;  ///< rows x columns, sensor frame; where beams look
+  std::vector<Eigen::Vector3d>
+      directions_;  ///< rows x columns, sensor frame; true ones of the beams
 };
 
 }  // namespace hqslam::sim

@@ -74,7 +74,7 @@ void add_quad(TriangleMesh& mesh, const Eigen::Vector3d& a, const Eigen::Vector3
 /// A box between two corners of the frame `placed`.
 void add_box(TriangleMesh& mesh, const Eigen::Isometry3d& placed, const Eigen::Vector3d& low,
              const Eigen::Vector3d& high, Surface surface);
-/// An upright, leaning or lying column that may taper, without end caps at zero radius.
+/// A column in any direction that may taper; no cap closes an end of radius 0.
 void add_column(TriangleMesh& mesh, const Eigen::Vector3d& from, const Eigen::Vector3d& to,
                 double radius_from_m, double radius_to_m, int sides, Surface surface);
 /// Adds rows x columns vertices' worth of quads; `points` is row-major.
@@ -103,7 +103,7 @@ int steps(double length_m, double step_m);
 double distance_to_triangle_m(const Eigen::Vector3d& point_m, const Eigen::Vector3d& a_m,
                               const Eigen::Vector3d& b_m, const Eigen::Vector3d& c_m);
 
-/// Upright frame at `origin` whose x axis looks along `heading_rad`.
+/// Upright frame at `origin` whose x axis points along `heading_rad`.
 Eigen::Isometry3d upright_frame(const Eigen::Vector3d& origin, double heading_rad);
 
 }  // namespace hqslam::sim

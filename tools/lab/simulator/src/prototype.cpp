@@ -135,13 +135,7 @@ void add_frustum(TriangleMesh& mesh, const std::array<double, 2>& low_x,
            corner(true, false, true), top);
 }
 
-}  // namespace
-
-TriangleMesh make_tree(std::uint64_t seed) {
-  Random random(seed);
-  return random.chance(0.3) ? make_conifer(random) : make_broadleaf(random);
-}
-
+/// About a metre high.
 TriangleMesh make_bush(std::uint64_t seed) {
   Random random(seed);
   TriangleMesh mesh;
@@ -208,6 +202,13 @@ TriangleMesh make_walker(int body) {
   limb({0.0, 0.23, 1.42}, {-0.18, 0.26, 0.86}, 0.05, 0.04);
   limb({0.0, -0.23, 1.42}, {0.2, -0.26, 0.88}, 0.05, 0.04);
   return mesh;
+}
+
+}  // namespace
+
+TriangleMesh make_tree(std::uint64_t seed) {
+  Random random(seed);
+  return random.chance(0.3) ? make_conifer(random) : make_broadleaf(random);
 }
 
 std::vector<TriangleMesh> make_prototypes(std::uint64_t seed) {

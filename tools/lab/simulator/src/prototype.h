@@ -22,9 +22,5 @@ std::vector<TriangleMesh> make_prototypes(std::uint64_t seed);
 /// Broadleaf or conifer: trunk, branches and a crown of single leaf quads, so that some rays pass
 /// between them.
 TriangleMesh make_tree(std::uint64_t seed);
-/// About a metre high.
-TriangleMesh make_bush(std::uint64_t seed);
-TriangleMesh make_car(int body);
-TriangleMesh make_walker(int body);
 
 }  // namespace hqslam::sim

@@ -201,7 +201,7 @@ void RayScene::place_actors(const std::vector<ActorMotion>& actors) {
 }
 
 std::optional<double> RayScene::distance_m(const Eigen::Vector3d& point_m, double reach_m) const {
-  /// What Embree's search carries along.
+  /// The state of Embree's search.
   struct Nearest {
     const Implementation& self;
     Eigen::Vector3d point_m;
@@ -209,7 +209,7 @@ std::optional<double> RayScene::distance_m(const Eigen::Vector3d& point_m, doubl
   };
   // Called for every triangle that may be nearer than what was found so far. A placed thing is as
   // much larger as its shape as the first column of its transform is long.
-  const auto look_at_triangle = [](RTCPointQueryFunctionArguments* arguments) {
+  const auto measure_triangle = [](RTCPointQueryFunctionArguments* arguments) {
     auto& nearest = *static_cast<Nearest*>(arguments->userPtr);
     const Implementation& self = nearest.self;
     const TriangleMesh* mesh = &self.scenery.fixed;
@@ -236,7 +236,7 @@ std::optional<double> RayScene::distance_m(const Eigen::Vector3d& point_m, doubl
   query.radius = search_radius(reach_m);
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
-  rtcPointQuery(implementation_->fixed.get(), &query, &context, look_at_triangle, &nearest);
+  rtcPointQuery(implementation_->fixed.get(), &query, &context, measure_triangle, &nearest);
   return nearest.distance_m < reach_m ? std::optional(nearest.distance_m) : std::nullopt;
 }
 

@@ -22,7 +22,7 @@ struct Scenario {
       actors;
 };
 
-/// Throws Error for a drive that is unknown.
+/// Throws Error for an unknown drive.
 Scenario make_scenario(const DriveSpec& spec, double duration_s);
 
 }  // namespace hqslam::sim

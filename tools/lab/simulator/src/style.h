@@ -82,7 +82,7 @@ struct DriveStyle {
 
 /// Whether a drive goes through streets and has a style. Throws Error for an unknown name.
 bool has_streets(std::string_view name);
-/// Throws Error for a name that is unknown or has no streets.
+/// Throws Error for an unknown name and for a drive without streets.
 DriveStyle drive_style(std::string_view name);
 
 }  // namespace hqslam::sim

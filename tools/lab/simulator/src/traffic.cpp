@@ -15,7 +15,7 @@ constexpr double kClearance_m = 6.0;
 constexpr double kNever_s = std::numeric_limits<double>::infinity();
 
 /// The place on the edge of a rectangle, `along_m` counter-clockwise from its lowest corner.
-Eigen::Vector2d place_on_way_around(const Eigen::AlignedBox2d& sheet_m, double along_m) {
+Eigen::Vector2d place_around(const Eigen::AlignedBox2d& sheet_m, double along_m) {
   const double around_m = 2.0 * sheet_m.sizes().sum();
   along_m = std::fmod(along_m, around_m);
   if (along_m < 0.0) along_m += around_m;
@@ -98,7 +98,7 @@ void Traffic::add_walkers(const CityStyle& style, std::uint64_t seed) {
       const double speed_mps = random.chance(0.5) ? walk_mps : -walk_mps;
       const double start_m = random.uniform(0.0, 2.0 * around.sizes().sum());
       const auto sheet_at = [=](double time_s) {
-        return place_on_way_around(around, start_m + speed_mps * time_s);
+        return place_around(around, start_m + speed_mps * time_s);
       };
       const auto pose_at = [&layout = layout_, sheet_at](double time_s) {
         const Eigen::Vector2d here = layout.plane(sheet_at(time_s));

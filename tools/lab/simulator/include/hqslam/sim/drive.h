@@ -52,6 +52,9 @@ struct DriveSpec {
 constexpr int kDriveRevision = 2;
 /// Throws Error with field, value and constraint.
 void validate(const DriveSpec& spec);
+/// The specification in a drive.json written by DriveWriter. Throws Error, also for a drive of
+/// another revision of the simulator.
+DriveSpec read_drive_json(const std::string& path);
 
 /// The same drive with a mount and conditions drawn from its seed: a height of 0.4 to 2.2 m; roll
 /// and pitch of up to 5 degrees, mostly below 2; up to 20 mm more noise; up to 6 % drop-outs; rain

@@ -26,7 +26,7 @@ struct ExtraFormats {
 ///   sensor.json        the sensor model
 ///   drive.json         name, seed and planned length of the drive, and the simulator's revision;
 ///                      mount, conditions and sensor errors where they are not the usual ones
-///   imu.csv            if asked for: 100 samples a second (ImuSample)
+///   imu.csv            with ExtraFormats::imu: 100 samples a second (ImuSample)
 ///   imu_biases.csv     the bias of each of these samples, in the same columns
 ///   sensor_errors.json where the sensor has any: of each beam range_m (reported minus true),
 ///                      elevation_deg and azimuth_deg (true minus sensor.json's)
