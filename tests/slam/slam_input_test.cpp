@@ -121,7 +121,7 @@ TEST_CASE("capture times that are no offsets from the middle of the scan in seco
 TEST_CASE(
     "scans of another shape or without a part of a pixel are refused, as is an empty sensor") {
   const std::pair<const char*, void (*)(OrganizedCloud&)> faults[] = {
-      {"another shape", [](OrganizedCloud& cloud) { cloud = OrganizedCloud(64, 1024); }},
+      {"another shape", [](OrganizedCloud& cloud) { cloud = OrganizedCloud(64, 512); }},
       {"a point too few", [](OrganizedCloud& cloud) { cloud.points_m.pop_back(); }},
       {"a range too many", [](OrganizedCloud& cloud) { cloud.range_m.push_back(1.0F); }},
       {"one capture time", [](OrganizedCloud& cloud) { cloud.time_offset_s.resize(1); }},

@@ -94,6 +94,15 @@ TEST_CASE("a large cloud is thinned to its budget, and evenly") {
   for (const int points : ninths) CHECK(points == doctest::Approx(kMost / 9.0).epsilon(0.1));
 }
 
+TEST_CASE("the spacing of points shrinks with the root of their density, without steps") {
+  double before_m = point_blocks(ground(20'000, 30.0F), {}, 100'000).spacing_m;
+  for (const std::size_t points : {24'000, 28'800, 34'560, 41'472}) {
+    const double spacing_m = point_blocks(ground(points, 30.0F), {}, 100'000).spacing_m;
+    CHECK(spacing_m == doctest::Approx(before_m / std::sqrt(1.2)).epsilon(0.06));
+    before_m = spacing_m;
+  }
+}
+
 TEST_CASE("the first points of a block are one per voxel of their level") {
   const PointBlocks blocks = point_blocks(ground(20'000, 30.0F), {}, 15'000);
   std::size_t first = 0;
