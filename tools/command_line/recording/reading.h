@@ -47,8 +47,8 @@ struct LookAhead {
 
 /// Hands every scan that can be understood to `use`, until that returns false, to the recording's
 /// end, until Ctrl-C or to a scan that cannot be read. A scan of which `use` throws ScanError is
-/// left out as well. Throws Error where not a single scan could be used, or the recording has none of
-/// those that are wanted.
+/// left out as well. Throws Error where not a single scan could be used, or the recording has none
+/// of those that are wanted.
 void read_scans(ScanSource& source, const InterruptGuard& interrupt, Reading& reading,
                 const std::function<bool(const ReadScan& read)>& use,
                 const LookAhead& look_ahead = {});
