@@ -1,5 +1,7 @@
 #include "registration.h"
 
+#include <ceres/ceres.h>
+
 #include <cmath>
 
 #include "alignment/ceres_solver.h"
@@ -36,7 +38,7 @@ void take_steps(const Constraints& constraints, PoseParameters& pose, Free free,
   }
   if (free == Free::kOutOfPlane) problem.SetParameterBlockConstant(pose.in_plane.data());
   if (free == Free::kInPlane) problem.SetParameterBlockConstant(pose.out_of_plane.data());
-  slam::solve(problem, ceres::DENSE_NORMAL_CHOLESKY, steps);
+  slam::solve(problem, slam::NormalEquations::kDense, steps);
 }
 
 }  // namespace

@@ -1,20 +1,16 @@
 #pragma once
 
-#include <ceres/ceres.h>
+namespace ceres {
+class Problem;
+}
 
 namespace hqslam::slam {
 
+/// How the normal equations are solved: many residuals of few parameters, or a graph of poses.
+enum class NormalEquations { kDense, kSparse };
+
 /// Levenberg-Marquardt by Ceres in one thread, so that the same problem gives the same bytes, at
 /// most max_steps steps. False if it found no usable solution.
-inline bool solve(ceres::Problem& problem, ceres::LinearSolverType linear_solver, int max_steps) {
-  ceres::Solver::Options options;
-  options.linear_solver_type = linear_solver;
-  options.max_num_iterations = max_steps;
-  options.num_threads = 1;
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  return summary.IsSolutionUsable();
-}
+bool solve(ceres::Problem& problem, NormalEquations equations, int max_steps);
 
 }  // namespace hqslam::slam

@@ -1,5 +1,7 @@
 #include "alignment/rigid_alignment.h"
 
+#include <ceres/ceres.h>
+
 #include <Eigen/Eigenvalues>
 
 #include "alignment/ceres_solver.h"
@@ -107,7 +109,7 @@ MotionParameters align(const std::vector<PlaneConstraint>& constraints,
   problem.AddResidualBlock(new PlaneConstraintsCost(constraints), nullptr, in_plane, out_of_plane);
   if (free == FreeParameters::kOutOfPlane) problem.SetParameterBlockConstant(in_plane);
   if (free == FreeParameters::kInPlane) problem.SetParameterBlockConstant(out_of_plane);
-  return solve(problem, ceres::DENSE_NORMAL_CHOLESKY, max_steps) ? result : start;
+  return solve(problem, NormalEquations::kDense, max_steps) ? result : start;
 }
 
 Observability observability(const std::vector<PlaneConstraint>& constraints, FreeParameters free,

@@ -1,5 +1,6 @@
 #include "loops/levelling.h"
 
+#include <ceres/ceres.h>
 #include <ceres/rotation.h>
 
 #include <Eigen/Geometry>
@@ -143,7 +144,7 @@ bool solve(const std::vector<Pose>& T_first_node, const std::vector<GravityAtNod
   problem.AddResidualBlock(
       new ceres::AutoDiffCostFunction<PriorResidual, 15, 3, 3, 8, 3>(new PriorResidual), nullptr,
       first.bias_mps2.data(), per_m, unknowns.imu_errors.data(), gravity_mps2);
-  return slam::solve(problem, ceres::SPARSE_NORMAL_CHOLESKY, kMaxSteps);
+  return slam::solve(problem, NormalEquations::kSparse, kMaxSteps);
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "loops/pose_graph.h"
 
+#include <ceres/ceres.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -106,7 +108,7 @@ bool solve(const PoseGraph& graph, ceres::LossFunction* loop_loss,
   }
   for (const PoseGraphEdge& edge : graph.odometry) add_edge(edge, nullptr, nodes, problem);
   for (const PoseGraphEdge& edge : graph.loops) add_edge(edge, loop_loss, nodes, problem);
-  return slam::solve(problem, ceres::SPARSE_NORMAL_CHOLESKY, kMaxSteps);
+  return slam::solve(problem, NormalEquations::kSparse, kMaxSteps);
 }
 
 std::vector<Pose> poses_of(const std::vector<NodeParameters>& nodes) {

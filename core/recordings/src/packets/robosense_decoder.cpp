@@ -18,7 +18,7 @@ constexpr std::array<std::uint8_t, 4> kHeliosBegin = {0x55, 0xAA, 0x05, 0x5A};
 // Of a packet of measurements.
 constexpr std::size_t kClockAt = 20;
 constexpr std::size_t kBlocksAt = 42;
-constexpr int kBlocks = 12;
+constexpr int kBlocksOfPacket = 12;
 constexpr std::size_t kBlockBytes = 100;
 constexpr std::size_t kReturnBytes = 3;
 constexpr std::uint16_t kBlockBegin = 0xFFEE;
@@ -59,7 +59,7 @@ int azimuth_of(Bytes payload, int block) { return big_endian_16(payload, block_a
 
 /// Whether each of the blocks, which the payload is long enough for, has its mark and an azimuth.
 bool has_blocks(Bytes payload) {
-  for (int block = 0; block < kBlocks; ++block) {
+  for (int block = 0; block < kBlocksOfPacket; ++block) {
     if (big_endian_16(payload, block_at(block)) != kBlockBegin) return false;
     if (azimuth_of(payload, block) > kTurn) return false;
   }
@@ -232,10 +232,10 @@ std::vector<RobosenseDecoder::Firing> RobosenseDecoder::firings_of(Bytes payload
   std::vector<Firing> firings;
   double rate = expected_rate;
   double time_us = 0.0;
-  for (int block = 0; block < kBlocks; block += step) {
+  for (int block = 0; block < kBlocksOfPacket; block += step) {
     const int azimuth = azimuth_of(payload, block);
     double passed_us = block_us;
-    if (block + step < kBlocks) {
+    if (block + step < kBlocksOfPacket) {
       const int advance = modulo_turn(azimuth_of(payload, block + step) - azimuth);
       rate = advance > kBlindAdvance ? expected_rate : advance / block_us;
       if (advance > kBlindAdvance) passed_us = advance / expected_rate;

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t kFewestRows = 4;
 /// A beam is a row's within this, as in sensor_finder.cpp.
-constexpr double kSameBeam_rad = radians(0.15);
+constexpr double kBeamOfRow_rad = radians(0.15);
 /// No driver numbers rings beyond.
 constexpr double kMostNumber = 1024.0;
 
@@ -92,7 +92,7 @@ std::optional<RowSelection> rows_with_beams(const SensorModel& sensor,
   std::vector<int> rows;
   for (int row = 0; row < sensor.rows(); ++row) {
     const auto is_here = [&](double beam_rad) {
-      return std::abs(beam_rad - sensor.beam_elevation_rad[row]) < kSameBeam_rad;
+      return std::abs(beam_rad - sensor.beam_elevation_rad[row]) < kBeamOfRow_rad;
     };
     if (std::ranges::any_of(beams_rad, is_here)) rows.push_back(row);
   }

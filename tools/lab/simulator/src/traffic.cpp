@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kReach_m = 95.0;
 constexpr double kClearance_m = 6.0;
-constexpr double kNever_s = std::numeric_limits<double>::infinity();
+constexpr double kAlways_s = std::numeric_limits<double>::infinity();
 
 /// The place on the edge of a rectangle, `along_m` counter-clockwise from its lowest corner.
 Eigen::Vector2d place_around(const Eigen::AlignedBox2d& sheet_m, double along_m) {
@@ -107,7 +107,7 @@ void Traffic::add_walkers(const CityStyle& style, std::uint64_t seed) {
                                              std::atan2(step.y(), step.x())));
       };
       const int body = kFirstWalker + random.below(kWalkerBodies);
-      actors_.push_back({body, random.shade(), -kNever_s, kNever_s, sheet_at, pose_at});
+      actors_.push_back({body, random.shade(), -kAlways_s, kAlways_s, sheet_at, pose_at});
     }
   }
 }
