@@ -33,7 +33,6 @@ std::string figures_text(const LayersReport& report) {
   return text;
 }
 
-/// One pixel of the trace, by the name of its tensor; nothing where it is not there.
 std::string pixel_text(const LayersReport& report) {
   const int row = report.pixel.at(0);
   const int column = report.pixel.at(1);
