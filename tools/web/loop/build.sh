@@ -14,7 +14,7 @@ done
 
 mapfile -t sources < <(ls nn/{src,kernels,graph,hqs}/*.cpp core/src/sensor/*.cpp |
   grep -vE '/(weights_file|upsampler|upsampled_cloud)\.cpp$')
-sources+=(core/src/files/{json_fields,excerpt}.cpp core/src/scan/organized_cloud.cpp
+sources+=(core/src/files/{json_fields,excerpt,nearest_names}.cpp core/src/scan/organized_cloud.cpp
   tools/hqslam/inspect/what_if.cpp tools/web/loop/engine.cpp)
 flags=(-std=c++20 -O3 -DNDEBUG -msimd128 -fwasm-exceptions -ffp-contract=off -Wno-unknown-pragmas
   -DFMT_HEADER_ONLY -DHQSLAM_KERNELS=kPortableKernels -isystem "$work/include"

@@ -52,6 +52,12 @@ template <typename Range, typename Value, typename Before>
 auto lower_bound(Range&& range, const Value& value, Before before) {
   return std::lower_bound(std::begin(range), std::end(range), value, before);
 }
+template <typename Range, typename Projection>
+void stable_sort(Range&& range, std::less<> before, Projection projection) {
+  std::stable_sort(std::begin(range), std::end(range), [&](const auto& a, const auto& b) {
+    return before(std::invoke(projection, a), std::invoke(projection, b));
+  });
+}
 template <typename Range>
 auto max_element(Range&& range) {
   return std::max_element(std::begin(range), std::end(range));
