@@ -95,6 +95,9 @@ TEST_CASE("inspect prints the figures of layers; --npz writes every tensor that 
       inspected.inspect(fmt::format("--npz '{}'", inspected.folder.file("weights.npz")));
   CHECK(over.status == 2);  // it is what is read
   CHECK(is_one_line(over.error));
+  const ProgramResult page = inspected.inspect("--out tensors_of_no_page.npz");
+  CHECK(page.status == 2);
+  CHECK(holds(page.error, "--npz tensors_of_no_page.npz writes the tensors"));
 }
 
 TEST_CASE("inspect --reference finds differences of arithmetic alone, in what is emptied too") {

@@ -32,7 +32,7 @@ struct Reading {
   ScanRange wanted;  ///< the others are read and not used
 };
 
-/// A scan on its way to whoever uses it.
+/// A scan that was read, and where.
 struct ReadScan {
   RecordedScan scan;
   std::int64_t index = 0;  ///< in the recording, counted from 0; those that were left out count
@@ -41,7 +41,7 @@ struct ReadScan {
 
 /// What has to be seen of the scans after one before that is used.
 struct LookAhead {
-  std::int64_t scans = 0;                           ///< so many
+  std::int64_t scans = 0;                           ///< their number
   std::function<void(const ReadScan& read)> see{};  ///< each scan, as soon as it is read
 };
 
@@ -56,7 +56,7 @@ void read_scans(ScanSource& source, const InterruptGuard& interrupt, Reading& re
 /// "40 of 80 scans", or "40 scans" where nobody knows how many there are.
 std::string scans_text(std::int64_t used, std::optional<std::int64_t> in_recording);
 
-/// What such a reading tells the shell, after so many scans that were used: an ExitStatus, with the
+/// The ExitStatus of such a reading, of whose scans `used` were used, with the
 /// lines on stderr that explain it.
 int exit_status_of(const Reading& reading, std::int64_t used,
                    std::optional<std::int64_t> in_recording);

@@ -31,7 +31,7 @@ bool write_line(std::FILE* stream, std::string line) {
 constexpr std::array<int, 3> kSignals = {SIGINT, SIGTERM, SIGHUP};
 volatile std::sig_atomic_t g_stop_requested = 0;
 
-// Back to the default at once: whoever presses Ctrl-C twice does not want to wait.
+// Back to the default at once: a user who presses Ctrl-C twice does not want to wait.
 extern "C" void request_stop(int signal_number) {
   g_stop_requested = 1;
   std::signal(signal_number, SIG_DFL);

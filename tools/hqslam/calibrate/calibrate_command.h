@@ -8,7 +8,7 @@ namespace hqslam::tools {
 
 struct CalibrateOptions : InputChoice {
   int rows = 0;           ///< of the recording; 0: all
-  double path_m = 150.0;  ///< that is looked at
+  double path_m = 150.0;  ///< of whose scans the beams are estimated
   std::string out;
 };
 

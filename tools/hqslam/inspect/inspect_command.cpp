@@ -97,6 +97,10 @@ NpzArrays arrays_of(const nn::Trace& trace) {
 
 void check_options(const InspectOptions& options) {
   if (options.weights.empty()) throw Error("inspect: expected --weights, or --slam");
+  if (options.out.ends_with(".npz")) {
+    throw Error("inspect: --out {} is for a page (.html); --npz {} writes the tensors", options.out,
+                options.out);
+  }
   if (!options.out.empty()) {
     guard_output_file(options.out, {options.input, options.weights}, page_marker("hqslam inspect"));
   }

@@ -21,7 +21,7 @@ std::uint64_t cell(float coordinate_m, float voxel_m) {
   return static_cast<std::uint64_t>(index + (1 << 20)) & 0x1FFFFF;
 }
 
-/// Every so many columns are enough for a picture.
+/// One column of this number is enough for a picture.
 constexpr int kColumnStep = 4;
 
 std::string warning_of(const LiveStatus& status) {

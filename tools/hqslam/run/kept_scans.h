@@ -21,7 +21,7 @@ struct KeptScan {
   std::vector<Point> points;
 };
 
-/// Some scans of a drive to be looked at later, evenly over it however long it gets.
+/// Some scans of a drive, for the report, evenly over it however long it gets.
 class KeptScans {
  public:
   static constexpr std::size_t kMost = 48;

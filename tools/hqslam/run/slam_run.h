@@ -56,7 +56,7 @@ struct SlamRun : Reading {
   std::size_t largest_submap = 0;
   std::vector<Eigen::Vector3f> map_points_m;
   std::vector<float> map_intensity;  ///< of each; empty where the recording has none
-  std::vector<KeptScan> kept_scans;  ///< to be looked at; filled when the run ends
+  std::vector<KeptScan> kept_scans;  ///< for the report; filled when the run ends
   std::string located_in;  ///< the file of the map that it was located in; empty: it made its own
   std::optional<slam::SavedMap> saved_map;  ///< filled when the run ends, if it was asked for
   double wall_s = 0.0;

@@ -31,7 +31,7 @@ struct Column {
   }
 };
 
-/// To so many decimals.
+/// With this number of decimals.
 auto decimals(int count) {
   return [=](double value) { return fmt::format("{:.{}f}", value, count); };
 }

@@ -23,7 +23,7 @@ void add_reports(nb::module_& module) {
           "status", [](const LoopReport& l) { return std::string(name(l.status)); },
           "not searched, no candidate, not verified, ambiguous, awaits others, agrees, "
           "closed or implausible.")
-      .def_ro("candidates", &LoopReport::candidates, "Places that were looked at.")
+      .def_ro("candidates", &LoopReport::candidates, "Places that were compared.")
       .def_ro("scan", &LoopReport::scan, "The scan that was looked for.")
       .def_ro("older_scan", &LoopReport::older_scan, "The one that it met.")
       .def_ro("correction_m", &LoopReport::correction_m, "By how much its pose moved, metres.");

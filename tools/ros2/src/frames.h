@@ -47,7 +47,7 @@ class RobotFrames {
   Matrix6 odom_covariance_ = Matrix6::Zero();  ///< of e in T exp(e), T = T_odom_lidar
 };
 
-/// T_map_odom, which tf is told: whoever odom comes from.
+/// T_map_odom, which is broadcast to tf, whatever publishes odom.
 hqslam::Pose T_map_odom(const hqslam::Pose& T_map_base, const hqslam::Pose& T_odom_base);
 
 /// A saved map in another frame, which differs from its own by a shift and a turn about z.
