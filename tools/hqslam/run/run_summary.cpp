@@ -103,7 +103,12 @@ std::string run_summary(const SlamRun& run) {
   summary += inertial_summary(run);
   summary += mounting_summary(run);
   summary += ground_summary(run);
-  if (run.corrected_beams) summary += beams_text(*run.corrected_beams) + "; corrected\n";
+  if (run.found_beams) {
+    summary += fmt::format("{}; {}\n", beams_text(*run.found_beams),
+                           run.command == "live"
+                               ? "not corrected here: give corrected_sensor.json as --sensor"
+                               : "corrected");
+  }
   if (!run.located_in.empty()) {
     const bool found = std::ranges::any_of(run.scans, [](const ScanRecord& scan) {
       return scan.report.mapping_status != slam::Status::kNotRecognized;
@@ -123,8 +128,7 @@ std::string results_line(const SlamRun& run, const std::string& out) {
   return fmt::format(
       "results: {}/trajectory.tum, trajectory.kitti, covariances.csv, map.pcd, timings.json, "
       "report.html{}{}{}{}\n",
-      out, run.corrected_beams ? ", corrected_sensor.json" : "",
-      run.saved_map ? ", saved_map.npz" : "",
+      out, run.found_beams ? ", corrected_sensor.json" : "", run.saved_map ? ", saved_map.npz" : "",
       run.dense_map_summary.empty() ? "" : ", dense_map.pcd, dense_map.ply",
       run.occupancy_grid_summary.empty() ? "" : ", map.pgm, map.yaml");
 }
