@@ -82,6 +82,14 @@ std::string ground_summary(const SlamRun& run) {
       100.0 * share);
 }
 
+/// "fog, dust or snow: near echoes left out of 190 scans"; nothing in clear air.
+std::string scattered_summary(const SlamRun& run) {
+  const auto scans = std::ranges::count_if(
+      run.scans, [](const ScanRecord& scan) { return scan.report.scattered > 0; });
+  if (scans == 0) return "";
+  return fmt::format("fog, dust or snow: near echoes left out of {} scans\n", scans);
+}
+
 /// Of which submap the maps are, if there are several.
 std::string map_summary(const SlamRun& run) {
   const std::map<std::size_t, std::int64_t> submaps = scans_of_submaps(run);
@@ -103,6 +111,7 @@ std::string run_summary(const SlamRun& run) {
   summary += inertial_summary(run);
   summary += mounting_summary(run);
   summary += ground_summary(run);
+  summary += scattered_summary(run);
   if (run.found_beams) {
     summary += fmt::format("{}; {}\n", beams_text(*run.found_beams),
                            run.command == "live"
