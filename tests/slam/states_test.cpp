@@ -56,14 +56,14 @@ class StreetDrive {
   slam::ScanTrace trace;
 
  private:
-  /// An echo at 1 to 4 m in every fourth pixel, at random.
+  /// Every fourth return is an echo at 1 to 4 m, and as many are lost, at random.
   void add_fog(OrganizedCloud& cloud) {
     for (std::size_t pixel = 0; pixel < cloud.range_m.size(); ++pixel) {
       const auto number = static_cast<float>(fog_() % 10000);
-      if (number >= 2500.0F || !(cloud.range_m[pixel] > 0.0F)) continue;
-      const float share = (1.0F + number / 833.0F) / cloud.range_m[pixel];
-      cloud.range_m[pixel] *= share;
-      cloud.points_m[pixel] *= share;
+      if (number >= 5000.0F || !(cloud.range_m[pixel] > 0.0F)) continue;
+      const float range_m = number < 2500.0F ? 1.0F + number / 833.0F : 0.0F;
+      cloud.points_m[pixel] *= range_m / cloud.range_m[pixel];
+      cloud.range_m[pixel] = range_m;
     }
   }
   Pose pose() const { return test::yard_pose(0.3 * scans_, 0.0, 0.0); }
@@ -129,6 +129,18 @@ TEST_CASE(
   CHECK(drive.states("b") == "?");
   CHECK(drive.report.mapping_status == Status::kNotRecognized);
   CHECK(drive.states("ss") == "tt");
+}
+
+TEST_CASE("a scan through fog that leaves few features does not determine the pose, and says so") {
+  StreetDrive clear;
+  clear.states("ssssssss");
+  CHECK(clear.report.mapping_status == Status::kOk);
+  CHECK(clear.report.scattered == 0);
+  StreetDrive drive;
+  drive.states("ffffffff");
+  CHECK(drive.report.scattered > 0);
+  CHECK(drive.report.mapping_status == Status::kDegenerate);
+  CHECK(drive.report.covariance(0, 0) > 2.0 * clear.report.covariance(0, 0));
 }
 
 TEST_CASE("a trace has each feature with its match, and asking for it changes nothing") {
