@@ -1,0 +1,104 @@
+#include "table/table_run.h"
+
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <functional>
+#include <set>
+
+#include "file_contents.h"
+#include "hqslam/core/npy.h"
+#include "temporary_directory.h"
+
+namespace hqslam::tools {
+namespace {
+
+/// A stack of images of an os1-16, image i filled with ranges[i].
+void write_stack(const std::vector<float>& ranges_m, const std::string& path) {
+  NpyStackWriter writer(path, 16, 1024);
+  for (const float range_m : ranges_m) {
+    RangeImage image(16, 1024);
+    image.range_m.assign(image.range_m.size(), range_m);
+    writer.append(image);
+  }
+}
+
+/// The names of the files of the plan's runs.
+std::vector<std::string> run_names(const TablePlan& plan) {
+  std::vector<std::string> names;
+  for (const DriveRuns& drive : runs_of(plan)) {
+    for (const std::string& path : drive.paths) {
+      names.push_back(std::filesystem::path(path).filename());
+    }
+  }
+  return names;
+}
+
+TablePlan plan_of(const std::string& recording) {
+  TablePlan plan;
+  plan.drives = {{"name", {.input = recording, .sensor = "os1-16"}, std::nullopt}};
+  plan.methods = {{"a", "a"}};
+  return plan;
+}
+
+}  // namespace
+
+TEST_CASE("a run is the same wherever its scans are, and another one with other scans") {
+  const test::TemporaryDirectory folder;
+  write_stack({1.0F, 2.0F}, folder.file("a.npy"));
+  write_stack({1.0F, 2.0F}, folder.file("b.npy"));
+  write_stack({1.0F, 3.0F}, folder.file("c.npy"));
+  const std::vector<std::string> names = run_names(plan_of(folder.file("a.npy")));
+  CHECK(names.front().starts_with("a-"));
+  CHECK(run_names(plan_of(folder.file("b.npy"))) == names);
+  CHECK(run_names(plan_of(folder.file("c.npy"))) != names);
+}
+
+TEST_CASE("whatever changes a run's result changes its name") {
+  const test::TemporaryDirectory folder;
+  write_stack({1.0F, 2.0F}, folder.file("a.npy"));
+  test::write_file(folder.file("one.npz"), "one");
+  test::write_file(folder.file("two.npz"), "two");
+  test::write_file(folder.file("stamps.txt"), "1\n2\n");
+  const auto reading = [](TablePlan& p) -> InputChoice& { return p.drives[0].recording; };
+  const std::vector<std::function<void(TablePlan&)>> changes = {
+      [](TablePlan&) {},
+      [](TablePlan& p) { p.scans = 1; },
+      [](TablePlan& p) { p.methods[0].source = "linear"; },
+      [](TablePlan& p) { p.methods[0].source = "du-or"; },
+      [&](TablePlan& p) { p.methods[0].source = folder.file("one.npz"); },
+      [&](TablePlan& p) { p.methods[0].source = folder.file("two.npz"); },
+      [&](TablePlan& p) { reading(p).row_order = "lowest-first"; },
+      [&](TablePlan& p) { reading(p).motion_corrected = true; },
+      [&](TablePlan& p) { reading(p).stamps = folder.file("stamps.txt"); },
+      [&](TablePlan& p) {
+        test::write_file(folder.file("stamps.txt"), "1\n3\n");
+        reading(p).stamps = folder.file("stamps.txt");
+      },
+  };
+  std::set<std::string> names;
+  for (const auto& change : changes) {
+    TablePlan plan = plan_of(folder.file("a.npy"));
+    change(plan);
+    names.insert(run_names(plan).front());
+  }
+  CHECK(names.size() == changes.size());
+}
+
+TEST_CASE("a drive is finished once every run has a whole file") {
+  const test::TemporaryDirectory folder;
+  const DriveRuns runs{{"name", {.input = folder.path()}, std::nullopt},
+                       3,
+                       {folder.file("a.tum"), folder.file("b.tum")}};
+  for (const std::string& path : runs.paths) {
+    CHECK(finished_drives({runs}).empty());
+    write_tum({{0.0, Pose::Identity()}, {1.0, Pose::Identity()}}, path);
+  }
+  REQUIRE(finished_drives({runs}).size() == 1);
+  CHECK(finished_drives({runs}).front().trajectories[1].size() == 2);
+  CHECK_FALSE(finished_drives({runs}).front().truth);
+  test::write_file(runs.paths[1], "damaged");
+  CHECK(finished_drives({runs}).empty());
+}
+
+}  // namespace hqslam::tools
