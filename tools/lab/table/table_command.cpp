@@ -28,12 +28,6 @@ std::string variants_help() {
   return help;
 }
 
-std::vector<std::string> method_names() {
-  std::vector<std::string> names;
-  for (const TableMethod& method : table_methods()) names.push_back(method.name);
-  return names;
-}
-
 /// Throws Error if a table would replace other files.
 void guard_tables(const TableOptions& options) {
   const fs::path folder(options.out);
@@ -81,7 +75,7 @@ scans, with other weights and by another build of the program. Inertial data are
               {.shows_default = true, .delimiter = ','})
       .option("--methods", &options.methods,
               fmt::format("Rows to compute, separated by commas (default: all of {})",
-                          fmt::join(method_names(), ", ")),
+                          table_method_names()),
               {.delimiter = ','})
       .option("--weights", &options.weights,
               "Weights files, each an additional row: FILE.npz or FILE.npz+VARIANT",

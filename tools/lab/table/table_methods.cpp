@@ -35,7 +35,7 @@ TableMethod plain_method(const std::string& name, const char* option) {
   const auto found = std::ranges::find(table_methods(), name, &TableMethod::name);
   if (found != table_methods().end()) return *found;
   throw Error("{}: expected one of {}, or a weights file (.npz), found '{}'; choose another",
-              option, names_of(table_methods()), name);
+              option, table_method_names(), name);
 }
 
 }  // namespace
@@ -75,6 +75,8 @@ const std::vector<TableMethod>& table_methods() {
   };
   return methods;
 }
+
+std::string table_method_names() { return names_of(table_methods()); }
 
 TableMethod method_named(const std::string& text, const char* option) {
   const std::size_t plus = text.rfind('+');

@@ -44,6 +44,8 @@ inline constexpr const char* kAllRows = "rows-64";
 
 /// The default rows of the table, in order.
 const std::vector<TableMethod>& table_methods();
+/// "rows-16, nearest, ..."
+std::string table_method_names();
 /// One of them or a weights file (.npz), itself or with +VARIANT. option: names it in messages.
 /// Throws Error.
 TableMethod method_named(const std::string& text, const char* option);

@@ -41,22 +41,24 @@ void add_columns(const std::string& title, const std::vector<StatisticsColumn>& 
   }
 }
 
-/// "town: seeds 1, 2, 3; 1000 scans each, 2.72 km in all"
+/// "town: seeds 1, 2, 3; 1000 scans each, 2.7 km in all", "town: seed 4; 300 scans, 221 m"
 std::string text_of(const TableSample& sample, const std::string& kind) {
+  const TableSample part = of_kind(sample, kind);
+  const bool is_one = part.drives.size() == 1;
   std::vector<std::uint64_t> seeds;
   double all_m = 0.0;
   std::int64_t left_out = 0;
-  const TableSample part = of_kind(sample, kind);
   for (const DriveErrors& drive : part.drives) {
     if (drive.seed) seeds.push_back(*drive.seed);
     all_m += drive.path_m();
     left_out += drive.scans_left_out;
   }
   std::string text = kind + ": ";
-  if (!seeds.empty()) text += fmt::format("seeds {}; ", fmt::join(seeds, ", "));
-  text += fmt::format("{} scans each", part.drives.front().scans);
+  if (!seeds.empty()) text += fmt::format("seed{} {}; ", is_one ? "" : "s", fmt::join(seeds, ", "));
+  text += fmt::format("{} scans{}", part.drives.front().scans, is_one ? "" : " each");
   if (left_out > 0) text += fmt::format(", of which {} were left out", left_out);
-  return text + fmt::format(", {:.2f} km in all", 1e-3 * all_m);
+  return text + (is_one ? fmt::format(", {:.0f} m", all_m)
+                        : fmt::format(", {:.1f} km in all", 1e-3 * all_m));
 }
 
 std::vector<std::string> notes() {

@@ -13,25 +13,20 @@
 namespace hqslam::tools {
 namespace {
 
-/// A stack of images of an os1-16, image i filled with ranges[i].
-void write_stack(const std::vector<float>& ranges_m, const std::string& path) {
+/// A stack of two images of an os1-16, of which the second has this range.
+std::string stack(float range_m, const std::string& path) {
   NpyStackWriter writer(path, 16, 1024);
-  for (const float range_m : ranges_m) {
-    RangeImage image(16, 1024);
-    image.range_m.assign(image.range_m.size(), range_m);
+  RangeImage image(16, 1024);
+  for (int i = 0; i < 2; ++i) {
     writer.append(image);
+    image.range_m.assign(image.range_m.size(), range_m);
   }
+  return path;
 }
 
-/// The names of the files of the plan's runs.
-std::vector<std::string> run_names(const TablePlan& plan) {
-  std::vector<std::string> names;
-  for (const DriveRuns& drive : runs_of(plan)) {
-    for (const std::string& path : drive.paths) {
-      names.push_back(std::filesystem::path(path).filename());
-    }
-  }
-  return names;
+/// The name of the file of the plan's first run.
+std::string run_name(const TablePlan& plan) {
+  return std::filesystem::path(runs_of(plan).front().paths.front()).filename();
 }
 
 TablePlan plan_of(const std::string& recording) {
@@ -45,18 +40,15 @@ TablePlan plan_of(const std::string& recording) {
 
 TEST_CASE("a run is the same wherever its scans are, and another one with other scans") {
   const test::TemporaryDirectory folder;
-  write_stack({1.0F, 2.0F}, folder.file("a.npy"));
-  write_stack({1.0F, 2.0F}, folder.file("b.npy"));
-  write_stack({1.0F, 3.0F}, folder.file("c.npy"));
-  const std::vector<std::string> names = run_names(plan_of(folder.file("a.npy")));
-  CHECK(names.front().starts_with("a-"));
-  CHECK(run_names(plan_of(folder.file("b.npy"))) == names);
-  CHECK(run_names(plan_of(folder.file("c.npy"))) != names);
+  const std::string name = run_name(plan_of(stack(2.0F, folder.file("a.npy"))));
+  CHECK(name.starts_with("a-"));
+  CHECK(run_name(plan_of(stack(2.0F, folder.file("b.npy")))) == name);
+  CHECK(run_name(plan_of(stack(3.0F, folder.file("c.npy")))) != name);
 }
 
 TEST_CASE("whatever changes a run's result changes its name") {
   const test::TemporaryDirectory folder;
-  write_stack({1.0F, 2.0F}, folder.file("a.npy"));
+  const std::string recording = stack(2.0F, folder.file("a.npy"));
   test::write_file(folder.file("one.npz"), "one");
   test::write_file(folder.file("two.npz"), "two");
   test::write_file(folder.file("stamps.txt"), "1\n2\n");
@@ -78,9 +70,9 @@ TEST_CASE("whatever changes a run's result changes its name") {
   };
   std::set<std::string> names;
   for (const auto& change : changes) {
-    TablePlan plan = plan_of(folder.file("a.npy"));
+    TablePlan plan = plan_of(recording);
     change(plan);
-    names.insert(run_names(plan).front());
+    names.insert(run_name(plan));
   }
   CHECK(names.size() == changes.size());
 }
