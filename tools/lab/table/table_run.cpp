@@ -38,8 +38,10 @@ bool is_simulated(const TableDrive& drive) {
     const bool is_complete = NpyStackReader(folder + "/scans.npy").images() == found.scans &&
                              std::ssize(read_tum(folder + "/truth.tum")) == found.scans;
     const bool is_long = found.scans >= drive.simulated->scans;
+    const bool has_sensor = sensor_json(load_sensor(folder + "/sensor.json")) ==
+                            sensor_json(load_sensor(kSimulatedSensor));
     found.scans = drive.simulated->scans;
-    return is_complete && is_long && found == *drive.simulated;
+    return is_complete && is_long && has_sensor && found == *drive.simulated;
   } catch (const Error&) {
     return false;
   }
@@ -76,11 +78,9 @@ std::string recording_key(const TableDrive& drive) {
 std::string weights_key(const TableMethod& method) {
   const std::string& source = method.source;
   if (fs::path(source).extension() == ".npz") return content_hash(source);
-  std::string key = source + " ";
-  if (!source.empty()) {
-    for (const std::string& file : pipeline::installed_weights_files(source)) {
-      key += content_hash(file);
-    }
+  std::string key = source + " ";  // an interpolation or a name
+  for (const std::string& file : pipeline::installed_weights_files(source)) {
+    key += content_hash(file);
   }
   return key;
 }
@@ -157,6 +157,8 @@ bool simulate_missing(const TablePlan& plan, const InterruptGuard& interrupt) {
 }
 
 std::vector<DriveRuns> runs_of(const TablePlan& plan) {
+  std::vector<std::string> weights;
+  for (const TableMethod& method : plan.methods) weights.push_back(weights_key(method));
   std::vector<DriveRuns> all;
   for (const TableDrive& drive : plan.drives) {
     DriveRuns& runs = all.emplace_back(DriveRuns{drive, 0, {}});
@@ -166,10 +168,10 @@ std::vector<DriveRuns> runs_of(const TablePlan& plan) {
     runs.scans = std::min(size, plan.scans.value_or(size));
     const std::string key =
         fmt::format("{} {} {}", program_hash(), runs.scans, recording_key(drive));
-    for (const TableMethod& method : plan.methods) {
-      const std::string hash = text_hash(fmt::format("{} {}", key, weights_key(method)));
-      const fs::path folder = fs::path(plan.out) / "results" / drive.name;
-      runs.paths.push_back(folder / fmt::format("{}-{}.tum", method.name, hash));
+    const fs::path folder = fs::path(plan.out) / "results" / drive.name;
+    for (std::size_t i = 0; i < plan.methods.size(); ++i) {
+      const std::string hash = text_hash(fmt::format("{} {}", key, weights[i]));
+      runs.paths.push_back(folder / fmt::format("{}-{}.tum", plan.methods[i].name, hash));
     }
   }
   return all;

@@ -24,7 +24,7 @@ FinishedDrive bumpy_drive() {
 
 // Bumps up and down in turn along a long path turn the alignment by next to nothing: each error is
 // the bump.
-TEST_CASE("a drive is evaluated against the truth and against LiDAR-64") {
+TEST_CASE("a drive is evaluated against the truth and against LiDAR-64, with a map for each") {
   const std::vector<TablePart> parts = parts_of(example_plan(false), {bumpy_drive()});
   REQUIRE(parts.size() == 2);
   CHECK(parts[0].name == "block against the truth");
@@ -37,6 +37,12 @@ TEST_CASE("a drive is evaluated against the truth and against LiDAR-64") {
   const DriveErrors& all_rows = parts[1].sample.drives.front();
   CHECK(all_rows.methods[1].ape_rmse_m == doctest::Approx(0.15).epsilon(0.01));
   CHECK(all_rows.methods[2].ape_rmse_m == doctest::Approx(0.0));
+  const ErrorMap& map = parts[1].map;  // of all methods but the reference
+  REQUIRE(map.paths.size() == 2);
+  CHECK(map.paths[1].method == "linear");
+  CHECK(map.paths[1].error_m.size() == 40);
+  CHECK(map.paths[1].rmse_m == doctest::Approx(0.15).epsilon(0.01));
+  CHECK(map.paths[1].distance_m.back() == doctest::Approx(389.45).epsilon(1e-4));
 }
 
 TEST_CASE("without LiDAR-64 or without the truth the part against it is not there") {
@@ -78,17 +84,6 @@ TEST_CASE("the path is the reference's, along the poses that were compared") {
   CHECK_FALSE(trajectory_errors(estimate, reference));
   CHECK(trajectory_errors(straight_drive(1.0, 200), straight_drive(1.0))->path_m ==
         doctest::Approx(199.0));
-}
-
-TEST_CASE("the map has a path with an error per pose for every method but the reference") {
-  const ErrorMap map = parts_of(example_plan(false), {bumpy_drive()})[1].map;
-  REQUIRE(map.paths.size() == 2);
-  CHECK(map.paths[1].method == "linear");
-  CHECK(map.paths[1].x_m.size() == 40);
-  CHECK(map.paths[1].error_m.size() == 40);
-  CHECK(map.paths[1].rmse_m == doctest::Approx(0.15).epsilon(0.01));
-  CHECK(map.paths[1].distance_m.back() == doctest::Approx(389.45).epsilon(1e-4));
-  CHECK(map.x_m.size() == 40);
 }
 
 TEST_CASE("long paths are thinned, each pose with its own error and distance") {

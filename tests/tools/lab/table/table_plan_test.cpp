@@ -108,38 +108,18 @@ TEST_CASE("unknown names and names that are there twice are refused in one line"
   CHECK(one_line_with(complaint({.drives = {"."}, .seeds = "1..2"}), "--seeds", "town", "'.'"));
 }
 
-namespace {
-
-/// 64 rows of which every fourth was measured.
-SensorModel upsampled_sensor() {
-  SensorModel sensor = sensor_preset("os1-64");
-  sensor.measured_rows = selection_for(kTableAllRows, kTableMeasuredRows);
-  return sensor;
-}
-
-SlamSetup setup_of(const std::string& method, const SensorModel& sensor) {
-  return slam_setup(method_named(method, "--methods"), sensor);
-}
-
-}  // namespace
-
-TEST_CASE("without a variant SLAM runs as hqslam run --no-loop-closing does") {
-  const SlamSetup plain = setup_of("du-or", upsampled_sensor());
-  const slam::MappingOptions usual;
-  CHECK_FALSE(plain.options.slam_options.loop_closing.enabled);
-  CHECK(plain.options.slam == pipeline::SlamKind::kHqslam);
-  CHECK(plain.sensor.measured_rows.has_value());
-  CHECK(plain.options.slam_options.mapping.recent_path_m == usual.recent_path_m);
-  CHECK(plain.options.slam_options.mapping.trusted_residual_m == usual.trusted_residual_m);
-  CHECK(plain.options.slam_options.mapping.max_ground_residual_m == usual.max_ground_residual_m);
-}
-
 TEST_CASE("every variant takes away the part that it names, and the options stay valid") {
-  const SensorModel upsampled = upsampled_sensor();
   const SensorModel all = sensor_preset("os1-64");
+  SensorModel upsampled = all;
+  upsampled.measured_rows = selection_for(kTableAllRows, kTableMeasuredRows);
+  const auto setup_of = [](const std::string& method, const SensorModel& sensor) {
+    return slam_setup(method_named(method, "--methods"), sensor);
+  };
+  const SlamSetup plain = setup_of("du-or", upsampled);
+  CHECK_FALSE(plain.options.slam_options.loop_closing.enabled);
+  CHECK(plain.sensor.measured_rows.has_value());
   CHECK_FALSE(setup_of("du-or+computed-rows", upsampled).sensor.measured_rows);
-  CHECK(setup_of("rows-64+16-rows", all).sensor.measured_rows ==
-        selection_for(kTableAllRows, kTableMeasuredRows));
+  CHECK(setup_of("rows-64+16-rows", all).sensor.measured_rows == upsampled.measured_rows);
   const auto mapping_of = [&](const char* method) {
     return setup_of(method, all).options.slam_options.mapping;
   };

@@ -42,13 +42,6 @@ TEST_CASE("the texts have a row per method and a part per kind of drive") {
   CHECK_FALSE(holds(printed(reports), "\ntown\n"));
 }
 
-TEST_CASE("a text says how many scans were left out") {
-  FinishedDrive drive = test::example_drives().front();
-  drive.scans = 302;
-  CHECK(holds(reports_of(test::example_plan(false), {drive}).front().text,
-              "302 scans, of which 2 were left out"));
-}
-
 TEST_CASE("the page's data have tables and paired drifts, and maps of drives that stand alone") {
   const nlohmann::ordered_json part = page_data(example_reports())["parts"][0];
   CHECK(part["tables"].size() == 2);

@@ -77,20 +77,4 @@ TEST_CASE("whatever changes a run's result changes its name") {
   CHECK(names.size() == changes.size());
 }
 
-TEST_CASE("a drive is finished once every run has a whole file") {
-  const test::TemporaryDirectory folder;
-  const DriveRuns runs{{"name", {.input = folder.path()}, std::nullopt},
-                       3,
-                       {folder.file("a.tum"), folder.file("b.tum")}};
-  for (const std::string& path : runs.paths) {
-    CHECK(finished_drives({runs}).empty());
-    write_tum({{0.0, Pose::Identity()}, {1.0, Pose::Identity()}}, path);
-  }
-  REQUIRE(finished_drives({runs}).size() == 1);
-  CHECK(finished_drives({runs}).front().trajectories[1].size() == 2);
-  CHECK_FALSE(finished_drives({runs}).front().truth);
-  test::write_file(runs.paths[1], "damaged");
-  CHECK(finished_drives({runs}).empty());
-}
-
 }  // namespace hqslam::tools
