@@ -4,13 +4,16 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
-#include <limits>
+#include <functional>
+#include <tuple>
 
 #include "files/content_hash.h"
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
+#include "hqslam/core/whole_file.h"
 #include "hqslam/pipeline/drive_memory.h"
 #include "recording/reading.h"
 #include "side_by_side/side_by_side.h"
@@ -70,9 +73,8 @@ std::string recording_key(const TableDrive& drive) {
     std::error_code error;
     if (fs::is_regular_file(times, error)) key += content_hash(times);
   }
-  return fmt::format("{} {} {} {} {} {} {} {}", key, reading.sensor, reading.stream,
-                     reading.kept_return, reading.row_order, reading.motion_corrected,
-                     reading.capture, reading.stamps);
+  return fmt::format("{} {} {} {} {} {} {}", key, reading.stream, reading.kept_return,
+                     reading.row_order, reading.motion_corrected, reading.capture, reading.stamps);
 }
 
 std::string weights_key(const TableMethod& method) {
@@ -131,7 +133,7 @@ bool run_method(const DriveRuns& runs, const TableMethod& method, const std::str
     to_stderr("hqslam-lab: {}: {}\n", runs.drive.name, reading.left_out.text());
   }
   slam.finish();
-  write_tum(slam.trajectory(), path);
+  replace_file(path, [&](const std::string& part) { write_tum(slam.trajectory(), part); });
   return true;
 }
 
@@ -167,7 +169,8 @@ std::vector<DriveRuns> runs_of(const TablePlan& plan) {
     const std::int64_t size = scans_in(input, recording);
     runs.scans = std::min(size, plan.scans.value_or(size));
     const std::string key =
-        fmt::format("{} {} {}", program_hash(), runs.scans, recording_key(drive));
+        fmt::format("{} {} {} {}", program_hash(), sensor_json(recording.sensor()), runs.scans,
+                    recording_key(drive));
     const fs::path folder = fs::path(plan.out) / "results" / drive.name;
     for (std::size_t i = 0; i < plan.methods.size(); ++i) {
       const std::string hash = text_hash(fmt::format("{} {}", key, weights[i]));

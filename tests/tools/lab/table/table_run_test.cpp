@@ -52,6 +52,9 @@ TEST_CASE("whatever changes a run's result changes its name") {
   test::write_file(folder.file("one.npz"), "one");
   test::write_file(folder.file("two.npz"), "two");
   test::write_file(folder.file("stamps.txt"), "1\n2\n");
+  SensorModel sensor = sensor_preset("os1-16");
+  sensor.beam_elevation_rad.back() -= 0.01;
+  write_sensor_json(sensor, folder.file("sensor.json"));
   const auto reading = [](TablePlan& p) -> InputChoice& { return p.drives[0].recording; };
   const std::vector<std::function<void(TablePlan&)>> changes = {
       [](TablePlan&) {},
@@ -62,6 +65,7 @@ TEST_CASE("whatever changes a run's result changes its name") {
       [&](TablePlan& p) { p.methods[0].source = folder.file("two.npz"); },
       [&](TablePlan& p) { reading(p).row_order = "lowest-first"; },
       [&](TablePlan& p) { reading(p).motion_corrected = true; },
+      [&](TablePlan& p) { reading(p).sensor = folder.file("sensor.json"); },
       [&](TablePlan& p) { reading(p).stamps = folder.file("stamps.txt"); },
       [&](TablePlan& p) {
         test::write_file(folder.file("stamps.txt"), "1\n3\n");
