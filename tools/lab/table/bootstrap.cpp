@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <numeric>
 #include <random>
 
@@ -14,7 +13,6 @@ namespace {
 constexpr std::size_t kResamples = 10000;
 constexpr double kBelow = 0.025;
 constexpr std::uint64_t kSeed = 20251122;
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 /// The value below which a share of the sorted values lies, between the two next to it.
 double percentile(const std::vector<double>& sorted, double share) {
@@ -30,7 +28,7 @@ double percentile(const std::vector<double>& sorted, double share) {
 Estimate bootstrap(std::size_t n, const SampleFigure& figure) {
   std::vector<std::size_t> members(n);
   std::iota(members.begin(), members.end(), std::size_t{0});
-  Estimate estimate{figure(members), kNone, kNone};
+  Estimate estimate{figure(members), kNoEstimate, kNoEstimate};
   if (n < 2) return estimate;
   std::mt19937_64 random(kSeed);
   std::vector<double> figures;

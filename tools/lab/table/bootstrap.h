@@ -2,11 +2,15 @@
 
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <vector>
 
 namespace hqslam::tools {
 
-/// A figure computed from a sample, with its interval; NaN where there is none.
+/// Stands for a figure that is not there.
+inline constexpr double kNoEstimate = std::numeric_limits<double>::quiet_NaN();
+
+/// A figure computed from a sample, with its interval, or kNoEstimate.
 struct Estimate {
   double value = 0.0;
   double low = 0.0;  ///< of the 95 % interval

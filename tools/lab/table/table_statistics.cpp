@@ -2,12 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace hqslam::tools {
 namespace {
-
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 /// The values of a method, one per drive, as a function of sample and method. value: of a drive.
 template <typename Value>
@@ -23,7 +20,7 @@ auto per_drive(const Value& value) {
 double drift_of(const TrajectoryErrors& errors, double Drift::*figure,
                 const std::vector<Slip>& left_out = {}) {
   const Drift all = drift(errors.pieces, left_out);
-  return all.pieces > 0 ? all.*figure : kNone;
+  return all.pieces > 0 ? all.*figure : kNoEstimate;
 }
 
 const auto drifts_percent = per_drive([](const DriveErrors& drive, std::size_t method) {
@@ -67,7 +64,7 @@ Estimate ratio(const std::vector<double>& numerators, const std::vector<double>&
       numerator += numerators[member];
       denominator += denominators[member];
     }
-    return denominator > 0.0 ? numerator / denominator : kNone;
+    return denominator > 0.0 ? numerator / denominator : kNoEstimate;
   });
 }
 
@@ -94,7 +91,7 @@ Estimate gap_closed(const TableSample& sample, std::size_t method) {
   };
   const auto few = drifts_of(kFewRows);
   const auto all = drifts_of(kAllRows);
-  if (!few || !all) return {kNone, kNone, kNone};
+  if (!few || !all) return {kNoEstimate, kNoEstimate, kNoEstimate};
   return ratio(minus(*few, drifts_percent(sample, method)), minus(*few, *all));
 }
 
@@ -136,7 +133,7 @@ const std::vector<StatisticsColumn>& summary_columns() {
        [](const S& s, Method m) { return mean(drifts_without_slips_percent(s, m, m)); }},
       {"slips", "slips", 0, false,
        [](const S& s, Method m) {
-         return Estimate{sum_of(slip_counts(s, m)), kNone, kNone};
+         return Estimate{sum_of(slip_counts(s, m)), kNoEstimate, kNoEstimate};
        }},
       {"slips per 100 km", "slips_per_100_km", 0, false,
        [](const S& s, Method m) { return per_100_km(slip_counts(s, m), s); }},
