@@ -40,12 +40,11 @@ TEST_CASE("every command that opens recordings reads them as run does") {
 TEST_CASE("the options of table arrive where they belong, lists split at commas") {
   const auto table = parsed<TableOptions>(
       {"table", "--drives", "town,/", "--methods", "rows-16,du-or", "--weights", "a,b", "--sensor",
-       "hdl-64e", "--reference", "/proc/version", "--scans", "7", "--out", "x", "--threads", "2"});
+       "hdl-64e", "--scans", "7", "--out", "x", "--threads", "2"});
   CHECK(table.drives == std::vector<std::string>{"town", "/"});
   CHECK(table.methods == std::vector<std::string>{"rows-16", "du-or"});
   CHECK(table.weights == std::vector<std::string>{"a", "b"});
   CHECK(table.reading.sensor == "hdl-64e");
-  CHECK(table.reference == "/proc/version");
   CHECK(table.scans == 7);
   CHECK(table.out == "x");
   CHECK(table.threads == 2);

@@ -26,10 +26,6 @@ TEST_CASE("bench measures every stage with 64, 16 and 16 upsampled rows, with on
     for (const char* stage : {"segmentation", "features", "odometry", "mapping", "total"}) {
       CHECK(timing["stages_ms"][stage]["median"] > 0.0);
     }
-    CHECK(timing["peak_memory_mb"] > 1.0);
-  }
-  for (const char* step : {"components", "projection", "unprojection"}) {
-    CHECK(json["steps_ms"][step]["median"] > 0.0);
   }
   const std::size_t sets = nn::available_instruction_sets().size();
   CHECK(json["peaks"].size() == 2 * sets);

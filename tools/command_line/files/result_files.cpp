@@ -198,9 +198,9 @@ void clear_scan_folder(const fs::path& folder, const ScanFolder& names) {
   }
 }
 
-void clear_drive_folder(const std::string& folder, const Paths& inputs, bool is_own) {
-  guard_scan_folder(folder, kDrive, is_own || written_by_simulate(folder),
-                    "is not part of a simulated drive", inputs);
+void clear_drive_folder(const std::string& folder, const Paths& inputs) {
+  guard_scan_folder(folder, kDrive, written_by_simulate(folder), "is not part of a simulated drive",
+                    inputs);
   clear_scan_folder(folder, kDrive);
 }
 

@@ -122,8 +122,7 @@ void clear_scan_folder(const std::filesystem::path& folder, const ScanFolder& na
 
 /// Makes room for a drive in a folder: removes the files of an earlier simulated drive, so that
 /// none of its scans mixes with the new ones. Throws Error, touching nothing, if the folder holds a
-/// file of one of those names that is not part of a simulated drive, or one of `inputs`. is_own: it
-/// is known to be one, however damaged.
-void clear_drive_folder(const std::string& folder, const Paths& inputs = {}, bool is_own = false);
+/// file of one of those names that is not part of a simulated drive, or one of `inputs`.
+void clear_drive_folder(const std::string& folder, const Paths& inputs = {});
 
 }  // namespace hqslam::tools

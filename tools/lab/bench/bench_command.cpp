@@ -34,7 +34,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::array<int, 2> kRowCounts = {64, 16};
 constexpr int kMostThreads = 2;
-constexpr std::size_t kStepImages = 20;
+constexpr std::size_t kImages = 20;  ///< that networks upsample
 
 /// Makes a new folder.
 std::string temporary_folder() {
@@ -63,10 +63,9 @@ std::vector<std::string> weights_of(const BenchOptions& options) {
 
 /// Images from all over the recording.
 std::vector<RangeImage> sample_images(ScanSource& source, std::int64_t scans) {
-  const std::int64_t stride =
-      std::max<std::int64_t>(1, scans / static_cast<std::int64_t>(kStepImages));
+  const std::int64_t stride = std::max<std::int64_t>(1, scans / static_cast<std::int64_t>(kImages));
   std::vector<RangeImage> images;
-  for (std::int64_t i = 0; images.size() < kStepImages; ++i) {
+  for (std::int64_t i = 0; images.size() < kImages; ++i) {
     const std::optional<RecordedScan> scan = source.next();
     if (!scan) break;
     if (i % stride == 0) images.push_back(range_image(scan->cloud));
@@ -133,9 +132,8 @@ Json measure(const InputChoice& input, const std::string& title,
              const std::vector<std::string>& weights, const InterruptGuard& interrupt) {
   const SensorModel sensor = recordings::Recording::open(input.input, open_options(input)).sensor();
   Json measured = {
-      {"input", title},           {"sensor", sensor.name}, {"cores", omp_get_num_procs()},
-      {"slam", Json::array()},    {"steps_ms", {}},        {"peaks", Json::array()},
-      {"networks", Json::array()}};
+      {"input", title},        {"sensor", sensor.name},  {"cores", omp_get_num_procs()},
+      {"slam", Json::array()}, {"peaks", Json::array()}, {"networks", Json::array()}};
   const std::vector<pipeline::UpsamplingOptions> inputs = slam_inputs(sensor, weights);
   for (int threads = 1; threads <= kMostThreads; ++threads) {
     for (const pipeline::UpsamplingOptions& upsampling : inputs) {
@@ -145,8 +143,6 @@ Json measure(const InputChoice& input, const std::string& title,
   }
   auto source = recordings::Recording::open(input.input, open_options(input));
   const std::vector<RangeImage> images = sample_images(source, scans_in(input, source));
-  to_stderr("components and projection on {} scans ...\n", images.size());
-  measured["steps_ms"] = time_steps(images, sensor);
   measure_networks(weights, images, interrupt, measured);
   return measured;
 }

@@ -52,40 +52,21 @@ std::string slam_text(const Json& slam) {
       column("features", 2, "/stages_ms/features/median"),
       column("odometry", 2, "/stages_ms/odometry/median"),
       column("mapping", 2, "/stages_ms/mapping/median")};
-  const std::vector<Figure<Json>> totals = {
-      column("threads", 0, "/threads"),
-      column("scans", 0, "/scans"),
-      column("median", 2, "/stages_ms/total/median"),
-      column("95 %", 2, "/stages_ms/total/p95"),
-      {"scans/s", nullptr, 1, 1.0,
-       [](const Json& row) { return 1e3 / number(row, "/stages_ms/total/mean"); }},
-      column("first fifth", 1, "/first_fifth_ms"),
-      column("last fifth", 1, "/last_fifth_ms"),
-      column("memory", 0, "/peak_memory_mb")};
+  const std::vector<Figure<Json>> totals = {column("threads", 0, "/threads"),
+                                            column("scans", 0, "/scans"),
+                                            column("median", 2, "/stages_ms/total/median"),
+                                            column("95 %", 2, "/stages_ms/total/p95"),
+                                            {"scans/s", nullptr, 1, 1.0, [](const Json& row) {
+                                               return 1e3 / number(row, "/stages_ms/total/mean");
+                                             }}};
   return "SLAM's stages, median ms per scan\n\n" + table_text(slam, "Rows", stages, rows_text) +
          "\nUpsampling and SLAM together, ms per scan\n\n" +
          table_text(slam, "Rows", totals, rows_text) + "\n" +
          printed_definitions(
              {{"Rows", "measured rows, and the method that upsamples them"},
               {"upsampling", "from measured points to points of all rows, with its memory"},
-              {"scans/s", "from the mean time"},
-              {"first fifth", "median of the first fifth of the scans, without the first ten"},
-              {"memory", "peak of the process's resident memory, MB"}}) +
+              {"scans/s", "from the mean time"}}) +
          "\n";
-}
-
-std::string steps_text(const Json& steps_ms) {
-  const double components_ms = number(steps_ms, "/components/median");
-  const double textbook_ms = number(steps_ms, "/components_textbook/median");
-  return fmt::format("Single steps on {} scans, one thread, median ms per scan\n",
-                     steps_ms["scans"].get<int>()) +
-         fmt::format("{:<40}{:>8.2f}\n", "connected components (10 degrees)", components_ms) +
-         fmt::format("{:<40}{:>8.2f}  ({:.1f} times as long)\n", "  textbook: std::queue, atan2",
-                     textbook_ms, textbook_ms / components_ms) +
-         fmt::format("{:<40}{:>8.2f}\n", "projection (scan to range image)",
-                     number(steps_ms, "/projection/median")) +
-         fmt::format("{:<40}{:>8.2f}\n", "unprojection (range image to points)",
-                     number(steps_ms, "/unprojection/median"));
 }
 
 std::string instruction_set_text(const Json& row) { return row["instruction_set"]; }
@@ -161,9 +142,9 @@ std::string bench_text(const Json& measured) {
   std::string text =
       fmt::format("{}, sensor {}, {} cores\n\n", measured["input"].get<std::string>(),
                   measured["sensor"].get<std::string>(), measured["cores"].get<int>());
-  text += slam_text(measured["slam"]) + steps_text(measured["steps_ms"]);
+  text += slam_text(measured["slam"]);
   if (measured["networks"].empty()) return text;
-  text += "\nMeasured peak of multiply-adds in registers, GFLOP/s\n";
+  text += "Measured peak of multiply-adds in registers, GFLOP/s\n";
   text += table_text(measured["peaks"], "instructions",
                      {column("threads", 0, "/threads"), column("GFLOP/s", 1, "/gflops")},
                      instruction_set_text);

@@ -76,22 +76,17 @@ RangeImage likely(const nn::Trace& trace, int k) {
 
 }  // namespace
 
-ScanErrors scan_errors(const RangeImage& image, const OrganizedCloud& cloud,
-                       const OrganizedCloud& truth) {
-  const std::vector<Eigen::Vector3f> points_m = points_of(cloud);
-  return {image_error(image, range_image(truth)), cloud_error(points_m, points_of(truth)),
-          static_cast<std::int64_t>(points_m.size())};
-}
-
 void add_errors(const nn::UpsampledImage& upsampled, const OrganizedCloud& measured,
                 const OrganizedCloud& truth, const SensorModel& sensor, UpsamplingScore& sum) {
   const RowSelection rows = *sensor.measured_rows;
   const RangeImage& image = upsampled.image;
   const OrganizedCloud cloud = nn::upsampled_cloud(upsampled, measured, rows, sensor);
-  const ScanErrors errors = scan_errors(image, cloud, truth);
-  sum += errors.cloud;
-  sum.mae_all_m += errors.image.mae_all_m;
-  sum.mae_valid_m += errors.image.mae_valid_m;
+  const std::vector<Eigen::Vector3f> points_m = points_of(cloud);
+  const CloudError cloud_errors = cloud_error(points_m, points_of(truth));
+  const ImageError image_errors = image_error(image, range_image(truth));
+  sum += cloud_errors;
+  sum.mae_all_m += image_errors.mae_all_m;
+  sum.mae_valid_m += image_errors.mae_valid_m;
   const ImageError computed =
       image_error(computed_rows(image, rows), computed_rows(range_image(truth), rows));
   sum.missing_share += computed.missing_share;
@@ -102,7 +97,7 @@ void add_errors(const nn::UpsampledImage& upsampled, const OrganizedCloud& measu
   if (!computed_m.empty() && !true_m.empty()) {
     sum.computed_f1 += voxel_overlap(computed_m, true_m).f1;
   }
-  sum.outliers_per_scan += errors.cloud.outlier_share * static_cast<double>(errors.points);
+  sum.outliers_per_scan += cloud_errors.outlier_share * static_cast<double>(points_m.size());
 }
 
 void make_mean(UpsamplingScore& sum, std::int64_t scans) {

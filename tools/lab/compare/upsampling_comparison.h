@@ -34,16 +34,6 @@ struct UpsamplingScore : CloudError {
   std::optional<double> good_lost_share;
 };
 
-/// Errors of one upsampled scan.
-struct ScanErrors {
-  ImageError image;
-  CloudError cloud;
-  std::int64_t points = 0;  ///< of the upsampled cloud
-};
-/// cloud: the points of `image`. Throws Error.
-ScanErrors scan_errors(const RangeImage& image, const OrganizedCloud& cloud,
-                       const OrganizedCloud& truth);
-
 /// Adds the errors of an upsampled scan with the measured rows `measured` to `sum`; `sensor` has
 /// the selection of these rows. Throws Error.
 void add_errors(const nn::UpsampledImage& upsampled, const OrganizedCloud& measured,

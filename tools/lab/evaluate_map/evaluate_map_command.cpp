@@ -196,7 +196,7 @@ void declare(CLI::App& app, EvaluateMapOptions& options) {
   add_command(app, "evaluate-map", "Compare maps of a simulated drive with its true city",
               kMapDefinitions)
       .option("MAP", &options.maps,
-              "Folders with a dense_map.pcd (of hqslam run --dense-map), .pcd, .ply or .las files, "
+              "Folders with a dense_map.pcd (of hqslam run --dense-map), .pcd or .ply files, "
               "or an occupancy grid's map.yaml",
               {.required = true, .given = Given::kFileOrFolder})
       .option("--drive", &options.drive, "Folder of the drive, written by hqslam-lab simulate",

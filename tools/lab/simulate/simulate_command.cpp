@@ -142,7 +142,7 @@ int simulate_drive(const SimulateOptions& options, const InterruptGuard& interru
   sim::DriveSimulator simulator(spec, load_sensor(options.sensor));
   make_result_folder(options.out);
   const FolderLock lock(options.out);
-  clear_drive_folder(options.out, {options.sensor}, options.replaces_damaged);
+  clear_drive_folder(options.out, {options.sensor});
   sim::DriveWriter writer(options.out, spec, simulator.sensor(),
                           {options.bin, options.pcd, options.imu});
   std::int64_t done = 0;

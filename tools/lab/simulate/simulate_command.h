@@ -33,7 +33,6 @@ struct SimulateOptions {
   bool bin = false;
   bool pcd = false;
   bool imu = false;
-  bool replaces_damaged = false;  ///< replace a damaged drive in `out`; not on the command line
 };
 
 void declare(CLI::App& app, SimulateOptions& options);

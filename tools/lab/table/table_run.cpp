@@ -1,265 +1,231 @@
+#include "table/table_run.h"
+
+#include <fmt/format.h>
 #include <omp.h>
 
-#include <fstream>
-#include <limits>
-#include <optional>
-#include <utility>
+#include <algorithm>
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <tuple>
 
-#include "compare/upsampling_comparison.h"
+#include "files/content_hash.h"
+#include "files/result_files.h"
 #include "hqslam/core/error.h"
-#include "hqslam/nn/compare/compared_networks.h"
-#include "hqslam/nn/hqs/outlier_removal.h"
-#include "hqslam/nn/instruction_set.h"
-#include "hqslam/nn/upsampled_cloud.h"
+#include "hqslam/core/npy.h"
+#include "hqslam/core/whole_file.h"
 #include "hqslam/pipeline/drive_memory.h"
-#include "hqslam/pipeline/pipeline.h"
 #include "recording/reading.h"
-#include "table/table_work.h"
-#include "timing/timing.h"
+#include "side_by_side/side_by_side.h"
+#include "simulate/simulate_command.h"
+#include "terminal/progress.h"
 
 namespace hqslam::tools {
 namespace {
 
-/// The processor's name, "unknown processor" where the system has none.
-std::string processor_name() {
-  std::ifstream stream("/proc/cpuinfo");
-  for (std::string line; std::getline(stream, line);) {
-    const std::size_t colon = line.find(": ");
-    if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
-  }
-  return "unknown processor";
+namespace fs = std::filesystem;
+
+/// As many jobs side by side as OpenMP has threads, which they share.
+bool do_jobs(std::size_t jobs, const std::function<bool(std::size_t)>& job) {
+  const int threads = omp_get_max_threads();
+  const int workers = std::clamp(static_cast<int>(jobs), 1, threads);
+  return side_by_side(jobs, workers, threads / workers,
+                      [&](std::size_t i, const std::atomic<bool>&) { return job(i); });
 }
 
-/// What the pass's methods have in common: nothing fills the rows where they see them as recorded,
-/// and no network's last filter runs.
-pipeline::UpsampledRecording shared_input(const DriveWork& work, const TableMethod& method) {
-  const std::string weights = weights_of(method, work.sensor.name);
-  pipeline::UpsamplingOptions upsampling{weights.empty() ? method.source : weights, method.rows};
-  upsampling.network.filter_result = false;
-  upsampling.network.architectures = nn::all_architectures();
-  const InputChoice& recording = work.drive.recording;
-  return pipeline::open_upsampled(recording.input, open_options(recording), upsampling);
+/// Whether a folder has a simulated drive, complete and long enough.
+bool is_simulated(const TableDrive& drive) {
+  const std::string& folder = drive.recording.input;
+  try {
+    sim::DriveSpec found = sim::read_drive_json(folder + "/drive.json");
+    const bool is_complete = NpyStackReader(folder + "/scans.npy").images() == found.scans &&
+                             std::ssize(read_tum(folder + "/truth.tum")) == found.scans;
+    const bool is_long = found.scans >= drive.simulated->scans;
+    const bool has_sensor = sensor_json(load_sensor(folder + "/sensor.json")) ==
+                            sensor_json(load_sensor(kSimulatedSensor));
+    found.scans = drive.simulated->scans;
+    return is_complete && is_long && has_sensor && found == *drive.simulated;
+  } catch (const Error&) {
+    return false;
+  }
 }
 
-std::optional<nn::OutlierRemoval> filter_of(const TableMethod& method,
-                                            const nn::Upsampler* upsampler) {
-  if (!method.filtered) return std::nullopt;
-  const nn::NetworkDescription& network = upsampler->network()->description();
-  const std::optional<nn::OutlierRemovalOptions> filter = last_filter(network);
-  if (!filter) return std::nullopt;  // the network has no filter at its end
-  return nn::OutlierRemoval(network.sensor, network.measured_rows, *filter, network.sensor.columns);
+SimulateOptions simulation_of(const TableDrive& drive) {
+  SimulateOptions options;
+  options.drive = drive.simulated->name;
+  options.sensor = kSimulatedSensor;
+  options.out = drive.recording.input;
+  options.scans = drive.simulated->scans;
+  options.seed = drive.simulated->seed;
+  options.sensor_errors = sim::name_of(drive.simulated->sensor_errors);
+  return options;
 }
 
-/// SLAM with its times.
-struct TimedSlam {
-  explicit TimedSlam(const SlamSetup& setup) : system(setup.sensor, setup.options) {}
-
-  void add(const OrganizedCloud& cloud, double stamp_s) {
-    const slam::ScanReport report = system.process(cloud, stamp_s).report;
-    times_ms.push_back(1e3 * report.times.total_s);
-    is_located = slam::is_registered(report.mapping_status);
-    count(report.loop);
+/// Changes with the scans of a recording, wherever it is, and with how they are read.
+std::string recording_key(const TableDrive& drive) {
+  const InputChoice& reading = drive.recording;
+  const fs::path input(reading.input);
+  if (drive.simulated) return content_hash(input / "drive.json");  // determines every byte
+  std::string key =
+      fs::is_directory(input) ? folder_hash(input.string()) : content_hash(input.string());
+  const std::string beside = (input / "../timestamps.txt").string();  // as in KITTI's drives
+  for (const std::string& times : {beside, reading.stamps}) {
+    std::error_code error;
+    if (fs::is_regular_file(times, error)) key += content_hash(times);
   }
+  return fmt::format("{} {} {} {} {} {} {}", key, reading.stream, reading.kept_return,
+                     reading.row_order, reading.motion_corrected, reading.capture, reading.stamps);
+}
 
-  void finish() {
-    for (const slam::LoopReport& loop : system.finish()) count(loop);
+std::string weights_key(const TableMethod& method) {
+  const std::string& source = method.source;
+  if (fs::path(source).extension() == ".npz") return content_hash(source);
+  std::string key = source + " ";  // an interpolation or a name
+  for (const std::string& file : pipeline::installed_weights_files(source)) {
+    key += content_hash(file);
   }
+  return key;
+}
 
-  SlamTimings timings() const {
-    SlamTimings timings;
-    for (const double time_ms : times_ms) timings.total_s += 1e-3 * time_ms;
-    if (times_ms.size() >= 2 * kTimedEnds) {
-      constexpr auto kEnd = static_cast<std::ptrdiff_t>(kTimedEnds);
-      timings.first_ms = distribution_of({times_ms.begin(), times_ms.begin() + kEnd}).median;
-      timings.last_ms = distribution_of({times_ms.end() - kEnd, times_ms.end()}).median;
-    }
-    return timings;
+std::optional<Trajectory> finished_run(const std::string& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return std::nullopt;
+  try {
+    return read_tum(path);
+  } catch (const Error&) {
+    return std::nullopt;  // damaged: run again
   }
-
-  void count(const slam::LoopReport& loop) {
-    loops_closed += loop.status == slam::LoopStatus::kClosed ? 1 : 0;
-  }
-
-  pipeline::Pipeline system;
-  std::vector<double> times_ms = {};
-  bool is_located = false;  ///< the last scan
-  std::int64_t loops_closed = 0;
-};
-
-/// The run of one method over the drive.
-class MethodRun {
- public:
-  MethodRun(const TableRun& run, const pipeline::Upsampler& upsampler)
-      : filter_(filter_of(run.method, upsampler.method())) {
-    result_.method = run.method;
-    result_.settings = run.settings;
-    slam_.emplace_back(slam_setup(run.method, upsampler.sensor(), false));
-    if (run.settings.loop_closing) {
-      slam_.emplace_back(slam_setup(run.method, upsampler.sensor(), true));
-    }
-  }
-
-  /// A cloud for SLAM.
-  void add(const OrganizedCloud& cloud, double stamp_s) {
-    for (TimedSlam& slam : slam_) slam.add(cloud, stamp_s);
-  }
-
-  /// upsampled: all rows, before the filter; shared_s: the time of upsampling. scored: compare with
-  /// `truth`.
-  void add_upsampled(nn::UpsampledImage upsampled, double shared_s, const OrganizedCloud& measured,
-                     const nn::Upsampler& upsampler, const RecordedScan& truth, bool scored) {
-    const double filter_s = filter_ ? seconds_of([&] { remove_outliers(upsampled.image); }) : 0.0;
-    upsampling_ms_.push_back(1e3 * (shared_s + filter_s));
-    result_.timings.upsampling_s += shared_s + filter_s;
-    OrganizedCloud cloud;
-    result_.timings.points_s += seconds_of([&] {
-      cloud =
-          nn::upsampled_cloud(upsampled, measured, upsampler.measured_rows(), upsampler.sensor());
-    });
-    add(cloud, truth.stamp_s);
-    // A scan without measured returns is not scored.
-    if (scored && !points_of(measured).empty()) score(upsampled.image, cloud, truth.cloud);
-  }
-
-  /// Without loop closing.
-  const TimedSlam& slam() const { return slam_.front(); }
-
-  /// To be called once, at the end. network: what upsamples, nullptr without one.
-  TableResult result(const nn::SuperResolver* network) {
-    if (result_.images) {
-      const auto scans = static_cast<double>(result_.images->scans);
-      result_.images->mae_all_m /= scans;
-      result_.images->mae_valid_m /= scans;
-      result_.images->outlier_share /= scans;
-    }
-    if (network != nullptr) {
-      result_.network = NetworkSize{network->parameters(), network->multiply_adds()};
-    }
-    TableTimings& timings = result_.timings;
-    timings.upsampling_ms = distribution_of(upsampling_ms_).median;
-    timings.threads = omp_get_max_threads();
-    timings.processor = processor_name();
-    timings.instruction_set = nn::name(nn::chosen_instruction_set());
-    for (std::size_t i = 0; i < slam_.size(); ++i) {
-      slam_[i].finish();
-      result_.trajectory[i] = slam_[i].system.trajectory();
-      timings.slam[i] = slam_[i].timings();
-      result_.loops_closed += slam_[i].loops_closed;
-    }
-    return result_;
-  }
-
- private:
-  void remove_outliers(RangeImage& image) {
-    rejected_.resize(image.range_m.size());
-    filter_->find(image.range_m.data(), rejected_.data(), omp_get_max_threads());
-    for (std::size_t i = 0; i < rejected_.size(); ++i) {
-      image.range_m[i] = rejected_[i] != 0 ? 0.0F : image.range_m[i];
-    }
-  }
-
-  void score(const RangeImage& upsampled, const OrganizedCloud& cloud,
-             const OrganizedCloud& truth) {
-    const ScanErrors errors = scan_errors(upsampled, cloud, truth);
-    if (!result_.images) result_.images = ImageScores();
-    ++result_.images->scans;
-    result_.images->mae_all_m += errors.image.mae_all_m;
-    result_.images->mae_valid_m += errors.image.mae_valid_m;
-    result_.images->outlier_share += errors.cloud.outlier_share;
-  }
-
-  std::optional<nn::OutlierRemoval> filter_;
-  std::vector<std::uint8_t> rejected_;
-  std::vector<TimedSlam> slam_;  ///< without and, if asked for, with loop closing
-  std::vector<double> upsampling_ms_;
-  TableResult result_;  ///< of images sums, until result() divides them
-};
-
-/// The pass's state while it runs.
-class Pass {
- public:
-  Pass(const DriveWork& work, const TablePass& pass, std::int64_t scored_scans)
-      : input_(shared_input(work, pass.front().method)),
-        memory_(upsampler().method()),
-        score_every_((work.scans + scored_scans - 1) / scored_scans) {
-    for (const TableRun& run : pass) runs_.emplace_back(run, upsampler());
-  }
-
-  recordings::Recording& recording() { return input_.recording; }
-
-  void add(const RecordedScan& scan, std::int64_t index) {
-    const OrganizedCloud measured = upsampler().measured(scan.cloud);
-    nn::Upsampler* method = upsampler().method();
-    if (method == nullptr) {
-      for (MethodRun& run : runs_) run.add(measured, scan.stamp_s);
-      return;
-    }
-    const RangeImage image = range_image(measured);
-    nn::UpsampledImage upsampled;
-    const double shared_s = seconds_of([&] {
-      upsampled = method->run(
-          image, memory_.recall(measured, runs_.front().slam().system.trajectory(), scan.stamp_s));
-    });
-    for (MethodRun& run : runs_) {
-      run.add_upsampled(upsampled, shared_s, measured, *method, scan, index % score_every_ == 0);
-    }
-    // At the pose of the first method of the pass.
-    const TimedSlam& slam = runs_.front().slam();
-    memory_.insert(measured, slam.system.trajectory(), slam.is_located);
-  }
-
-  std::vector<TableResult> results(const std::vector<std::int64_t>& scan_of_pose,
-                                   const LeftOut& left_out) {
-    const nn::Upsampler* method = upsampler().method();
-    std::vector<TableResult> results;
-    for (MethodRun& run : runs_) {
-      TableResult& result =
-          results.emplace_back(run.result(method != nullptr ? method->network() : nullptr));
-      result.scan_of_pose = scan_of_pose;
-      result.left_out = left_out;
-    }
-    return results;
-  }
-
- private:
-  pipeline::Upsampler& upsampler() { return input_.upsampler; }
-
-  pipeline::UpsampledRecording input_;
-  pipeline::DriveMemory memory_;
-  std::int64_t score_every_;
-  std::vector<MethodRun> runs_;
-};
+}
 
 /// SLAM works with a clock that is set back; a comparison of trajectories by stamps does not.
-void require_rising(const RecordedScan& scan, double last_stamp_s) {
-  if (scan.stamp_s > last_stamp_s) return;
+void require_rising(const RecordedScan& scan, const Trajectory& before) {
+  if (before.empty() || scan.stamp_s > before.back().stamp_s) return;
   throw Error(
       "{}: expected a stamp after that of the scan before, {:.6f} s, found {:.6f} s; give rising "
       "stamps with --stamps",
-      scan.name, last_stamp_s, scan.stamp_s);
+      scan.name, before.back().stamp_s, scan.stamp_s);
+}
+
+/// Returns false if it was interrupted.
+bool run_method(const DriveRuns& runs, const TableMethod& method, const std::string& path,
+                const InterruptGuard& interrupt, Progress& progress) {
+  const InputChoice& input = runs.drive.recording;
+  auto [_, options, recording, upsampler] =
+      pipeline::open_upsampled(input.input, open_options(input), upsampling_of(method));
+  pipeline::DriveMemory memory(upsampler.method());
+  const SlamSetup setup = slam_setup(method, upsampler.sensor());
+  pipeline::Pipeline slam(setup.sensor, setup.options);
+  Reading reading;
+  read_scans(recording, interrupt, reading, [&](const ReadScan& read) {
+    const auto& [cloud, stamp_s] = std::tie(read.scan.cloud, read.scan.stamp_s);
+    require_rising(read.scan, slam.trajectory());
+    const OrganizedCloud measured = upsampler.measured(cloud);
+    const nn::RecalledImage recalled = memory.recall(measured, slam.trajectory(), stamp_s);
+    const slam::ScanReport report =
+        slam.process(upsampler.upsampled(measured, recalled), stamp_s).report;
+    memory.insert(measured, slam.trajectory(), slam::is_registered(report.mapping_status));
+    progress.advance();
+    return std::ssize(slam.trajectory()) < runs.scans;
+  });
+  if (reading.end == ReadingEnd::kInterrupted) return false;
+  if (reading.end == ReadingEnd::kUnreadableScan) throw Error(reading.end_message);
+  if (reading.left_out.scans > 0) {
+    to_stderr("hqslam-lab: {}: {}\n", runs.drive.name, reading.left_out.text());
+  }
+  slam.finish();
+  replace_file(path, [&](const std::string& part) { write_tum(slam.trajectory(), part); });
+  return true;
 }
 
 }  // namespace
 
-std::vector<TableResult> run_pass(const DriveWork& work, const TablePass& pass,
-                                  std::int64_t scored_scans, const InterruptGuard& interrupt,
-                                  const std::function<void()>& on_scan) {
-  Pass state(work, pass, scored_scans);
-  Reading reading;
-  std::vector<std::int64_t> scan_of_pose;
-  double last_stamp_s = -std::numeric_limits<double>::infinity();
-  read_scans(state.recording(), interrupt, reading, [&](const ReadScan& read) {
-    require_rising(read.scan, last_stamp_s);
-    last_stamp_s = read.scan.stamp_s;
-    // SLAM checks the point times first, so a scan that it leaves out does not change its state.
-    state.add(read.scan, std::ssize(scan_of_pose));
-    scan_of_pose.push_back(read.index);
-    on_scan();
-    return std::ssize(scan_of_pose) < work.scans;
+bool simulate_missing(const TablePlan& plan, const InterruptGuard& interrupt) {
+  std::vector<const TableDrive*> missing;
+  std::int64_t scans = 0;
+  for (const TableDrive& drive : plan.drives) {
+    if (!drive.simulated || is_simulated(drive)) continue;
+    missing.push_back(&drive);
+    scans += drive.simulated->scans;
+  }
+  if (missing.empty()) return true;
+  Progress progress("simulate", scans);
+  const bool is_complete = do_jobs(missing.size(), [&](std::size_t i) {
+    progress.relabel(fmt::format("simulate {}", missing[i]->name));
+    const auto advance = [&] { progress.advance(); };
+    return simulate_drive(simulation_of(*missing[i]), interrupt, advance) == kOk;
   });
-  if (reading.end == ReadingEnd::kInterrupted) return {};
-  if (reading.end == ReadingEnd::kUnreadableScan) throw Error(reading.end_message);
-  return state.results(scan_of_pose, reading.left_out);
+  progress.finish();
+  return is_complete;
+}
+
+std::vector<DriveRuns> runs_of(const TablePlan& plan) {
+  std::vector<std::string> weights;
+  for (const TableMethod& method : plan.methods) weights.push_back(weights_key(method));
+  std::vector<DriveRuns> all;
+  for (const TableDrive& drive : plan.drives) {
+    DriveRuns& runs = all.emplace_back(DriveRuns{drive, 0, {}});
+    const InputChoice& input = drive.recording;
+    const auto recording = recordings::Recording::open(input.input, open_options(input));
+    const std::int64_t size = scans_in(input, recording);
+    runs.scans = std::min(size, plan.scans.value_or(size));
+    const std::string key =
+        fmt::format("{} {} {} {}", program_hash(), sensor_json(recording.sensor()), runs.scans,
+                    recording_key(drive));
+    const fs::path folder = fs::path(plan.out) / "results" / drive.name;
+    for (std::size_t i = 0; i < plan.methods.size(); ++i) {
+      const std::string hash = text_hash(fmt::format("{} {}", key, weights[i]));
+      runs.paths.push_back(folder / fmt::format("{}-{}.tum", plan.methods[i].name, hash));
+    }
+  }
+  return all;
+}
+
+bool run_missing(const std::vector<DriveRuns>& runs, const TablePlan& plan,
+                 const InterruptGuard& interrupt) {
+  struct Missing {
+    const DriveRuns* runs;
+    std::size_t method;
+  };
+  std::vector<Missing> missing;
+  std::int64_t scans = 0;
+  for (const DriveRuns& drive : runs) {
+    for (std::size_t method = 0; method < drive.paths.size(); ++method) {
+      if (finished_run(drive.paths[method])) continue;
+      missing.push_back({&drive, method});
+      scans += drive.scans;
+    }
+  }
+  if (missing.empty()) return true;
+  Progress progress("table", scans);
+  const bool is_complete = do_jobs(missing.size(), [&](std::size_t i) {
+    const auto& [drive, method] = missing[i];
+    const std::string& path = drive->paths[method];
+    make_result_folder(fs::path(path).parent_path());
+    progress.relabel(fmt::format("{}, {}", drive->drive.name, plan.methods[method].title));
+    return run_method(*drive, plan.methods[method], path, interrupt, progress);
+  });
+  progress.finish();
+  return is_complete;
+}
+
+std::vector<FinishedDrive> finished_drives(const std::vector<DriveRuns>& runs) {
+  std::vector<FinishedDrive> finished;
+  for (const DriveRuns& drive : runs) {
+    FinishedDrive all{drive.drive, drive.scans, {}, {}};
+    for (const std::string& path : drive.paths) {
+      if (auto trajectory = finished_run(path)) all.trajectories.push_back(std::move(*trajectory));
+    }
+    if (all.trajectories.size() < drive.paths.size()) continue;
+    const std::string truth = file_of_drive(drive.drive.recording.input, "truth.tum");
+    if (!truth.empty()) all.truth = read_tum(truth);
+    finished.push_back(std::move(all));
+  }
+  return finished;
+}
+
+std::string program_hash() {
+  static const std::string hash = content_hash("/proc/self/exe");
+  return hash;
 }
 
 }  // namespace hqslam::tools

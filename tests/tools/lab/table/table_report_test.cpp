@@ -2,94 +2,68 @@
 
 #include <doctest/doctest.h>
 
-#include <nlohmann/json.hpp>
-#include <string>
-
-#include "tools/example_table.h"
+#include "tools/lab/table/example_drives.h"
 #include "tools/parts_of_text.h"
 
 namespace hqslam::tools {
 namespace {
 
-using test::example_result;
+std::vector<PartReport> reports_of(const TablePlan& plan,
+                                   const std::vector<FinishedDrive>& drives) {
+  std::vector<PartReport> reports;
+  for (const TablePart& part : parts_of(plan, drives)) reports.push_back(report_of(part));
+  return reports;
+}
 
-constexpr const char* kWithoutReference = "rows-64 was not among the methods";
-
-DriveFigures reported_drive(bool with_all_rows) {
-  std::vector<TableMethod> methods = {table_methods()[0], table_methods()[7]};
-  if (with_all_rows) methods.push_back(table_methods().back());
-  std::vector<TableResult> results;
-  for (const TableMethod& method : methods) {
-    results.push_back(example_result(method, method.rows == kTableAllRows ? 0.0 : 0.4));
-  }
-  return drive_figures({"<town>", {.input = "recording"}, "", std::nullopt}, "os1-64", results,
-                       std::nullopt);
+std::vector<PartReport> example_reports() {
+  return reports_of(test::example_plan(true), test::example_drives());
 }
 
 }  // namespace
 
-TEST_CASE("the map has a path with an error per pose for every method but LiDAR-64") {
-  const nlohmann::ordered_json map = error_map_of(reported_drive(true), kLoopClosingOff);
-  const nlohmann::ordered_json& paths = map["paths"];
-  REQUIRE(paths.size() == 2);
-  CHECK(paths[0]["name"] == "LiDAR-16");
-  CHECK(paths[1]["name"] == "DU-OR");
-  CHECK(paths[1]["x_m"].size() == 40);
-  CHECK(paths[1]["error_m"].size() == 40);
-  CHECK(paths[1]["rmse_m"].get<double>() == doctest::Approx(0.4).epsilon(0.01));
-  CHECK(paths[1]["distance_m"].back().get<double>() == doctest::Approx(389.45).epsilon(1e-4));
-  CHECK(map["reference"]["x_m"].size() == 40);
-}
-
-TEST_CASE("long paths are thinned, each pose with its own error and distance") {
-  const std::vector<TableMethod> methods = {table_methods()[0], table_methods().back()};
-  std::vector<TableResult> results = {example_result(methods[0], 0.4),
-                                      example_result(methods[1], 0.0)};
-  for (TableResult& result : results) {
-    for (Trajectory& trajectory : result.trajectory) {
-      const Trajectory lap = trajectory;
-      for (int i = 1; i <= 50; ++i) {
-        for (StampedPose pose : lap) {
-          pose.stamp_s += 4.0 * i;
-          trajectory.push_back(pose);
-        }
-      }
-    }
+TEST_CASE("the texts have a row per method and a part per kind of drive") {
+  const std::vector<PartReport> reports = example_reports();
+  REQUIRE(reports.size() == 3);
+  const TextTable& summary = reports[0].tables[0];
+  REQUIRE(summary.rows.size() == 3);
+  CHECK(summary.rows[2][1] == "0.7500 [0.5000, 1.0000]");
+  CHECK(summary.rows[0][4] == "1");
+  const TextTable& pairs = reports[0].tables[1];
+  CHECK(pairs.title == "Drive by drive against linear");
+  CHECK(pairs.rows[1][1] == "-");
+  CHECK(pairs.rows[2][2] == "0.50 [0.50, 0.50]");
+  for (const TextTable& text : {summary, pairs}) {
+    for (const auto& row : text.rows) CHECK(row.size() == text.columns.size());
   }
-  const nlohmann::ordered_json map =
-      error_map_of(drive_figures({}, "os1-64", results, std::nullopt), kLoopClosingOff);
-  REQUIRE(map["paths"].size() == 1);
-  const nlohmann::ordered_json& path = map["paths"][0];
-  CHECK(path["x_m"].size() == 51 * 40 / 3);  // every third pose
-  CHECK(map["reference"]["x_m"].size() == path["x_m"].size());
-  CHECK(path["error_m"].size() == path["x_m"].size());
-  CHECK(path["distance_m"][2].get<double>() == doctest::Approx(6 * 389.45 / 39).epsilon(1e-3));
+  const std::string markdown = markdown_of(reports);
+  CHECK(missing(markdown, {"## All drives", "## town", "## <hills>", "seed 4", "| LiDAR-64 |",
+                           "300 scans, 299 m"}) == "");
+  CHECK(missing(printed(reports), {"All drives\n", "<hills>: seed 5", "\nLiDAR-64 "}) == "");
+  CHECK_FALSE(holds(printed(reports), "\ntown\n"));
 }
 
-TEST_CASE("the page's data have tables and maps for loop closing off and on") {
-  const nlohmann::ordered_json data = page_data(drives_report({reported_drive(true)}));
-  CHECK(data["lead"].size() == 2);
-  const nlohmann::ordered_json& part = data["parts"][0];
-  CHECK(part["title"] == "<town>");
-  CHECK(part["tables"].size() == 3);
-  REQUIRE(part["error_maps"].size() == 2);
-  CHECK(part["error_maps"][0]["title"] == "loop closing off");
-  CHECK(part["error_maps"][0]["paths"][1]["name"] == "DU-OR");
-  CHECK(part["error_maps"][0]["paths"][1]["error_m"].size() == 40);
-  CHECK_FALSE(holds(data["notes"].dump(), kWithoutReference));
+TEST_CASE("the page's data have tables and paired drifts, and maps of drives that stand alone") {
+  const nlohmann::ordered_json part = page_data(example_reports())["parts"][0];
+  CHECK(part["tables"].size() == 2);
+  CHECK(part["paired_with"] == "linear");
+  REQUIRE(part["paired_drifts"].size() == 2);
+  CHECK(part["paired_drifts"][1]["name"] == "LiDAR-64");
+  CHECK(part["paired_drifts"][1]["dots"].size() == 2);
+  CHECK(part["paired_drifts"][1]["mean"].get<double>() == doctest::Approx(-0.75));
+  CHECK(part["error_map"]["paths"].empty());
+  const auto alone = page_data(
+      reports_of(test::example_plan(false), {test::example_drives().front()}))["parts"][1];
+  CHECK(alone["error_map"]["reference"]["name"] == "LiDAR-64");
+  CHECK(alone["error_map"]["paths"][1]["error_m"].size() == 300);
 }
 
-TEST_CASE("where nothing upsamples the table of upsampling has no rows") {
-  const DriveFigures drive =
-      drive_figures({}, "os1-64", {example_result(table_methods()[0], 0.4)}, std::nullopt);
-  CHECK(drives_report({drive}).parts[0].tables.back().rows.empty());
-}
-
-TEST_CASE("without LiDAR-64 there are tables but no maps, and a note gives the reason") {
-  const nlohmann::ordered_json data = page_data(drives_report({reported_drive(false)}));
-  CHECK(data["parts"][0]["tables"].size() == 3);
-  for (const auto& map : data["parts"][0]["error_maps"]) CHECK(map["paths"].empty());
-  CHECK(count(data["notes"].dump(), kWithoutReference) == 1);
+TEST_CASE("the JSON holds every part and every drive once, null where there is no interval") {
+  const auto json = nlohmann::json::parse(json_of(example_reports()));
+  CHECK(json["against"] == "linear");
+  CHECK(json["methods"][2]["all"]["drift_percent"]["value"].get<double>() == doctest::Approx(0.75));
+  CHECK(json["methods"][2]["town"]["drift_percent"]["low"].is_null());
+  REQUIRE(json["drives"].size() == 2);
+  CHECK(json["drives"][1]["methods"]["rows-16"]["slips"][0]["first_scan"] == 140);
 }
 
 }  // namespace hqslam::tools
