@@ -137,7 +137,7 @@ TEST_CASE("a scan through fog that leaves few features does not determine the po
   CHECK(clear.report.mapping_status == Status::kOk);
   CHECK(clear.report.scattered == 0);
   StreetDrive drive;
-  drive.states("ffffffff");
+  drive.states("ssssff");
   CHECK(drive.report.scattered > 0);
   CHECK(drive.report.mapping_status == Status::kDegenerate);
   CHECK(drive.report.covariance(0, 0) > 2.0 * clear.report.covariance(0, 0));
