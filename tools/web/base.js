@@ -127,9 +127,9 @@ function quantile(values, share) {
 function pageHead(data, kind) {
   document.title = `hqslam ${kind}: ${data.title}`;
   document.body.prepend(...[el('h1', {}, data.title), data.subtitle ? el('p', {class: 'quiet'}, data.subtitle) : null,
-                            data.date ? el('p', {class: 'quiet'}, el('code', {}, data.command_line), ` hqslam ${data.version}, ${data.date}`) : null,
                             ...(data.notices || []).map(text => el('p', {class: 'notice'}, text))]
                             .filter(Boolean));
   document.body.append(
-      el('footer', {}, `Made by hqslam ${data.version}. This page needs no other file and no network.`));
+      el('footer', {}, data.command_line ? el('p', {}, el('code', {}, data.command_line)) : '',
+         `Made by hqslam ${data.version}${data.date ? ` on ${data.date}` : ''}. This page needs no other file and no network.`));
 }
