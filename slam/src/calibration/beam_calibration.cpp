@@ -115,7 +115,11 @@ std::vector<BeamDistance> distances(const std::vector<CalibrationSystem>& system
 }  // namespace
 
 BeamCalibration calibrate_beams(const SensorModel& sensor, const std::vector<LocatedScan>& scans) {
-  for (const LocatedScan& scan : scans) check(scan.cloud, 0.0, sensor);
+  SensorModel shape = sensor;
+  for (const LocatedScan& scan : scans) {
+    shape.columns = scan.cloud.columns;
+    check(scan.cloud, 0.0, shape);
+  }
   std::vector<CalibrationStretch> stretches = stretches_of(scans);
   BeamSpread spread;
   BeamParameters beams = BeamParameters::Zero(2 * sensor.rows());

@@ -138,8 +138,19 @@ class SurfaceSum {
   void finish() {
     const Eigen::Matrix3d inverse =
         (planes_ + 1e-9 * Eigen::Matrix3d::Identity()).ldlt().solve(Eigen::Matrix3d::Identity());
-    const Eigen::Matrix3d root = inverse.llt().matrixL();
-    system_.H.selfadjointView<Eigen::Lower>().rankUpdate(planes_by_all_.transpose() * root, -1.0);
+    // A surface meets few of the beams and poses: the columns of all others are zero.
+    std::vector<Eigen::Index> met;
+    for (Eigen::Index column = 0; column < planes_by_all_.cols(); ++column) {
+      if (!planes_by_all_.col(column).isZero(0.0)) met.push_back(column);
+    }
+    const Eigen::Matrix3Xd by_met = planes_by_all_(Eigen::all, met);
+    const Eigen::MatrixXd eliminated = by_met.transpose() * inverse * by_met;
+    for (std::size_t i = 0; i < met.size(); ++i) {
+      for (std::size_t j = 0; j <= i; ++j) {
+        system_.H(met[i], met[j]) -=
+            eliminated(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+      }
+    }
     system_.g -= planes_by_all_.transpose() * (inverse * residuals_);
     ++system_.surfaces;
   }
@@ -176,28 +187,43 @@ Eigen::LDLT<Eigen::MatrixXd> solved_poses(const CalibrationSystem& system,
 
 }  // namespace
 
+OrganizedCloud calibration_columns(const OrganizedCloud& cloud, int scan) {
+  const int step = std::max(1, cloud.columns / kColumnsOfScan);
+  std::vector<int> columns;
+  for (int column = scan % step; column < cloud.columns; column += step) columns.push_back(column);
+  OrganizedCloud result(cloud.rows, static_cast<int>(columns.size()));
+  if (!cloud.time_offset_s.empty()) result.time_offset_s.resize(result.range_m.size());
+  for (int row = 0; row < cloud.rows; ++row) {
+    for (int column = 0; column < result.columns; ++column) {
+      const std::size_t to = result.index(row, column);
+      const std::size_t from = cloud.index(row, columns[static_cast<std::size_t>(column)]);
+      result.points_m[to] = cloud.points_m[from];
+      result.range_m[to] = cloud.range_m[from];
+      if (!cloud.time_offset_s.empty()) result.time_offset_s[to] = cloud.time_offset_s[from];
+    }
+  }
+  return result;
+}
+
 CalibrationStretch calibration_stretch(std::span<const LocatedScan> scans) {
   CalibrationStretch result;
   for (int scan = 0; scan < std::ssize(scans); ++scan) {
     const LocatedScan& located = scans[static_cast<std::size_t>(scan)];
-    const OrganizedCloud& cloud = located.cloud;
+    const OrganizedCloud cloud = calibration_columns(located.cloud, scan);
     result.T_map_sensor.push_back(located.T_map_sensor);
-    const int step = std::max(1, cloud.columns / kColumnsOfScan);
-    for (int row = 0; row < cloud.rows; ++row) {
-      for (int column = scan % step; column < cloud.columns; column += step) {
-        const std::size_t i = cloud.index(row, column);
-        const double range_m = cloud.range_m[i];
-        if (!(range_m > kMinRange_m && range_m < kMaxRange_m)) continue;
-        const Eigen::Vector3d direction = cloud.points_m[i].cast<double>().normalized();
-        const double level = direction.head<2>().norm();
-        const double time_s = cloud.time_offset_s.empty() ? 0.0 : cloud.time_offset_s[i];
-        if (!(level > 0.0) || !std::isfinite(time_s)) continue;
-        const Eigen::Vector3d tilt(-direction.x() * direction.z() / level,
-                                   -direction.y() * direction.z() / level, level);
-        const Pose moved = exponential(time_s * located.velocity);
-        result.rays.push_back({row, scan, range_m, moved.linear() * direction,
-                               moved.linear() * tilt, moved.translation()});
-      }
+    for (std::size_t i = 0; i < cloud.range_m.size(); ++i) {
+      const double range_m = cloud.range_m[i];
+      if (!(range_m > kMinRange_m && range_m < kMaxRange_m)) continue;
+      const Eigen::Vector3d direction = cloud.points_m[i].cast<double>().normalized();
+      const double level = direction.head<2>().norm();
+      const double time_s = cloud.time_offset_s.empty() ? 0.0 : cloud.time_offset_s[i];
+      if (!(level > 0.0) || !std::isfinite(time_s)) continue;
+      const Eigen::Vector3d tilt(-direction.x() * direction.z() / level,
+                                 -direction.y() * direction.z() / level, level);
+      const Pose moved = exponential(time_s * located.velocity);
+      const int row = static_cast<int>(i) / cloud.columns;
+      result.rays.push_back({row, scan, range_m, moved.linear() * direction, moved.linear() * tilt,
+                             moved.translation()});
     }
   }
   return result;

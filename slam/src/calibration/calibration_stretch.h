@@ -27,7 +27,7 @@ struct CalibrationStretch {
   std::vector<Pose> T_map_sensor;
 };
 
-/// Takes every few columns of each scan, different ones from scan to scan.
+/// Of the calibration_columns of each scan.
 CalibrationStretch calibration_stretch(std::span<const LocatedScan> scans);
 
 /// Elevation (even) and range (odd) of the beams.

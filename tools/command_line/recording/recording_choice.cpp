@@ -196,7 +196,8 @@ recordings::OpenOptions open_options(const InputChoice& choice) {
 }
 
 pipeline::UpsamplingOptions upsampling_options(const UpsamplingChoice& choice) {
-  pipeline::UpsamplingOptions options{choice.upsample, choice.rows};
+  pipeline::UpsamplingOptions options{
+      .method = choice.upsample, .rows = choice.rows, .corrected = choice.corrected};
   options.network.least_confidence = choice.least_confidence;
   if (choice.tolerance_m) options.network.tolerance_m = *choice.tolerance_m;
   return options;

@@ -47,6 +47,7 @@ struct UpsamplingChoice {
   int rows = 0;  ///< measured ones; 0: all, or, of an upsampling, its own or every fourth
   std::optional<float> least_confidence = {};  ///< nothing: the weights'
   std::optional<float> tolerance_m = {};       ///< nothing: SuperResolverOptions' own
+  std::optional<SensorModel> corrected = {};   ///< UpsamplingOptions::corrected
 };
 /// --rows and --upsample.
 void declare_upsampling_method(Command& command, UpsamplingChoice& choice);

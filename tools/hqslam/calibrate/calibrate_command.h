@@ -2,13 +2,14 @@
 
 #include <string>
 
+#include "hqslam/pipeline/beam_check.h"
 #include "recording/recording_choice.h"
 
 namespace hqslam::tools {
 
 struct CalibrateOptions : InputChoice {
-  int rows = 0;           ///< of the recording; 0: all
-  double path_m = 150.0;  ///< of whose scans the beams are estimated
+  int rows = 0;                                  ///< of the recording; 0: all
+  double path_m = pipeline::kCalibrationPath_m;  ///< of whose scans the beams are estimated
   std::string out;
   bool open = false;
 };

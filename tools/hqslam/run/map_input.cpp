@@ -11,7 +11,7 @@ namespace {
 
 pipeline::UpsampledRecording input_of(const InputChoice& recording,
                                       const UpsamplingChoice& upsampling, double voxel_m) {
-  pipeline::UpsamplingOptions options{upsampling.upsample, upsampling.rows};
+  pipeline::UpsamplingOptions options = upsampling_options(upsampling);
   options.network.tolerance_m = static_cast<float>(voxel_m);
   options.network.least_confidence = slam::DenseMapOptions::kLeastPointConfidence;
   return pipeline::open_upsampled(recording.input, open_options(recording), options);

@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <functional>
 #include <iterator>
-#include <memory>
+#include <utility>
 
 #include "hqslam/core/error.h"
 #include "pages/open_page.h"
 #include "recording/recording_choice.h"
+#include "run/beam_correction.h"
 #include "run/run_output.h"
 #include "run/run_summary.h"
 #include "run/slam_session.h"
@@ -113,9 +115,10 @@ std::optional<ReferenceComparison> comparison_of(const SlamRun& run,
   return comparison;
 }
 
-/// SLAM over the recording, with intermediate results now and then.
+/// SLAM over the recording, with intermediate results now and then, until `is_enough`.
 void process_all(ScanSource& source, SlamSession& session, RunOutput& output,
-                 const InterruptGuard& interrupt) {
+                 const InterruptGuard& interrupt,
+                 const std::function<bool(const ReadScan&)>& is_enough) {
   SlamRun& run = session.run();
   run.scans_in_recording = source.size();
   Progress progress(fmt::format("slam {}x{}", run.rows, run.columns), source.size());
@@ -123,7 +126,7 @@ void process_all(ScanSource& source, SlamSession& session, RunOutput& output,
     session.process(read.scan, read.index, read.reading_s);
     if (output.checkpoint_due()) output.write_checkpoint(session.run_so_far());
     progress.update(std::ssize(run.scans), source.read_share());
-    return true;
+    return !is_enough(read);
   });
   progress.update(std::ssize(run.scans), source.read_share());
   progress.finish();
@@ -153,6 +156,8 @@ void declare(CLI::App& app, RunOptions& options) {
       "                    recording has them\n"
       "  saved_map.npz     with --save-map: map and places for later drives\n"
       "  timings.json      time per stage and status of every scan\n"
+      "  corrected_sensor.json   the sensor with corrected beams, for --sensor, where\n"
+      "                    the run found that they have errors (hqslam calibrate)\n"
       "  report.html       map, path, scans, error and times on one page\n"
       "and with --dense-map:\n"
       "  dense_map.pcd, dense_map.ply   x y z, intensity where the recording has it,\n"
@@ -179,25 +184,59 @@ void declare(CLI::App& app, RunOptions& options) {
   declare_threads(command, options.threads);
   declare_slam_kind(command, options.slam);
   declare_slam_settings(command, options.slam);
+  command.option("--no-calibration", &options.no_calibration,
+                 "Keep the beams as the sensor has them (default: a run whose first 150 m of path "
+                 "determine that beams have errors begins anew with corrected ones)");
   declare_maps(command, options);
 }
 
-SlamRun run_and_write(const RunOptions& options, const InterruptGuard& interrupt) {
-  use_threads(options.threads);
-  refuse_to_write_into_recording(options.input, options.out);
-  pipeline::UpsampledRecording input = upsampled_recording(options, options);
-  ScanSource& source = input.recording;
-  const std::size_t printed = print_warnings(source, options.input);
-  const std::optional<TrajectoryFile> reference = reference_of(options, source);
-  RunOutput output(options.out, inputs_of(options));
+namespace {
 
+/// The recording and SLAM over it. Nothing if its beams have errors, which `options` then correct.
+std::optional<SlamRun> followed(RunOptions& options, RunOutput& output,
+                                const InterruptGuard& interrupt, pipeline::UpsampledRecording input,
+                                std::optional<BeamsOfRun>& corrected) {
+  ScanSource& source = input.recording;
+  const std::size_t printed = source.warnings().size();
+  const bool may_correct = !options.no_calibration && !corrected &&
+                           !input.upsampler.recorded().measured_rows &&
+                           slam_kind(options.slam) == pipeline::SlamKind::kHqslam;
   SlamSession session(std::move(input.upsampler), pipeline_options(options.slam, options),
                       options.input);
   session.run().located_in = options.map_file;
   session.run().wanted = wanted_scans(options);
-  process_all(source, session, output, interrupt);
+  BeamCorrection beams(session);
+  process_all(source, session, output, interrupt,
+              [&](const ReadScan& read) { return may_correct && beams.found_in(read); });
+  if (may_correct && !interrupt.stop_requested() && beams.found()) {
+    corrected = beams.corrected();
+    options.corrected = corrected->sensor;
+    return std::nullopt;
+  }
   print_later_warnings(source, printed);
-  SlamRun run = session.finished(options.save_map);
+  session.run().corrected_beams = corrected;
+  return session.finished(options.save_map);
+}
+
+}  // namespace
+
+SlamRun run_and_write(RunOptions options, const InterruptGuard& interrupt) {
+  use_threads(options.threads);
+  refuse_to_write_into_recording(options.input, options.out);
+  pipeline::UpsampledRecording input = upsampled_recording(options, options);
+  print_warnings(input.recording, options.input);
+  const std::optional<TrajectoryFile> reference = reference_of(options, input.recording);
+  RunOutput output(options.out, inputs_of(options));
+
+  std::optional<BeamsOfRun> corrected;
+  std::optional<SlamRun> followed_run =
+      followed(options, output, interrupt, std::move(input), corrected);
+  if (!followed_run) {
+    to_stderr("hqslam: {}; the run begins anew with corrected beams\n", beams_text(*corrected));
+    followed_run =
+        followed(options, output, interrupt, upsampled_recording(options, options), corrected);
+  }
+  SlamRun run = std::move(*followed_run);
   if (run.scans.empty()) return run;  // interrupted at once: an earlier run's results stay
   if (reference) {
     run.comparison = comparison_of(run, *reference);

@@ -16,6 +16,7 @@ struct RunOptions : InputChoice, UpsamplingChoice, MapChoice {
       reference;  ///< empty: truth.tum in a folder written by `hqslam-lab simulate`, or none
   bool open = false;
   int threads = 0;  ///< 0: what OpenMP chooses
+  bool no_calibration = false;
   SlamSettings slam;
 };
 
@@ -25,6 +26,6 @@ int run(const RunOptions& options);
 
 /// Runs and writes the results, printing nothing but progress and warnings. Without a single scan
 /// nothing is written. Throws Error, also if the first scan cannot be read.
-SlamRun run_and_write(const RunOptions& options, const InterruptGuard& interrupt);
+SlamRun run_and_write(RunOptions options, const InterruptGuard& interrupt);
 
 }  // namespace hqslam::tools

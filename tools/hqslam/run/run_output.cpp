@@ -53,8 +53,8 @@ constexpr double kCheckpointInterval_s = 5.0;
 constexpr double kCheckpointShare = 0.01;
 constexpr std::array<const char*, 3> kResultsSoFar = {"trajectory.tum", "trajectory.kitti",
                                                       "timings.json"};
-constexpr std::array<const char*, 4> kResultsAtTheEnd = {"covariances.csv", "map.pcd",
-                                                         "saved_map.npz", "report.html"};
+constexpr std::array<const char*, 5> kResultsAtTheEnd = {
+    "covariances.csv", "map.pcd", "saved_map.npz", "corrected_sensor.json", "report.html"};
 
 /// Whether the folder holds the results of an earlier run, which this one may replace.
 bool written_by_hqslam(const fs::path& folder) {
@@ -233,6 +233,9 @@ void RunOutput::write_results(const SlamRun& run) {
   if (run.saved_map) {
     replace_file(path("saved_map.npz"),
                  [&](const std::string& part) { slam::write_saved_map(part, *run.saved_map); });
+  }
+  if (run.corrected_beams) {
+    write_text_file(sensor_json(run.corrected_beams->sensor), path("corrected_sensor.json"));
   }
   write_text_file(report_html(run), path("report.html"));
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "hqslam/core/angles.h"
+#include "run/beam_correction.h"
 #include "timing/timing.h"
 
 namespace hqslam::tools {
@@ -102,6 +103,7 @@ std::string run_summary(const SlamRun& run) {
   summary += inertial_summary(run);
   summary += mounting_summary(run);
   summary += ground_summary(run);
+  if (run.corrected_beams) summary += beams_text(*run.corrected_beams) + "; corrected\n";
   if (!run.located_in.empty()) {
     const bool found = std::ranges::any_of(run.scans, [](const ScanRecord& scan) {
       return scan.report.mapping_status != slam::Status::kNotRecognized;
@@ -120,8 +122,9 @@ std::string run_summary(const SlamRun& run) {
 std::string results_line(const SlamRun& run, const std::string& out) {
   return fmt::format(
       "results: {}/trajectory.tum, trajectory.kitti, covariances.csv, map.pcd, timings.json, "
-      "report.html{}{}{}\n",
-      out, run.saved_map ? ", saved_map.npz" : "",
+      "report.html{}{}{}{}\n",
+      out, run.corrected_beams ? ", corrected_sensor.json" : "",
+      run.saved_map ? ", saved_map.npz" : "",
       run.dense_map_summary.empty() ? "" : ", dense_map.pcd, dense_map.ply",
       run.occupancy_grid_summary.empty() ? "" : ", map.pgm, map.yaml");
 }

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "hqslam/core/sensor_model.h"
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/saved_map.h"
 #include "hqslam/slam/slam.h"
@@ -30,6 +31,14 @@ struct ScanRecord {
   std::optional<double> latency_s;
 };
 
+/// Beams that were corrected from the beginning of the path of a run.
+struct BeamsOfRun {
+  SensorModel sensor;  ///< of the recording, with the corrections
+  double path_m = 0.0;
+  double residual_before_m = 0.0;  ///< slam::BeamCalibration
+  double residual_after_m = 0.0;
+};
+
 /// A run of SLAM over a recording or a sensor, finished or not.
 struct SlamRun : Reading {
   std::string command = "run";  ///< the subcommand that made it
@@ -39,6 +48,8 @@ struct SlamRun : Reading {
   int columns = 0;
   std::string upsampled_by;  ///< nn::Upsampler::name(); empty: the recording as it is
   std::optional<RowSelection> measured_rows;  ///< the others were computed; nothing: all of them
+  /// The recording's sensor with corrections that the run found; nothing: its own was used.
+  std::optional<BeamsOfRun> corrected_beams;
   slam::SlamOptions slam;
   slam::MountingOptions mounting;  ///< slam::Slam::mounting()
   int threads = 1;

@@ -27,6 +27,8 @@ class SlamSession {
   SlamRun& run_so_far();
   /// The run so far without its trajectory and its map.
   SlamRun& run() { return run_; }
+  /// Of the last scan.
+  const slam::ScanReport& report() const { return run_.scans.back().report; }
   const pipeline::Pipeline& pipeline() const { return pipeline_; }
   /// What SLAM took in as the last scan.
   const OrganizedCloud& cloud() const { return cloud_; }

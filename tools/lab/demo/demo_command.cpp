@@ -226,6 +226,7 @@ int run(const DemoOptions& options) {
     run.upsample = input.upsample;
     run.dense_map = input.dense_map;
     run.out = (out / input.folder).string();
+    run.no_calibration = true;  // the rows compare the same beams
     rows.push_back({input, run_and_write(run, interrupt), std::nullopt});
     const std::vector<std::string>& failed = rows.back().run.failed_maps;
     if (!failed.empty()) throw Error("{}", failed.front());

@@ -68,6 +68,10 @@ Upsampler::Upsampler(const SensorModel& recorded, UpsamplingMethod method,
   } else if (options.rows > 0 && options.rows != recorded_.rows()) {
     rows_ = selection_for(recorded_.rows(), options.rows);
   }
+  if (options.corrected) {
+    recorded_.elevation_correction_rad = options.corrected->elevation_correction_rad;
+    recorded_.range_correction_m = options.corrected->range_correction_m;
+  }
   measured_sensor_ = rows_ ? select_rows(recorded_, *rows_) : recorded_;
 }
 

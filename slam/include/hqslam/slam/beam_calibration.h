@@ -12,7 +12,9 @@ namespace hqslam::slam {
 
 /// A scan as measured, with its pose by SLAM.
 struct LocatedScan {
-  OrganizedCloud cloud;  ///< not corrected for motion, unless it has no capture times
+  /// Not corrected for motion, unless it has no capture times; with all columns or those of
+  /// calibration_columns.
+  OrganizedCloud cloud;
   Pose T_map_sensor = Pose::Identity();
   Twist velocity;  ///< per second, in the sensor's frame
 };
@@ -63,7 +65,11 @@ struct BeamCalibration {
 /// gives the same scans; so do a range error that all beams share, if no object is measured from
 /// several sides, and the elevation of beams that meet only upright walls.
 ///
-/// Throws Error if a cloud is not of the sensor's shape.
+/// Throws Error if a cloud has not the sensor's rows.
 BeamCalibration calibrate_beams(const SensorModel& sensor, const std::vector<LocatedScan>& scans);
+
+/// About 128 evenly spread columns of a scan, which are all that a calibration uses: others from
+/// scan to scan. They need an eighth of the memory.
+OrganizedCloud calibration_columns(const OrganizedCloud& cloud, int scan);
 
 }  // namespace hqslam::slam

@@ -23,6 +23,9 @@ struct UpsamplingOptions {
   /// The sensor of the result, for the interpolation of scans that have its measured rows alone.
   std::optional<SensorModel> all_rows = {};
   nn::SuperResolverOptions network = {};
+  /// The recording's sensor with corrections of its beams, to be used in place of its own
+  /// (beam_check.h); nothing: the sensor's own.
+  std::optional<SensorModel> corrected = {};
 };
 
 /// A loaded network or an interpolation; std::monostate: scans stay as they are measured.
