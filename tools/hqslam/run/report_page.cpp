@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
-#include <filesystem>
 #include <limits>
 
 #include "hqslam/core/angles.h"
@@ -61,12 +60,6 @@ Json notices_json(const SlamRun& run) {
       fmt::format("The run ended after {}: {}. The results are valid up to there.",
                   scans_text(std::ssize(run.scans), run.scans_in_recording),
                   run.end == ReadingEnd::kInterrupted ? "it was interrupted" : run.end_message)};
-}
-
-/// The recording without most of its path: "kitti_drive_0005/velodyne".
-std::string short_name(const SlamRun& run) {
-  const std::filesystem::path path(run.input);
-  return (path.parent_path().filename() / path.filename()).string();
 }
 
 /// A value of each pose.
@@ -211,7 +204,7 @@ Json report_json(const SlamRun& run, const DenseMapRun* dense_map, const slam::O
   TurningView view = view_of(run, dense_map);
   if (grid != nullptr) view.grid = {*grid, run.occupancy_grid_summary};
   Json data = {{"command", run.command},
-               {"title", fmt::format("{}, {} rows{}", short_name(run), run.rows, upsampled)},
+               {"title", fmt::format("{}, {} rows{}", short_name(run.input), run.rows, upsampled)},
                {"subtitle", subtitle},
                {"command_line", invocation()},
                {"date", fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)))},

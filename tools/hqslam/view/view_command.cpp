@@ -125,12 +125,6 @@ ViewPath path_of(const Trajectory& trajectory) {
   return path;
 }
 
-/// "results/map.pcd"
-std::string short_name(const std::string& path) {
-  const std::filesystem::path file(path);
-  return (file.parent_path().filename() / file.filename()).string();
-}
-
 /// All files in one view. notes: what was done to bring them together.
 TurningView view_of(const ViewOptions& options, std::vector<std::string>& notes) {
   TurningView view;
