@@ -96,8 +96,8 @@ std::optional<TrajectoryFile> trajectory_in(const std::string& path) {
 }
 
 /// The poses of a file, moved rigidly so that its positions are nearest to those of `first` at the
-/// same times (Umeyama 1991, no scale); as they are where there are no three such pairs. note:
-/// which of the two.
+/// same times (of KITTI, which has none, the same number of poses; Umeyama 1991, no scale); as they
+/// are where there are no three such pairs. note: which of the two.
 Trajectory beside(const TrajectoryFile& first, const TrajectoryFile& file, std::string& note) {
   const bool has_pairs =
       (first.has_stamps && file.has_stamps) || first.poses.size() == file.poses.size();
@@ -110,7 +110,7 @@ Trajectory beside(const TrajectoryFile& first, const TrajectoryFile& file, std::
       return compared->error.aligned_estimate;
     }
   }
-  note = fmt::format("{}: not aligned to {}, of whose poses fewer than 3 are of its times",
+  note = fmt::format("{}: not aligned to {}: fewer than 3 of their poses have the same stamps",
                      file.path, first.path);
   return file.poses;
 }
@@ -120,7 +120,8 @@ ViewPath path_of(const Trajectory& trajectory) {
   ViewPath path;
   std::vector<Eigen::Vector3f>& piece_m = path.pieces_m.emplace_back();
   for (std::size_t i = 0; i < trajectory.size(); i += 1 + trajectory.size() / kMostPlaces) {
-    piece_m.emplace_back(trajectory[i].T_map_sensor.translation().cast<float>());
+    const Eigen::Vector3f place_m = trajectory[i].T_map_sensor.translation().cast<float>();
+    if (place_m.allFinite()) piece_m.push_back(place_m);
   }
   return path;
 }
