@@ -1,9 +1,11 @@
 #include "hqslam/slam/slam.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "check_option.h"
 #include "front_end/scan_check.h"
+#include "front_end/scattered_returns.h"
 #include "hqslam/core/error.h"
 #include "hqslam/slam/saved_map.h"
 #include "map/registration_trace.h"
@@ -23,6 +25,11 @@ FeatureMaps map_of(const SlamOptions& options, const SavedMap* given_map) {
     throw Error("expected a map with places, found none; save the map after a drive");
   }
   return {options.mapping, *given_map};
+}
+
+int returns_in(const OrganizedCloud& cloud) {
+  return static_cast<int>(
+      std::ranges::count_if(cloud.range_m, [](float range_m) { return range_m > 0.0F; }));
 }
 
 }  // namespace
@@ -52,7 +59,9 @@ Notes Slam::Implementation::process_level(const OrganizedCloud& cloud, double st
   notes.trace = trace;
   notes.report.stamp_s = stamp_s;
   collect_loops(notes);
-  Scan scan = front_end(cloud, stamp_s, notes);
+  const std::optional<OrganizedCloud> clear = without_scattered(cloud);
+  if (clear) notes.report.scattered = returns_in(cloud) - returns_in(*clear);
+  Scan scan = front_end(clear ? *clear : cloud, stamp_s, notes);
   const std::string_view state_before = name(state);
   state = std::visit([&](auto& now) { return next(std::move(now), scan, notes); }, state);
   if (trace != nullptr) {
@@ -205,8 +214,8 @@ ScanReport Slam::process(const OrganizedCloud& cloud, double stamp_s, ScanTrace*
   check(cloud, stamp_s, implementation_->sensor);
   const ThreadLimit limit(implementation_->options.threads);
   if (trace != nullptr) *trace = {};
-  const std::optional<OrganizedCloud> emptied = without_unsound(cloud);
-  return implementation_->process(emptied ? *emptied : cloud, stamp_s, trace);
+  const std::optional<OrganizedCloud> sound = without_unsound(cloud);
+  return implementation_->process(sound ? *sound : cloud, stamp_s, trace);
 }
 
 std::vector<LoopReport> Slam::finish() {

@@ -38,11 +38,12 @@ class StreetDrive {
  public:
   explicit StreetDrive(slam::Slam slam = slam::Slam(narrow_sensor())) : slam_(std::move(slam)) {}
 
-  /// 's': in the street; 'b': blind; 'e': in another street.
+  /// 's': in the street; 'f': in it through fog; 'b': blind; 'e': in another street.
   std::string states(const std::string& scans) {
     std::string result;
     for (const char what : scans) {
       OrganizedCloud cloud = (what == 'e' ? elsewhere_ : street_).scan(narrow_sensor(), pose());
+      if (what == 'f') add_fog(cloud);
       if (what == 'b') cloud = OrganizedCloud(cloud.rows, cloud.columns);
       report = slam_.process(cloud, 0.1 * scans_++, &trace);
       result += letter(trace.state);
@@ -55,11 +56,22 @@ class StreetDrive {
   slam::ScanTrace trace;
 
  private:
+  /// An echo at 1 to 4 m in every fourth pixel, at random.
+  void add_fog(OrganizedCloud& cloud) {
+    for (std::size_t pixel = 0; pixel < cloud.range_m.size(); ++pixel) {
+      const auto number = static_cast<float>(fog_() % 10000);
+      if (number >= 2500.0F || !(cloud.range_m[pixel] > 0.0F)) continue;
+      const float share = (1.0F + number / 833.0F) / cloud.range_m[pixel];
+      cloud.range_m[pixel] *= share;
+      cloud.points_m[pixel] *= share;
+    }
+  }
   Pose pose() const { return test::yard_pose(0.3 * scans_, 0.0, 0.0); }
 
   slam::Slam slam_;
   test::Village street_ = test::street(31);
   test::Village elsewhere_ = test::street(77);
+  std::mt19937 fog_{7};
   int scans_ = 0;
 };
 

@@ -12,18 +12,18 @@
 namespace hqslam::test {
 namespace {
 
-/// 75 scans of a sensor with few columns whose beams lie, some 30 m of street.
+/// Scans of a sensor with few columns whose beams have errors; 75 are some 30 m of street.
 struct LyingDrive {
   TemporaryDirectory folder;
   std::string drive = folder.file("drive");
   std::string sensor = folder.file("calibrated.json");
 
-  LyingDrive() {
+  explicit LyingDrive(int scans = 75, const std::string& errors = "bad") {
     SensorModel model = sensor_preset("os1-16");
     model.columns = 512;
     write_file(folder.file("sensor.json"), sensor_json(model));
-    succeeds("simulate --drive block --sensor '{}' --scans 75 --sensor-errors bad --out '{}'",
-             folder.file("sensor.json"), drive);
+    succeeds("simulate --drive block --sensor '{}' --scans {} --sensor-errors {} --out '{}'",
+             folder.file("sensor.json"), scans, errors, drive);
   }
   std::string arguments(const std::string& out) const {
     return fmt::format("calibrate '{}' --out '{}'", drive, out);
@@ -80,6 +80,33 @@ TEST_CASE("calibrate asks for a drive of measured scans") {
   succeeds("upsample '{}' --sensor os1-64 --method linear --out '{}'",
            simulated_drive("--sensor os1-16 --scans 3"), upsampled);
   CHECK(holds(error_of(upsampled), "found computed ones"));
+}
+
+TEST_CASE("run corrects beams that have errors as calibrate does, unless it is not to") {
+  const LyingDrive lying(160);
+  const ProgramResult result =
+      succeeds("run '{}' --out '{}'", lying.drive, lying.folder.file("run"));
+  CHECK(holds(result.error, "begins anew"));
+  CHECK(holds(result.out, "with corrected beams; corrected"));
+  const std::string corrected = lying.folder.file("run") + "/corrected_sensor.json";
+  succeeds(lying.arguments(lying.sensor));
+  CHECK(file_contents(corrected) == file_contents(lying.sensor));
+  const auto begins_anew = [&](const std::string& options) {
+    const ProgramResult other =
+        succeeds("run '{}' {} --out '{}'", lying.drive, options, lying.folder.file("other"));
+    return holds(other.error, "begins anew") ||
+           !file_contents(lying.folder.file("other") + "/corrected_sensor.json").empty();
+  };
+  CHECK_FALSE(begins_anew(fmt::format("--sensor '{}'", corrected)));  // no errors are left
+  CHECK_FALSE(begins_anew("--no-calibration"));
+}
+
+TEST_CASE("run keeps beams without errors") {
+  const LyingDrive honest(160, "none");
+  const ProgramResult result =
+      succeeds("run '{}' --out '{}'", honest.drive, honest.folder.file("run"));
+  CHECK_FALSE(holds(result.error, "begins anew"));
+  CHECK_FALSE(holds(result.out, "beams:"));
 }
 
 }  // namespace hqslam::test

@@ -1,14 +1,18 @@
 #include "live/live_run.h"
 
 #include <fmt/format.h>
+#include <omp.h>
 
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <future>
 #include <optional>
+#include <utility>
 
 #include "hqslam/core/error.h"
 #include "hqslam/slam/status.h"
+#include "run/beam_correction.h"
 #include "timing/timing.h"
 
 namespace hqslam::tools {
@@ -24,6 +28,38 @@ std::int64_t now_ns() {
              std::chrono::system_clock::now().time_since_epoch())
       .count();
 }
+
+/// Finds out beside the drive whether the sensor's beams have errors. They are not corrected on the
+/// way, which would bend the map, but from the next drive on.
+class LiveBeams {
+ public:
+  void add(const OrganizedCloud& recorded, SlamSession& session) {
+    if (!is_waiting_) return;
+    check_.add(recorded, session.report(), session.pipeline());
+    if (check_.is_complete()) determine(session);
+  }
+  /// At the end of a drive whose path was shorter than wanted, or that ended before the result.
+  void finish(SlamSession& session) {
+    if (is_waiting_) determine(session);
+    if (errors_.valid()) session.run().found_beams = errors_.get();
+  }
+
+ private:
+  void determine(const SlamSession& session) {
+    is_waiting_ = false;
+    std::optional<BeamEvidence> evidence = evidence_of(check_, session.pipeline());
+    if (!evidence) return;
+    check_ = pipeline::BeamCheck();
+    errors_ = std::async(std::launch::async, [evidence = std::move(*evidence)] {
+      omp_set_num_threads(1);  // the other cores are for the poses
+      return beams_with_errors(evidence);
+    });
+  }
+
+  pipeline::BeamCheck check_;
+  bool is_waiting_ = true;
+  std::future<std::optional<BeamsOfRun>> errors_;
+};
 
 /// Follows a run: what its lines and its page are made of.
 class LiveProgress {
@@ -84,13 +120,15 @@ std::optional<live::LiveScan> next_scan(live::LiveSensor& sensor, SlamRun& run) 
   }
 }
 
-void process(const live::LiveScan& scan, SlamSession& session, LiveProgress& progress) {
+void process(const live::LiveScan& scan, SlamSession& session, LiveProgress& progress,
+             LiveBeams& beams) {
   SlamRun& run = session.run();
   try {
     const std::int64_t index = std::ssize(run.scans) + run.left_out.scans;
     ScanRecord& record = session.process(scan.scan, index, 0.0);
     record.latency_s = 1e-9 * static_cast<double>(now_ns() - scan.completed_ns);
     progress.located(session, record);
+    beams.add(scan.scan.cloud, session);
   } catch (const ScanError& error) {
     run.left_out.add(fmt::format("{}: {}", scan.scan.name, error.what()));
   }
@@ -162,9 +200,10 @@ SlamRun run_live(live::LiveSensor& sensor, SlamSession session, RunOutput& outpu
   SlamRun& run = session.run();
   run.command = "live";
   LiveProgress progress(view);
+  LiveBeams beams;
   while (!interrupt.stop_requested() && run.end == ReadingEnd::kRunning) {
     if (const std::optional<live::LiveScan> scan = next_scan(sensor, run)) {
-      process(*scan, session, progress);
+      process(*scan, session, progress, beams);
       if (!run.scans.empty() && output.checkpoint_due()) {
         progress.set_results_failure(
             failure_of_writing([&] { output.write_checkpoint(session.run_so_far()); }));
@@ -177,6 +216,7 @@ SlamRun run_live(live::LiveSensor& sensor, SlamSession session, RunOutput& outpu
   run.scans_in_recording = counts.scans;
   run.left_out.scans += counts.left_out_scans;
   if (!counts.first_left_out.empty()) run.left_out.first = counts.first_left_out;
+  beams.finish(session);
   return session.finished(save_map);
 }
 

@@ -11,25 +11,19 @@ std::string beams_text(const BeamsOfRun& beams) {
       beams.path_m, 1e3 * beams.residual_before_m, 1e3 * beams.residual_after_m);
 }
 
-bool BeamCorrection::found_in(const ReadScan& read) {
-  if (is_done_) return corrected_.has_value();
-  const slam::ScanReport& report = session_.report();
-  check_.add(read.scan.cloud, report, session_.pipeline());
-  return check_.is_complete() && found();
+std::optional<BeamEvidence> evidence_of(const pipeline::BeamCheck& check,
+                                        const pipeline::Pipeline& pipeline) {
+  if (!(check.path_m() >= pipeline::kLeastPathOfErrors_m)) return std::nullopt;
+  const pipeline::Upsampler& upsampler = pipeline.upsampler();
+  return BeamEvidence{upsampler.recorded(), upsampler.selected_rows(), upsampler.measured_sensor(),
+                      check.scans(pipeline.trajectory()), check.path_m()};
 }
 
-bool BeamCorrection::found() {
-  if (is_done_) return corrected_.has_value();
-  is_done_ = true;
-  if (!(check_.path_m() >= pipeline::kLeastPathOfErrors_m)) return false;
-  const pipeline::Pipeline& pipeline = session_.pipeline();
-  const pipeline::Upsampler& upsampler = pipeline.upsampler();
-  const slam::BeamCalibration found =
-      slam::calibrate_beams(upsampler.measured_sensor(), check_.scans(pipeline.trajectory()));
-  if (!pipeline::has_errors(found)) return false;
-  corrected_ = {pipeline::corrected(upsampler.recorded(), upsampler.selected_rows(), found),
-                check_.path_m(), found.residual_before_m, found.residual_after_m};
-  return true;
+std::optional<BeamsOfRun> beams_with_errors(const BeamEvidence& evidence) {
+  const slam::BeamCalibration found = slam::calibrate_beams(evidence.measured, evidence.scans);
+  if (!pipeline::has_errors(found)) return std::nullopt;
+  return BeamsOfRun{pipeline::corrected(evidence.recorded, evidence.rows, found), evidence.path_m,
+                    found.residual_before_m, found.residual_after_m};
 }
 
 }  // namespace hqslam::tools

@@ -4,9 +4,8 @@
 #include <string>
 
 #include "hqslam/pipeline/beam_check.h"
-#include "recording/reading.h"
+#include "hqslam/pipeline/pipeline.h"
 #include "run/slam_run.h"
-#include "run/slam_session.h"
 
 namespace hqslam::tools {
 
@@ -14,23 +13,19 @@ namespace hqslam::tools {
 /// corrected beams"
 std::string beams_text(const BeamsOfRun& beams);
 
-/// Determines whether the beams of a recording have errors, from its first scans as a session
-/// processes them.
-class BeamCorrection {
- public:
-  explicit BeamCorrection(const SlamSession& session) : session_(session) {}
-
-  /// After each scan. Whether the beams have errors, once the path is long enough to determine it.
-  bool found_in(const ReadScan& read);
-  /// At the end of a recording whose path may be shorter. Whether the beams have errors.
-  bool found();
-  const std::optional<BeamsOfRun>& corrected() const { return corrected_; }
-
- private:
-  const SlamSession& session_;
-  pipeline::BeamCheck check_;
-  bool is_done_ = false;
-  std::optional<BeamsOfRun> corrected_;
+/// What the beams of a sensor are calibrated from: nothing else of the pipeline, so that another
+/// thread can do it.
+struct BeamEvidence {
+  SensorModel recorded;
+  std::optional<RowSelection> rows;  ///< of it that are used; nothing: all
+  SensorModel measured;              ///< with these rows
+  std::vector<slam::LocatedScan> scans;
+  double path_m = 0.0;
 };
+/// Nothing where the path is too short to tell.
+std::optional<BeamEvidence> evidence_of(const pipeline::BeamCheck& check,
+                                        const pipeline::Pipeline& pipeline);
+/// The corrections; nothing if the beams have no errors.
+std::optional<BeamsOfRun> beams_with_errors(const BeamEvidence& evidence);
 
 }  // namespace hqslam::tools

@@ -192,29 +192,35 @@ void declare(CLI::App& app, RunOptions& options) {
 
 namespace {
 
-/// The recording and SLAM over it. Nothing if its beams have errors, which `options` then correct.
-std::optional<SlamRun> followed(RunOptions& options, RunOutput& output,
+/// The recording and SLAM over it. Nothing if its beams have errors, which are then `corrected`.
+std::optional<SlamRun> followed(const RunOptions& options, RunOutput& output,
                                 const InterruptGuard& interrupt, pipeline::UpsampledRecording input,
                                 std::optional<BeamsOfRun>& corrected) {
   ScanSource& source = input.recording;
   const std::size_t printed = source.warnings().size();
-  const bool may_correct = !options.no_calibration && !corrected &&
-                           !input.upsampler.recorded().measured_rows &&
-                           slam_kind(options.slam) == pipeline::SlamKind::kHqslam;
+  bool may_correct = !options.no_calibration && !corrected &&
+                     !input.upsampler.recorded().measured_rows &&
+                     slam_kind(options.slam) == pipeline::SlamKind::kHqslam;
   SlamSession session(std::move(input.upsampler), pipeline_options(options.slam, options),
                       options.input);
   session.run().located_in = options.map_file;
   session.run().wanted = wanted_scans(options);
-  BeamCorrection beams(session);
-  process_all(source, session, output, interrupt,
-              [&](const ReadScan& read) { return may_correct && beams.found_in(read); });
-  if (may_correct && !interrupt.stop_requested() && beams.found()) {
-    corrected = beams.corrected();
-    options.corrected = corrected->sensor;
-    return std::nullopt;
-  }
+  pipeline::BeamCheck check;
+  const auto have_errors = [&] {
+    may_correct = false;  // asked once
+    const std::optional<BeamEvidence> evidence = evidence_of(check, session.pipeline());
+    if (evidence) corrected = beams_with_errors(*evidence);
+    return corrected.has_value();
+  };
+  process_all(source, session, output, interrupt, [&](const ReadScan& read) {
+    if (may_correct) check.add(read.scan.cloud, session.report(), session.pipeline());
+    return may_correct && check.is_complete() && have_errors();
+  });
+  const bool was_corrected = options.corrected.has_value();
+  if (may_correct && !interrupt.stop_requested()) have_errors();
+  if (corrected && !was_corrected) return std::nullopt;
   print_later_warnings(source, printed);
-  session.run().corrected_beams = corrected;
+  session.run().found_beams = corrected;
   return session.finished(options.save_map);
 }
 
@@ -232,7 +238,8 @@ SlamRun run_and_write(RunOptions options, const InterruptGuard& interrupt) {
   std::optional<SlamRun> followed_run =
       followed(options, output, interrupt, std::move(input), corrected);
   if (!followed_run) {
-    to_stderr("hqslam: {}; the run begins anew with corrected beams\n", beams_text(*corrected));
+    to_stderr("hqslam: {}; the run begins anew with these\n", beams_text(*corrected));
+    options.corrected = corrected->sensor;
     followed_run =
         followed(options, output, interrupt, upsampled_recording(options, options), corrected);
   }

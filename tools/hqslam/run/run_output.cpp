@@ -234,8 +234,8 @@ void RunOutput::write_results(const SlamRun& run) {
     replace_file(path("saved_map.npz"),
                  [&](const std::string& part) { slam::write_saved_map(part, *run.saved_map); });
   }
-  if (run.corrected_beams) {
-    write_text_file(sensor_json(run.corrected_beams->sensor), path("corrected_sensor.json"));
+  if (run.found_beams) {
+    write_text_file(sensor_json(run.found_beams->sensor), path("corrected_sensor.json"));
   }
   write_text_file(report_html(run), path("report.html"));
 }

@@ -82,6 +82,14 @@ std::string ground_summary(const SlamRun& run) {
       100.0 * share);
 }
 
+/// "fog, dust or snow: near echoes left out of 190 scans"; nothing in clear air.
+std::string scattered_summary(const SlamRun& run) {
+  const auto scans = std::ranges::count_if(
+      run.scans, [](const ScanRecord& scan) { return scan.report.scattered > 0; });
+  if (scans == 0) return "";
+  return fmt::format("fog, dust or snow: near echoes left out of {} scans\n", scans);
+}
+
 /// Of which submap the maps are, if there are several.
 std::string map_summary(const SlamRun& run) {
   const std::map<std::size_t, std::int64_t> submaps = scans_of_submaps(run);
@@ -103,7 +111,13 @@ std::string run_summary(const SlamRun& run) {
   summary += inertial_summary(run);
   summary += mounting_summary(run);
   summary += ground_summary(run);
-  if (run.corrected_beams) summary += beams_text(*run.corrected_beams) + "; corrected\n";
+  summary += scattered_summary(run);
+  if (run.found_beams) {
+    summary += fmt::format("{}; {}\n", beams_text(*run.found_beams),
+                           run.command == "live"
+                               ? "not corrected here: give corrected_sensor.json as --sensor"
+                               : "corrected");
+  }
   if (!run.located_in.empty()) {
     const bool found = std::ranges::any_of(run.scans, [](const ScanRecord& scan) {
       return scan.report.mapping_status != slam::Status::kNotRecognized;
@@ -123,8 +137,7 @@ std::string results_line(const SlamRun& run, const std::string& out) {
   return fmt::format(
       "results: {}/trajectory.tum, trajectory.kitti, covariances.csv, map.pcd, timings.json, "
       "report.html{}{}{}{}\n",
-      out, run.corrected_beams ? ", corrected_sensor.json" : "",
-      run.saved_map ? ", saved_map.npz" : "",
+      out, run.found_beams ? ", corrected_sensor.json" : "", run.saved_map ? ", saved_map.npz" : "",
       run.dense_map_summary.empty() ? "" : ", dense_map.pcd, dense_map.ply",
       run.occupancy_grid_summary.empty() ? "" : ", map.pgm, map.yaml");
 }

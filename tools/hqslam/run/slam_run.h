@@ -31,9 +31,10 @@ struct ScanRecord {
   std::optional<double> latency_s;
 };
 
-/// Beams that were corrected from the beginning of the path of a run.
+/// Errors of beams that the beginning of a run's path determined. A run of a recording corrects
+/// them, a live one says what to do.
 struct BeamsOfRun {
-  SensorModel sensor;  ///< of the recording, with the corrections
+  SensorModel sensor;  ///< of the recording, with corrections
   double path_m = 0.0;
   double residual_before_m = 0.0;  ///< slam::BeamCalibration
   double residual_after_m = 0.0;
@@ -48,8 +49,7 @@ struct SlamRun : Reading {
   int columns = 0;
   std::string upsampled_by;  ///< nn::Upsampler::name(); empty: the recording as it is
   std::optional<RowSelection> measured_rows;  ///< the others were computed; nothing: all of them
-  /// The recording's sensor with corrections that the run found; nothing: its own was used.
-  std::optional<BeamsOfRun> corrected_beams;
+  std::optional<BeamsOfRun> found_beams;      ///< nothing: no errors were found
   slam::SlamOptions slam;
   slam::MountingOptions mounting;  ///< slam::Slam::mounting()
   int threads = 1;

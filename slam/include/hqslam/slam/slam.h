@@ -53,6 +53,7 @@ struct ScanReport {
   Status odometry_status = Status::kOk;
   Status mapping_status = Status::kOk;
   int returns = 0;
+  int scattered = 0;  ///< returns that were left out: echoes of fog, dust or snow
   int ground_points = 0;
   int clusters = 0;
   int edge_features = 0;

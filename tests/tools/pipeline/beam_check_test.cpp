@@ -1,0 +1,83 @@
+#include "hqslam/pipeline/beam_check.h"
+
+#include <doctest/doctest.h>
+
+#include "slam/yard_drive.h"
+
+namespace hqslam::pipeline {
+namespace {
+
+const SensorModel kSensor = sensor_preset("os1-16");
+
+slam::BeamCalibration calibration(int beams) {
+  slam::BeamCalibration found;
+  for (int beam = 0; beam < beams; ++beam) {
+    slam::BeamCorrection correction;
+    correction.elevation_rad = 0.001 * (beam + 1);
+    correction.range_m = -0.01 * (beam + 1);
+    found.beams.push_back(correction);
+  }
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("each row is corrected by its beam, one that was not used by the nearest that was") {
+  SensorModel sensor = sensor_preset("os1-64");
+  sensor.elevation_correction_rad.assign(64, 0.5);
+  sensor.range_correction_m.assign(64, 0.25);
+  const SensorModel result = corrected(sensor, RowSelection{3, 4}, calibration(16));
+  const auto check = [&](std::size_t row, int beam) {
+    CAPTURE(row);
+    CHECK(result.elevation_correction_rad[row] == doctest::Approx(0.5 + 0.001 * (beam + 1)));
+    CHECK(result.range_correction_m[row] == doctest::Approx(0.25 - 0.01 * (beam + 1)));
+  };
+  check(0, 0);  // above the first one that was used
+  check(3, 0);
+  check(4, 0);  // a row below it
+  check(6, 1);  // a row above the next
+  check(63, 15);
+  CHECK(result.beam_elevation_rad == sensor.beam_elevation_rad);
+}
+
+TEST_CASE("beams have errors where corrections make surfaces thinner by a twentieth") {
+  slam::BeamCalibration found;
+  found.residual_before_m = 0.0200;
+  found.residual_after_m = 0.0189;
+  CHECK(has_errors(found));
+  found.residual_after_m = 0.0191;
+  CHECK_FALSE(has_errors(found));
+}
+
+TEST_CASE("a scan is kept for each metre of path, as far as wanted, with the trajectory's poses") {
+  Pipeline pipeline(kSensor);
+  BeamCheck beams(3.0);
+  int processed = 0;
+  for (; processed < 100 && !beams.is_complete(); ++processed) {
+    const OrganizedCloud cloud = test::drive_scan(kSensor, processed);
+    const slam::ScanReport report =
+        pipeline.process(cloud, test::kDrivePeriod_s * processed).report;
+    beams.add(cloud, report, pipeline);
+  }
+  REQUIRE(beams.is_complete());
+  CHECK_FALSE(beams.is_lost());
+  CHECK(beams.path_m() == doctest::Approx(3.0).epsilon(0.2));
+  const std::vector<slam::LocatedScan> scans = beams.scans(pipeline.trajectory());
+  REQUIRE(scans.size() >= 3);
+  for (std::size_t i = 1; i < scans.size(); ++i) {
+    const double step_m =
+        (scans[i].T_map_sensor.translation() - scans[i - 1].T_map_sensor.translation()).norm();
+    CHECK(step_m >= 1.0);
+    CHECK(step_m < 1.5);
+    CHECK(scans[i].velocity.linear.norm() > 0.0);
+    CHECK(scans[i].cloud.rows == kSensor.rows());
+  }
+  const std::size_t kept = scans.size();
+  beams.add(test::drive_scan(kSensor, processed),
+            pipeline.process(test::drive_scan(kSensor, processed), test::kDrivePeriod_s * processed)
+                .report,
+            pipeline);
+  CHECK(beams.scans(pipeline.trajectory()).size() == kept);
+}
+
+}  // namespace hqslam::pipeline
