@@ -61,6 +61,14 @@ const css = name => getComputedStyle(document.documentElement).getPropertyValue(
 /** The colour of the i-th of several things. */
 const colourOf = i => `var(--c${i % 8})`;
 
+/** The colour at a share of the way through a list of "#rrggbb". */
+function colourBetween(stops, share) {
+  const place = clamp(Number.isFinite(share) ? share : 0, 0, 1) * (stops.length - 1),
+        i = Math.min(Math.floor(place), stops.length - 2);
+  const part = (hex, k) => parseInt(hex.slice(1 + 2 * k, 3 + 2 * k), 16);
+  return [0, 1, 2].map(k => Math.round(part(stops[i], k) + (place - i) * (part(stops[i + 1], k) - part(stops[i], k))));
+}
+
 /** "0.042", "3.78", "31.7", "6717": three digits that count. */
 function short(value) {
   if (value === undefined || value === null || !Number.isFinite(value)) return '-';
@@ -122,5 +130,6 @@ function pageHead(data, kind) {
                             ...(data.notices || []).map(text => el('p', {class: 'notice'}, text))]
                             .filter(Boolean));
   document.body.append(
-      el('footer', {}, `Made by hqslam ${data.version}. This page needs no other file and no network.`));
+      el('footer', {}, data.command_line ? el('p', {}, el('code', {}, data.command_line)) : '',
+         `Made by hqslam ${data.version}${data.date ? ` on ${data.date}` : ''}. This page needs no other file and no network.`));
 }

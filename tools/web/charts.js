@@ -316,13 +316,6 @@ function intervals(rows, label, zero = 0) {
 
 // Errors from none to the largest: the palette of images.js, from its violet on.
 const kErrorStops = ['#3b0f70', '#8c2981', '#de4968', '#fe9f6d', '#fde26f'];
-/** The colour at a share of the way through a list of "#rrggbb". */
-function colourBetween(stops, share) {
-  const place = clamp(Number.isFinite(share) ? share : 0, 0, 1) * (stops.length - 1),
-        i = Math.min(Math.floor(place), stops.length - 2);
-  const part = (hex, k) => parseInt(hex.slice(1 + 2 * k, 3 + 2 * k), 16);
-  return [0, 1, 2].map(k => Math.round(part(stops[i], k) + (place - i) * (part(stops[i + 1], k) - part(stops[i], k))));
-}
 
 /**
  * A map from above with one scale for x and y, metres.

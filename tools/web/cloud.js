@@ -1,87 +1,11 @@
 'use strict';
-// A cloud of points that is turned, moved and zoomed with mouse, fingers or keys, with the path of
-// the sensor and single scans over it. It needs WebGL 2.
+// A cloud of points that is turned, moved and zoomed with mouse, fingers or keys, with an occupancy
+// grid below it, and paths and single scans over it. It needs WebGL 2.
 //
-// A picture is made in three passes: the points are drawn into memory, with the depth of every
-// pixel; that picture goes onto the canvas, darkened beside what is nearer, so that edges are seen;
-// the path and the sensor are drawn over it. Places are in metres from the camera's target, so that
-// numbers stay small wherever the map is.
-const kPointVertices = `#version 300 es
-in uint point;                // x, y, z in steps from the block's corner, and its confidence
-in float bright;
-uniform mat4 toClip;
-uniform vec3 corner;
-uniform float step, side, least;  // metres of a step; pixels of a point 1 m away, and at least
-uniform vec2 heights;
-uniform int by;               // height, confidence, brightness
-uniform vec3 palette[5];
-flat out vec3 colour;
-void main() {
-  vec3 place = corner + (vec3(point & 511u, point >> 9 & 511u, point >> 18 & 511u) + .5) * step;
-  gl_Position = toClip * vec4(place, 1);
-  gl_PointSize = clamp(side / gl_Position.w, least, 16.);
-  float height = (place.z - heights.x) / (heights.y - heights.x);
-  float share = 4. * clamp(by == 2 ? bright : by == 1 ? float(point >> 27) / 31. : height, 0., 1.);
-  int stop = min(int(share), 3);
-  colour = mix(palette[stop], palette[stop + 1], share - float(stop));
-}`;
-const kPointPixels = `#version 300 es
-precision mediump float;
-flat in vec3 colour;
-out vec4 pixel;
-void main() {
-  vec2 off = 2. * gl_PointCoord - 1.;
-  if (dot(off, off) > 1.5) discard;  // rounder where points are large
-  pixel = vec4(colour, 1);
-}`;
-
-// One triangle that covers the canvas.
-const kWholeCanvas = `#version 300 es
-void main() { gl_Position = vec4(4 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID & 2) - 1, 0, 1); }`;
-// Eye-dome lighting (Boucheny 2009): a pixel is the darker, the nearer the pixels beside it are, as
-// factors of its distance. The depth buffer holds 1 - near / distance.
-const kShadedPixels = `#version 300 es
-precision highp float;
-uniform highp sampler2D depths;
-uniform sampler2D colours;
-uniform int reach;
-out vec4 pixel;
-const ivec2 kBeside[4] = ivec2[](ivec2(-1, 0), ivec2(1, 0), ivec2(0, -1), ivec2(0, 1));
-float nearness(ivec2 at) { return 1. - texelFetch(depths, at, 0).r; }
-void main() {
-  ivec2 at = clamp(ivec2(gl_FragCoord.xy), ivec2(reach), textureSize(depths, 0) - 1 - reach);
-  vec3 colour = texelFetch(colours, at, 0).rgb;
-  float own = nearness(at), behind = 0.;
-  if (own > 0.) {
-    for (int i = 0; i < 4; ++i) {
-      behind += clamp(nearness(at + reach * kBeside[i]) / own - 1., 0., .07);
-    }
-  }
-  pixel = vec4(colour * exp(-16. * behind), 1);
-}`;
-
-// A stretch of a line as a strip of two triangles, as wide everywhere on the canvas.
-const kLineVertices = `#version 300 es
-in vec3 from, to;
-uniform mat4 toClip;
-uniform vec3 shift;
-uniform vec2 pixel;           // of the canvas, whose sides are 2
-uniform float width, near;
-void main() {
-  vec4 a = toClip * vec4(from + shift, 1), b = toClip * vec4(to + shift, 1);
-  if (a.w < near && b.w > near) a = mix(a, b, (near - a.w) / (b.w - a.w));
-  if (b.w < near && a.w > near) b = mix(b, a, (near - b.w) / (a.w - b.w));
-  vec2 along = normalize((b.xy / b.w - a.xy / a.w) / pixel);
-  vec2 across = vec2(-along.y, along.x) * (gl_VertexID % 2 == 0 ? 1. : -1.);
-  gl_Position = gl_VertexID < 2 ? a : b;
-  gl_Position.xy += (across + (gl_VertexID < 2 ? -along : along)) * .5 * width * pixel * gl_Position.w;
-  gl_Position.z = 0.;
-}`;
-const kLinePixels = `#version 300 es
-precision mediump float;
-uniform vec3 colour;
-out vec4 pixel;
-void main() { pixel = vec4(colour, 1); }`;
+// A picture is made in three passes: the grid and the points are drawn into memory, with the depth
+// of every pixel; that picture goes onto the canvas, darkened beside what is nearer, so that edges
+// are seen; the paths, the sensor and a measured distance are drawn over it. Places are in metres
+// from the camera's target, so that numbers stay small wherever the map is.
 
 const rgb = hex => [16, 8, 0].map(bits => (parseInt(hex, 16) >> bits & 255) / 255);
 const kHeights = ['3a4c96', '2a8498', '56b276', 'd6c85c', 'f6ecce'].map(rgb);
@@ -89,7 +13,10 @@ const kConfidence = ['c0392b', 'e67e22', 'e8d36b', '7fc8a9', '4aa3df'].map(rgb);
 const kBrightness = ['262a52', '6a3d8f', 'c34f72', 'f28f4e', 'fbe9a8'].map(rgb);
 const kPalettes = [kHeights, kConfidence, kBrightness];
 const kMeasured = rgb('ffd24a'), kUpsampled = rgb('35c3f3');
-const kPath = rgb('ff7a5c'), kLoops = rgb('d58cff'), kSensor = rgb('ffffff');
+const kLoops = rgb('d58cff'), kSensor = rgb('ffffff');
+// One path alone is that of the sensor. Several have colours that people with any kind of colour
+// blindness tell apart (Okabe and Ito, 2008), lighter for the dark ground.
+const kPath = 'ff7a5c', kPaths = ['56b4e9', 'e69f00', '2fc79b', 'd994ba', 'f0e442', 'f07e35', '7c9cff', 'c8ccd4'];
 const kBackground = rgb('11141c');
 
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -107,16 +34,19 @@ function turningStage(data) {
       when(hasScans, el('button', {'data-view': 'behind'}, 'Behind the sensor')),
       when(data.clouds.length > 1, el('label', {}, 'Points ', el('select', {class: 'cloud'}))),
       el('label', {}, 'Colour ', el('select', {class: 'colour'}, ...['height', 'confidence', 'intensity'].map(name => el('option', {}, name)))),
-      when(hasScans, box('map', '', 'map')), when(data.path.length, box('path', '#ff7a5c', 'path')),
+      when(hasScans, box('map', '', 'map')), when(data.grid, box('grid', '', 'grid')),
+      ...data.paths.map(path => when(path.pieces.length, box('path', '#' + path.colour, path.name))),
       when(data.loops.length, el('label', {}, el('i', {style: 'background:#d58cff;border-radius:50%'}), 'loops: places recognized again'))),
     when(hasScans, el('div', {class: 'controls scans'},
       el('button', {class: 'play'}, 'Play'), el('input', {type: 'range', class: 'scan', min: 0, value: 0, 'aria-label': 'Scan'}), el('output'),
       box('measured', '#ffd24a', 'measured'), when(upsamples, box('upsampled', '#35c3f3', 'upsampled')))),
     el('div', {class: 'stage'}, el('canvas', {tabindex: 0, 'aria-label': 'Points in three dimensions'}),
-      el('button', {class: 'full'}, 'Full screen'),
+      el('div', {class: 'corner'}, el('button', {class: 'measure'}, 'Measure'), el('button', {class: 'full'}, 'Full screen')),
+      el('output', {class: 'over distance', hidden: true}),
       el('div', {class: 'over metres'}, el('span'), el('i')),
       el('div', {class: 'over key'}, el('span', {class: 'low'}), el('i'), el('span', {class: 'high'}))),
-    el('figcaption', {}, 'Drag to turn, Shift or right button to move, wheel to zoom (click first); two fingers move and zoom; arrow keys, + and -.'));
+    el('figcaption', {}, 'Drag to turn, Shift or right button to move, wheel to zoom (click first); two fingers move and zoom; arrow keys, + and -.',
+       data.grid ? ' Grid, at the height of the ground: white cells are occupied, grey ones free.' : ''));
 }
 
 /**
@@ -125,6 +55,7 @@ function turningStage(data) {
  * the arrow of the first scan; null without WebGL 2.
  */
 function turningView(into, data) {
+  data.paths.forEach((path, i) => { path.colour = data.paths.length > 1 ? kPaths[i % kPaths.length] : kPath; });
   const root = turningStage(data), find = name => root.querySelector(name);
   const canvas = find('canvas');
   const gl = canvas.getContext('webgl2', {antialias: false, alpha: false});
@@ -154,6 +85,8 @@ function turningView(into, data) {
   }
   const points = program(kPointVertices, kPointPixels);
   const shaded = program(kWholeCanvas, kShadedPixels);
+  const floor = program(kGridVertices, kGridPixels);
+  const depth = program(kWholeCanvas, kDepthPixels);
   const lines = program(kLineVertices, kLinePixels);
 
   function bufferOf(values) {
@@ -167,13 +100,28 @@ function turningView(into, data) {
     return {count: pairs.length, buffer: bufferOf(new Float32Array(pairs.flatMap(
         ([from, to]) => [...less(from, data.centre), ...less(to, data.centre)])))};
   }
-  let path, loops;
+  let paths, loops;
   function takeLines() {
-    path = linesOf(data.path.flatMap(piece => piece.slice(1).map((to, i) => [piece[i], to])));
+    paths = data.paths.map(path => linesOf(path.pieces.flatMap(piece => piece.slice(1).map((to, i) => [piece[i], to]))));
     loops = linesOf(data.loops);
   }
   takeLines();
-  let sensor = linesOf([]);
+  let sensor = linesOf([]), measured = linesOf([]);
+
+  const texture = (kind, width, height) => {
+    const made = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D, made);
+    gl.texStorage2D(gl.TEXTURE_2D, 1, kind, width, height);
+    for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.NEAREST);
+    return made;
+  };
+  let cells = null;
+  if (data.grid && Math.max(data.grid.rows, data.grid.columns) <= gl.getParameter(gl.MAX_TEXTURE_SIZE)) {
+    const {rows, columns} = data.grid;
+    cells = texture(gl.R8UI, columns, rows);
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, columns, rows, gl.RED_INTEGER, gl.UNSIGNED_BYTE, cellsOf(data.grid));
+  }
 
   // The picture in memory, as large as the canvas.
   const memory = gl.createFramebuffer();
@@ -184,21 +132,18 @@ function turningView(into, data) {
     const height = Math.max(1, Math.round(canvas.clientHeight * ratio));
     if (textures.length && canvas.width === width && canvas.height === height) return;
     canvas.width = width; canvas.height = height;
-    textures.forEach(texture => gl.deleteTexture(texture));
+    textures.forEach(old => gl.deleteTexture(old));
     gl.bindFramebuffer(gl.FRAMEBUFFER, memory);
     textures = [[gl.RGBA8, gl.COLOR_ATTACHMENT0], [gl.DEPTH_COMPONENT24, gl.DEPTH_ATTACHMENT]].map(([kind, role]) => {
-      const texture = gl.createTexture();
-      gl.bindTexture(gl.TEXTURE_2D, texture);
-      gl.texStorage2D(gl.TEXTURE_2D, 1, kind, width, height);
-      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
-      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
-      gl.framebufferTexture2D(gl.FRAMEBUFFER, role, gl.TEXTURE_2D, texture, 0);
-      return texture;
+      const made = texture(kind, width, height);
+      gl.framebufferTexture2D(gl.FRAMEBUFFER, role, gl.TEXTURE_2D, made, 0);
+      return made;
     });
   }
 
   // The camera looks at the target from a distance; yaw 0 looks along x, pitch is downwards.
-  const camera = {target: [...data.centre], distance: 2.4 * data.radius, yaw: 1.1, pitch: .62};
+  const wholeFrom = factor => factor * data.radius * Math.max(1, canvas.clientHeight / canvas.clientWidth || 1);
+  const camera = {target: [...data.centre], distance: wholeFrom(2.4), yaw: 1.1, pitch: .62};
   let goal = null;  // where the camera glides to
   let shown = {cloud: 0, scan: 0, by: 0};
   // While the camera moves: how many pixels a voxel may be wide, and whether pixels are twice as
@@ -267,7 +212,19 @@ function turningView(into, data) {
     gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, what.count);
   }
 
-  function draw(coarseness, sharpness) {
+  // At the height of the ground, as far as it is known: that of the lowest points.
+  function drawGrid(look) {
+    const {rows, columns, cell_m, origin_m} = data.grid;
+    gl.useProgram(floor.program);
+    gl.bindTexture(gl.TEXTURE_2D, cells);
+    gl.uniformMatrix4fv(floor.toClip, false, look.toClip);
+    gl.uniform3fv(floor.corner, less([...origin_m, data.heights[0]], camera.target));
+    gl.uniform2f(floor.size, columns * cell_m, rows * cell_m);
+    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+  }
+
+  /** exactly: with the depths of all points as they are. */
+  function draw(coarseness, sharpness, exactly = false) {
     fitCanvas(sharpness);
     const look = {...lens(), coarse: coarseness};
     gl.bindFramebuffer(gl.FRAMEBUFFER, memory);
@@ -275,6 +232,7 @@ function turningView(into, data) {
     gl.clearColor(...kBackground, 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     gl.enable(gl.DEPTH_TEST);
+    if (cells && find('.grid').checked) drawGrid(look);
     gl.enableVertexAttribArray(0);
     gl.vertexAttribDivisor(0, 0);
     gl.useProgram(points.program);
@@ -284,11 +242,11 @@ function turningView(into, data) {
     const palette = kPalettes[shown.by];
     if (data.clouds.length && find('.map').checked) {
       const cloud = data.clouds[shown.cloud];
-      drawCloud(cloud, look, {palette, by: shown.by, light: scan ? .4 : 1, spacing: .8 * cloud.spacing, least: 1});
+      drawCloud(cloud, look, {palette, by: shown.by, light: scan ? .4 : paths.length > 1 ? .55 : 1, spacing: .8 * cloud.spacing, least: 1});
     }
     if (scan) {  // a little nearer than the map, which has the same surfaces
       const nearer = [...look.toClip];
-      nearer[14] -= .04 * look.near;
+      if (!exactly) nearer[14] -= .04 * look.near;
       gl.uniformMatrix4fv(points.toClip, false, nearer);
       for (const [kind, colour] of [['measured', kMeasured], ['upsampled', kUpsampled]]) {
         const plain = {palette: Array(5).fill(colour), by: 0, light: 1, spacing: .07, least: 2};
@@ -313,18 +271,19 @@ function turningView(into, data) {
     gl.uniform3fv(lines.shift, less(data.centre, camera.target));
     gl.uniform2f(lines.pixel, 2 / canvas.width, 2 / canvas.height);
     gl.uniform1f(lines.near, look.near);
-    if (find('.path').checked) {
-      drawLines(path, kPath, 3);
-      drawLines(loops, kLoops, 8);
-    }
+    const boxes = root.querySelectorAll('.path');
+    // Wider below: where several are in one place all are seen.
+    paths.forEach((path, i) => { if (boxes[i].checked) drawLines(path, rgb(data.paths[i].colour), Math.min(3 + 2 * (paths.length - 1 - i), 9)); });
+    if (boxes.length && boxes[0].checked) drawLines(loops, kLoops, 8);
     drawLines(sensor, kSensor, 3);
-    gl.disableVertexAttribArray(1);
+    drawLines(measured, kSensor, 2);
+    for (const place of [0, 1]) gl.disableVertexAttribArray(place);
     showScale(look);
   }
 
   function showScale(look) {
     const pixelsPerMetre = look.focal / camera.distance * canvas.clientHeight / canvas.height;
-    const metres = [.1, .2, .5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000].find(m => m * pixelsPerMetre > 60) || 5000;
+    const metres = [.1, .2, .5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000].find(m => m * pixelsPerMetre > Math.min(60, canvas.clientWidth / 8)) || 5000;
     find('.metres i').style.width = metres * pixelsPerMetre + 'px';
     find('.metres span').textContent = metres + ' m';
   }
@@ -365,6 +324,73 @@ function turningView(into, data) {
     moved = true;
   }
 
+  /**
+   * The place of a path, else of a point or the grid, that is seen nearest to a pixel of the window,
+   * at most `reach` pixels off, in the clouds' frame; null where none is.
+   */
+  function placeAt(clientX, clientY, reach) {
+    const box = canvas.getBoundingClientRect(), ratio = canvas.height / box.height;
+    const x = (clientX - box.left) * ratio, y = (box.bottom - clientY) * ratio;
+    return pathAt(x, y, reach * ratio) || depthAt(Math.floor(x), Math.floor(y), Math.round(reach * ratio));
+  }
+  function pathAt(x, y, reach) {
+    const look = lens(), boxes = root.querySelectorAll('.path');
+    let best = null;
+    for (const place of data.paths.flatMap((path, i) => boxes[i].checked ? path.pieces.flat() : [])) {
+      const away = less(place, camera.target), distance = dot(look.ahead, away) + camera.distance;
+      if (distance < look.near) continue;
+      const apart = Math.hypot((1 + dot(look.right, away) * look.x / distance) * canvas.width / 2 - x,
+                               (1 + dot(look.up, away) * look.y / distance) * canvas.height / 2 - y);
+      if (apart < (best ? best.apart : reach)) best = {apart, place};
+    }
+    return best && best.place;
+  }
+  // From the depth of the pixels, d = 1 - near / distance along the view.
+  function depthAt(column, row, reach) {
+    draw(1, 1, true);
+    gl.useProgram(depth.program);
+    gl.bindTexture(gl.TEXTURE_2D, textures[1]);
+    gl.uniform1i(depth.depths, 0);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    const side = 2 * reach + 1, bytes = new Uint8Array(4 * side * side);
+    gl.readPixels(column - reach, row - reach, side, side, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+    redraw();
+    let best = null;
+    for (let i = 0; i < side * side; ++i) {
+      const x = i % side - reach, y = Math.floor(i / side) - reach, apart = x * x + y * y;
+      const bits = bytes[4 * i] << 16 | bytes[4 * i + 1] << 8 | bytes[4 * i + 2];
+      if (bits > 0 && bits < 16777215 && (!best || apart < best.apart)) best = {apart, x: column + x, y: row + y, bits};
+    }
+    if (!best) return null;
+    const look = lens(), distance = look.near / (1 - best.bits / 16777215);
+    const right = (2 * (best.x + .5) / canvas.width - 1) * distance / look.x, up = (2 * (best.y + .5) / canvas.height - 1) * distance / look.y;
+    return camera.target.map((value, i) => value + look.ahead[i] * (distance - camera.distance) + look.right[i] * right + look.up[i] * up);
+  }
+
+  // Two places that were picked, and the distance between them.
+  let picked = null;  // null: nothing is measured
+  function showMeasured(note) {
+    const cross = place => [0, 1, 2].map(axis => [-1, 1].map(sign =>
+        place.map((value, i) => value + (i === axis ? sign * .012 * camera.distance : 0))));
+    gl.deleteBuffer(measured.buffer);
+    measured = linesOf(picked ? [...picked.flatMap(cross), ...(picked.length === 2 ? [picked] : [])] : []);
+    find('.measure').classList.toggle('chosen', Boolean(picked));
+    find('.distance').hidden = !picked;
+    if (picked) find('.distance').textContent = note || distanceText(picked);
+    redraw();
+  }
+  function distanceText([from, to]) {
+    if (!to) return from ? 'Click or tap the second point' : 'Click or tap the first point';
+    const along = less(to, from);
+    return `${Math.hypot(...along).toFixed(2)} m (${Math.hypot(along[0], along[1]).toFixed(2)} m level, ${Math.abs(along[2]).toFixed(2)} m ${along[2] < 0 ? 'down' : 'up'})`;
+  }
+  function pick(event) {
+    const place = placeAt(event.clientX, event.clientY, event.pointerType === 'touch' ? 16 : 6);
+    if (place) picked = picked.length === 1 ? [...picked, place] : [place];
+    showMeasured(place ? '' : 'No point is there: click or tap nearer to one');
+  }
+  find('.measure').onclick = () => { picked = picked ? null : []; showMeasured(); };
+
   let following = false;
   const takeOver = () => { goal = null; following = false; };
   const turnBy = (yaw, pitch) => {
@@ -390,11 +416,17 @@ function turningView(into, data) {
 
   // Mouse and fingers: one turns, two move and zoom.
   const fingers = new Map();
+  let pressed = null;  // where the only one was put down
   canvas.onpointerdown = event => {
     canvas.setPointerCapture(event.pointerId);
     fingers.set(event.pointerId, [event.clientX, event.clientY]);
+    pressed = fingers.size === 1 ? [event.clientX, event.clientY] : null;
   };
-  canvas.onpointerup = canvas.onpointercancel = event => fingers.delete(event.pointerId);
+  canvas.onpointerup = canvas.onpointercancel = event => {
+    fingers.delete(event.pointerId);
+    const stayed = pressed && Math.hypot(event.clientX - pressed[0], event.clientY - pressed[1]) < 6;
+    if (picked && stayed && event.type === 'pointerup' && event.button === 0) pick(event);
+  };
   canvas.onpointermove = event => {
     const was = fingers.get(event.pointerId);
     if (!was) return;
@@ -430,8 +462,8 @@ function turningView(into, data) {
 
   // Buttons and choices.
   const views = {
-    overview: () => ({target: data.centre, distance: 2.4 * data.radius, yaw: camera.yaw, pitch: .62}),
-    above: () => ({target: data.centre, distance: 2.2 * data.radius, yaw: Math.PI / 2, pitch: Math.PI / 2}),
+    overview: () => ({target: data.centre, distance: wholeFrom(2.4), yaw: camera.yaw, pitch: .62}),
+    above: () => ({target: data.centre, distance: wholeFrom(2.2), yaw: Math.PI / 2, pitch: Math.PI / 2}),
     behind: () => {
       const scan = data.scans[Math.max(0, shown.scan - 1)];
       return {target: scan.at, distance: 26, yaw: scan.yaw, pitch: .38};
@@ -467,8 +499,8 @@ function turningView(into, data) {
   find('.play').onclick = play;
   root.renew = fresh => {  // for a page that is updated
     const clouds = [...data.clouds, ...data.scans.flatMap(scan => [scan.measured, scan.upsampled])];
-    for (const old of [path, loops, ...clouds]) { gl.deleteBuffer(old.buffer); gl.deleteBuffer(old.shine); }
-    Object.assign(data, fresh);
+    for (const old of [...paths, loops, ...clouds]) { gl.deleteBuffer(old.buffer); gl.deleteBuffer(old.shine); }
+    Object.assign(data, {...fresh, paths: fresh.paths.map((path, i) => ({...data.paths[i], ...path}))});
     takeLines();
     find('.scan').max = data.scans.length;
     choose();
@@ -485,6 +517,7 @@ function turningView(into, data) {
   for (const cloud of data.clouds) find('.cloud').add(new Option(cloud.name));
   function choose() {
     shown.cloud = Math.max(0, find('.cloud').selectedIndex);
+    find('.key').hidden = !data.clouds.length;
     const {sure, bright = []} = data.clouds[shown.cloud] || {};
     const colour = find('.colour');
     [true, sure, bright.length].forEach((known, i) => { colour[i].disabled = colour[i].hidden = !known; });
@@ -513,6 +546,12 @@ function turningView(into, data) {
   if (data.scans.length) show(apart.indexOf(Math.min(...apart)) + 1);
   if (shown.scan) camera.target = [...data.scans[shown.scan - 1].at];
   return root;
+}
+
+/** The cells of an occupancy grid: 0 unknown, 1 free, 2 occupied. */
+function cellsOf(grid) {
+  const packed = numbersOf(grid.cells);
+  return Uint8Array.from({length: grid.rows * grid.columns}, (_, i) => packed[i >> 2] >> 2 * (i & 3) & 3);
 }
 
 /** The points of a cloud, x and y in metres: what a map from above is drawn from. */

@@ -129,3 +129,11 @@ function imageFigure(spec) {
     figure.show({values: spec.values, scale: spec.scale, unit: spec.unit, marks: spec.marks, shade: spec.shade});
   return figure;
 }
+
+/** An occupancy grid from above (turning_view.h), with where the pointer is. */
+function gridFigure(grid) {
+  const {rows, columns, cell_m, origin_m} = grid;
+  return imageFigure({rows, columns, values: cellsOf(grid), axes: false, height: 'auto', caption: grid.summary,
+    scale: classScale([['#808890', 'unknown'], ['#f4f4f4', 'free'], ['#101418', 'occupied']]),
+    label: (row, column) => `x ${(origin_m[0] + (column + .5) * cell_m).toFixed(1)} m, y ${(origin_m[1] + (rows - row - .5) * cell_m).toFixed(1)} m`});
+}

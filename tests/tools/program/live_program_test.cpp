@@ -231,7 +231,7 @@ TEST_CASE("live upsamples scans, serves the page, and ends with SIGTERM as with 
   const auto state = nlohmann::json::parse(live::http_get(kLoopback, port, "/state"));
   CHECK(state["scans"] >= 5);
   const auto view = nlohmann::json::parse(live::http_get(kLoopback, port, "/view"));
-  CHECK(view["path"][0].size() >= 3);
+  CHECK(view["paths"][0]["pieces"][0].size() >= 3);
   CHECK(view["clouds"][0]["points"].get<std::string>().size() > 5000);
   CHECK(live.end(SIGTERM) == 0);
   CHECK(holds(live.out(), "upsampled to 16 rows by linear"));

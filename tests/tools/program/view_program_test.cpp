@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include "tools/page_data.h"
 #include "tools/parts_of_text.h"
 #include "tools/program/arguments.h"
 
@@ -21,6 +22,100 @@ TEST_CASE("view shows maps, saved maps, files of points and scans of recordings,
                        R"("name":"bin/000000.bin")"}) == "");
   CHECK(count(html, R"("sure":true)") == 2);  // of the dense maps
   CHECK(count(html, R"("origin")") == 6);
+}
+
+TEST_CASE(
+    "view shows several trajectories, aligned to the first, over a map and an occupancy grid") {
+  const TemporaryDirectory folder;
+  const auto path = [&](const char* name) { return folder.file(name); };
+  std::string tum, kitti, late;
+  for (int i = 0; i < 9; ++i) {
+    tum += fmt::format("{} {} {} 0 0 0 0 1\n", 0.1 * i, i, i % 3);
+    kitti += fmt::format("0 -1 0 {} 1 0 0 {} 0 0 1 7\n", -(i % 3), i);  // turned by 90 degrees
+    late += fmt::format("{} {} 5 0 0 0 0 1\n", 100.0 + i, i);
+  }
+  write_file(path("a.tum"), tum);
+  write_file(path("b.kitti"), kitti);
+  write_file(path("c.txt"), late);
+  write_file(path("points.txt"), "x y z\n1 2 3\n2 3 4\n");
+  write_file(path("map.pgm"), "P5\n2 1\n255\n" + std::string({'\0', '\xFE'}));
+  write_file(path("map.yaml"),
+             "image: map.pgm\nresolution: 0.5\norigin: [1, 2, 0]\nnegate: 0\n"
+             "occupied_thresh: 0.65\nfree_thresh: 0.196\n");
+  const ProgramResult result = succeeds(
+      "view '{0}/a.tum' '{0}/points.txt' '{0}/b.kitti' '{0}/c.txt' '{0}/map.yaml' --out "
+      "'{0}/p.html'",
+      folder.path().string());
+  CHECK(holds(result.out, "b.kitti: aligned to " + path("a.tum") + ", APE RMSE 0.000 m over 9"));
+  CHECK(holds(result.out, "c.txt: not aligned to"));
+  CHECK(holds(result.out, "2 points, 3 trajectories"));
+  const nlohmann::json data = data_of(file_contents(path("p.html")));
+  const nlohmann::json& paths = data["view"]["paths"];
+  REQUIRE(paths.size() == 3);
+  CHECK(paths[1]["pieces"] == paths[0]["pieces"]);
+  CHECK(paths[2]["pieces"][0][1] == nlohmann::json({1.0, 5.0, 0.0}));  // as it is
+  CHECK(holds(paths[2]["name"].get<std::string>(), "/c.txt"));
+  CHECK(data["view"]["grid"]["columns"] == 2);
+  CHECK(data["view"]["clouds"].size() == 1);
+  CHECK(data["notes"].size() == 2);
+}
+
+TEST_CASE("view refuses trajectories, grids and saved maps that are none, in one line") {
+  const TemporaryDirectory folder;
+  const auto refuses = [&](const char* name, const std::string& content, const char* complaint) {
+    const std::string file = folder.file(name);
+    write_file(file, content);
+    const ProgramResult result = refused("view '{}' --out '{}'", file, folder.file("page.html"));
+    CAPTURE(result.error);
+    CHECK(holds(result.error, complaint));
+  };
+  refuses("a.tum", "0 1 2 3 0 0 0 2\n", "a.tum:1: expected a unit quaternion");
+  refuses("a.kitti", "1 2 3\n", "a.kitti:1: expected 8 numbers (TUM) or 12 (KITTI)");
+  refuses("a.txt", "0 nan\n", "a.txt: line 1: expected 3 numbers x y z");
+  refuses("map.npz", "PK", "map.npz");
+  refuses("map.pgm", "P5 1 1 255 .", "expected the .yaml file");
+  refuses("map.yaml", "image: none.pgm\n", "map.yaml: negate: expected a value");
+  const std::string grid =
+      "image: {}\nresolution: 1\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\n"
+      "free_thresh: 0.196\n";
+  refuses("lost.yaml", fmt::format(fmt::runtime(grid), "none.pgm"), "none.pgm");
+  write_file(folder.file("huge.pgm"), "P5 2000000000 2000000000 255 .");
+  refuses("huge.yaml", fmt::format(fmt::runtime(grid), "huge.pgm"),
+          "huge.pgm: expected 2000000000 x");
+  write_file(folder.file("map.pgm"), "P5 1 1 255\n\xFE");
+  write_file(folder.file("one.yaml"), fmt::format(fmt::runtime(grid), "map.pgm"));
+  CHECK(holds(
+      refused("view '{0}' '{0}' --out '{1}'", folder.file("one.yaml"), folder.file("page.html"))
+          .error,
+      "expected one occupancy grid"));
+  CHECK_FALSE(fs::exists(folder.file("page.html")));
+}
+
+TEST_CASE("--open hands the page to xdg-open; without one, or if it fails, a line says so") {
+  const TemporaryDirectory folder;
+  fs::create_directory(folder.file("bin"));
+  const std::string opener = folder.file("bin/xdg-open");
+  write_file(folder.file("a.tum"), "0 1 2 3 0 0 0 1\n");
+  const std::string page = folder.file("a page; echo.html");
+  const auto opened = [&](const std::string& script) {
+    fs::remove(opener);
+    write_file(opener + ".new", "#!/bin/sh\n" + script);
+    fs::permissions(opener + ".new", fs::perms::owner_all);
+    if (!script.empty()) fs::rename(opener + ".new", opener);
+    ProgramResult result =
+        run_shell(fmt::format("PATH='{}' '{}' view '{}' --open --out '{}'", folder.file("bin"),
+                              program_of("view"), folder.file("a.tum"), page));
+    CHECK(result.status == 0);
+    CHECK(fs::exists(page));
+    return result;
+  };
+  CHECK(opened("printf %s \"$1\" >'" + folder.file("given") + "'\n").error == "");
+  CHECK(file_contents(folder.file("given")) == page);
+  for (const auto& [script, why] : {std::pair("exit 3\n", "exit status 3"), {"", "No such file"}}) {
+    const ProgramResult failed = opened(script);
+    CHECK(is_one_line(failed.error));
+    CHECK(missing(failed.error, {why, page}) == "");
+  }
 }
 
 TEST_CASE("view refuses a scan that a recording does not have, and files without points") {

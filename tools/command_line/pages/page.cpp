@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "hqslam/core/error.h"
 #include "pages/web_files.h"
@@ -59,6 +60,11 @@ std::string page_html(std::string_view name, PageJson data) {
 
 std::string page_marker(std::string_view generator) {
   return fmt::format(R"(<meta name="generator" content="{}">)", generator);
+}
+
+std::string short_name(const std::string& path) {
+  const std::filesystem::path file(path);
+  return (file.parent_path().filename() / file.filename()).string();
 }
 
 std::string base64(std::span<const std::uint8_t> bytes) {

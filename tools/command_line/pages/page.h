@@ -22,6 +22,9 @@ std::string page_html(std::string_view name, PageJson data);
 /// the template's <meta name="generator">.
 std::string page_marker(std::string_view generator);
 
+/// A path without most of it: "kitti_drive_0005/velodyne".
+std::string short_name(const std::string& path);
+
 /// Bytes as base64 (RFC 4648, with padding).
 std::string base64(std::span<const std::uint8_t> bytes);
 

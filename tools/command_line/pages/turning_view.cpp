@@ -104,16 +104,23 @@ std::vector<std::size_t> shared_out(std::size_t room, const std::vector<std::siz
   return result;
 }
 
-/// Around the path, or where there is none around most of the points.
+/// Around the paths, or where there is none around most of the points, or the grid.
 Eigen::AlignedBox3d scene_of(const TurningView& view, const Points& points_m) {
   constexpr double kAroundPath_m = 15.0;
   Eigen::AlignedBox3d box;
-  for (const Points& piece : view.path_m) {
-    for (const Eigen::Vector3f& place_m : piece) box.extend(place_m.cast<double>());
+  for (const ViewPath& path : view.paths) {
+    for (const Points& piece_m : path.pieces_m) {
+      for (const Eigen::Vector3f& place_m : piece_m) box.extend(place_m.cast<double>());
+    }
   }
   if (!box.isEmpty()) {
     const Eigen::Vector3d margin_m(kAroundPath_m, kAroundPath_m, 0.0);
     return {box.min() - margin_m, box.max() + margin_m};
+  }
+  if (points_m.empty() && view.grid) {
+    const auto& [cell_m, origin_m, rows, columns, cells] = view.grid->map;
+    return {Eigen::Vector3d(origin_m.x(), origin_m.y(), 0.0),
+            Eigen::Vector3d(origin_m.x() + columns * cell_m, origin_m.y() + rows * cell_m, 0.0)};
   }
   constexpr double kOutliers = 0.05;
   Eigen::Vector3d low, high;
@@ -137,7 +144,51 @@ Json json_of(const ViewScan& scan, std::size_t most_points) {
           {"upsampled", json_of(scan.upsampled, most[1])}};
 }
 
+Json json_of(const ViewPath& path) {
+  Json pieces = Json::array();
+  for (const Points& piece_m : path.pieces_m) {
+    Json& piece = pieces.emplace_back(Json::array());
+    for (const Eigen::Vector3f& place_m : piece_m) piece.push_back(json_of(place_m));
+  }
+  return {{"name", path.name}, {"pieces", std::move(pieces)}};
+}
+
+/// Cells of two bits, four in a byte, the first in the lowest.
+Json json_of(const ViewGrid& grid) {
+  const slam::OccupancyMap map = thinned(grid.map);
+  std::vector<std::uint8_t> packed((map.cells.size() + 3) / 4, 0);
+  for (std::size_t i = 0; i < map.cells.size(); ++i) {
+    packed[i / 4] |= static_cast<std::uint8_t>(static_cast<unsigned>(map.cells[i]) << 2 * (i % 4));
+  }
+  return {{"rows", map.rows},           {"columns", map.columns},
+          {"cell_m", map.resolution_m}, {"origin_m", {map.origin_m.x(), map.origin_m.y()}},
+          {"summary", grid.summary},    {"cells", u8_block(packed)}};
+}
+
 }  // namespace
+
+slam::OccupancyMap thinned(const slam::OccupancyMap& map, std::size_t most_cells) {
+  int factor = 1;
+  const auto side = [&](int cells) { return (cells + factor - 1) / factor; };
+  while (static_cast<std::size_t>(side(map.rows)) * side(map.columns) > most_cells) ++factor;
+  slam::OccupancyMap result = map;
+  if (factor == 1) return result;
+  result.resolution_m = factor * map.resolution_m;
+  result.rows = side(map.rows);
+  result.columns = side(map.columns);
+  // Row 0 has the largest y: the lower edge moves down where rows do not divide.
+  result.origin_m.y() -= (result.rows * factor - map.rows) * map.resolution_m;
+  result.cells.assign(static_cast<std::size_t>(result.rows) * result.columns,
+                      slam::Occupancy::kUnknown);
+  for (int row = 0; row < map.rows; ++row) {
+    for (int column = 0; column < map.columns; ++column) {
+      slam::Occupancy& cell =
+          result.cells[static_cast<std::size_t>(row / factor) * result.columns + column / factor];
+      cell = std::max(cell, map.cells[static_cast<std::size_t>(row) * map.columns + column]);
+    }
+  }
+  return result;
+}
 
 Json turning_view_json(const TurningView& view) {
   static const Points kNone;
@@ -162,11 +213,8 @@ Json turning_view_json(const TurningView& view) {
     const ViewCloud& cloud = view.clouds[i];
     data["clouds"].push_back(json_of(cloud, most[i] / bytes_of_point(cloud)));
   }
-  data["path"] = Json::array();
-  for (const Points& piece_m : view.path_m) {
-    Json& piece = data["path"].emplace_back(Json::array());
-    for (const Eigen::Vector3f& place_m : piece_m) piece.push_back(json_of(place_m));
-  }
+  data["paths"] = Json::array();
+  for (const ViewPath& path : view.paths) data["paths"].push_back(json_of(path));
   data["loops"] = Json::array();
   for (const auto& [from_m, to_m] : view.loops_m) {
     data["loops"].push_back({json_of(from_m), json_of(to_m)});
@@ -175,6 +223,7 @@ Json turning_view_json(const TurningView& view) {
   for (const ViewScan& scan : view.scans) {
     data["scans"].push_back(json_of(scan, kMostScanPoints / view.scans.size()));
   }
+  if (view.grid) data["grid"] = json_of(*view.grid);
   return data;
 }
 

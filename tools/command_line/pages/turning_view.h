@@ -4,11 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "hqslam/core/pose.h"
+#include "hqslam/slam/occupancy_grid.h"
 
 namespace hqslam::tools {
 
@@ -30,19 +32,35 @@ struct ViewScan {
   ViewCloud upsampled;  ///< without points: the scan was not upsampled
 };
 
+/// The path of a sensor, in pieces: the relative pose of two pieces is unknown.
+struct ViewPath {
+  std::string name;
+  std::vector<std::vector<Eigen::Vector3f>> pieces_m = {};
+};
+
+/// An occupancy grid, and what is written beside its picture.
+struct ViewGrid {
+  slam::OccupancyMap map;
+  std::string summary;
+};
+
 /// What a view shows: everything in one frame, z upwards.
 struct TurningView {
   std::vector<ViewCloud> clouds;  ///< one is shown at a time
-  /// In pieces: the relative pose of two pieces is unknown.
-  std::vector<std::vector<Eigen::Vector3f>> path_m;
+  std::vector<ViewPath> paths;    ///< all are shown, each in its colour
   std::vector<std::pair<Eigen::Vector3f, Eigen::Vector3f>> loops_m;  ///< places that are the same
   std::vector<ViewScan> scans;
+  std::optional<ViewGrid> grid = {};
 };
 
 /// What a page may have of points of 4 bytes (5 with an intensity), so that it stays below 15 MB
 /// with its pictures.
 inline constexpr std::size_t kMostCloudPoints = 1'200'000;
 inline constexpr std::size_t kMostScanPoints = 700'000;
+
+/// What a page may have of an occupancy grid: cells of twice, three times, ... the side, so that
+/// there are at most so many. A cell is occupied if one of its own is, else free if one is.
+slam::OccupancyMap thinned(const slam::OccupancyMap& map, std::size_t most_cells = 4'000'000);
 
 /// What tools/web/cloud.js shows as a cloud that is turned, moved and zoomed, with the scans one
 /// after another over it. Points are thinned to what a page may have.

@@ -13,6 +13,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/nearest_names.h"
 #include "program/help_formatter.h"
+#include "program/invocation.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {
@@ -83,6 +84,7 @@ void declare_program(CLI::App& app, const ProgramText& text) {
 int exit_status_of(CLI::App& app, const std::function<int()>& chosen, int argc,
                    const char* const* argv) {
   const std::string program = app.get_name();
+  keep_invocation(program, argc, argv);
   try {
     app.parse(argc, argv);
     return chosen();

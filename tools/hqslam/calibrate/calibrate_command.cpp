@@ -10,6 +10,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/pipeline/beam_check.h"
 #include "hqslam/pipeline/pipeline.h"
+#include "pages/open_page.h"
 #include "pages/page.h"
 #include "recording/reading.h"
 #include "terminal/command_options.h"
@@ -75,6 +76,7 @@ void declare(CLI::App& app, CalibrateOptions& options) {
               "Sensor file (.json) to write, for --sensor of every other command; a page with the "
               "same name and .html shows what was found",
               {.required = true});
+  declare_open(command, options.open);
 }
 
 int run(const CalibrateOptions& options) {
@@ -123,6 +125,7 @@ int run(const CalibrateOptions& options) {
   write_text_file(calibration_html(report), page);
   to_stdout("{}\n{}", aligned_text(beam_table(report)), calibration_summary(report));
   to_stdout("results: {}, {}\n", options.out, page);
+  if (options.open) open_page(page);
   return exit_status_of(reading, std::ssize(scans), std::nullopt);
 }
 

@@ -11,6 +11,7 @@ struct CalibrateOptions : InputChoice {
   int rows = 0;                                  ///< of the recording; 0: all
   double path_m = pipeline::kCalibrationPath_m;  ///< of whose scans the beams are estimated
   std::string out;
+  bool open = false;
 };
 
 void declare(CLI::App& app, CalibrateOptions& options);

@@ -10,6 +10,7 @@
 #include "inspect/layers_page.h"
 #include "inspect/slam_scan_page.h"
 #include "inspect/what_if.h"
+#include "pages/open_page.h"
 #include "pages/page.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
@@ -132,6 +133,12 @@ LayersReport report_of(const InspectOptions& options, const nn::Weights& weights
   return report;
 }
 
+void write_page(const std::string& html, const InspectOptions& options) {
+  write_text_file(html, options.out);
+  to_stdout("results: {}\n", options.out);
+  if (options.open) open_page(options.out);
+}
+
 /// SLAM up to one scan of the recording, and the page of that scan.
 int inspect_slam(const InspectOptions& options) {
   guard_output_file(options.out, {options.input, options.weights},
@@ -154,8 +161,7 @@ int inspect_slam(const InspectOptions& options) {
   });
   progress.finish();
   print_later_warnings(source, printed);
-  write_text_file(slam_scan_html(page), options.out);
-  to_stdout("results: {}\n", options.out);
+  write_page(slam_scan_html(page), options);
   return kOk;
 }
 
@@ -200,6 +206,7 @@ void declare(CLI::App& app, InspectOptions& options) {
               "for a large network)",
               {.excludes = {"--slam"}})
       .option("--out", &options.out, "Page to write (.html)", {.excludes = {"--list"}});
+  declare_open(command, options.open, {"--out"});
 }
 
 int run(const InspectOptions& options) {
@@ -230,10 +237,7 @@ int run(const InspectOptions& options) {
     write_npz(options.npz, arrays_of(report.trace));
     to_stdout("results: {}\n", options.npz);
   }
-  if (!options.out.empty()) {
-    write_text_file(layers_html(report), options.out);
-    to_stdout("results: {}\n", options.out);
-  }
+  if (!options.out.empty()) write_page(layers_html(report), options);
   return kOk;
 }
 

@@ -23,6 +23,7 @@ struct InspectOptions : InputChoice {  ///< sensor empty: as for hqslam upsample
   std::vector<std::string> what_if;  ///< changes of the loop (what_if.h)
   std::string npz;                   ///< empty: tensors are not written
   std::string out;
+  bool open = false;
 };
 
 void declare(CLI::App& app, InspectOptions& options);

@@ -11,6 +11,7 @@
 #include "live/live_run.h"
 #include "live/live_view.h"
 #include "live/view_server.h"
+#include "pages/open_page.h"
 #include "run/run_summary.h"
 #include "run/slam_session.h"
 #include "terminal/command_options.h"
@@ -165,6 +166,7 @@ void declare(CLI::App& app, LiveOptions& options) {
       .option("--view-address", &options.view_address,
               "Address at which the page of --view is served; default: to this computer alone",
               {.shows_default = true, .needs = {"--view"}});
+  declare_open(command, options.open, {"--view"});
   declare_threads(command, options.threads);
   declare_slam_kind(command, options.slam);
   declare_slam_settings(command, options.slam);
@@ -186,6 +188,7 @@ int run(const LiveOptions& options) {
     server.emplace(options.view_address, *options.view,
                    [&view](const std::string& target) { return view.answer(target); });
     to_stdout("page: {}\n", server->url());
+    if (options.open) open_page(server->url());
   }
   if (!wait_for_sensor(*sensor, *interrupt)) return kOk;
   const std::string port = fmt::format("UDP port {}", sensor->port());

@@ -20,6 +20,7 @@ struct LiveOptions : UpsamplingChoice, MapChoice {
   SlamSettings slam;
   std::optional<std::uint16_t> view;  ///< port of the page; nothing: no page
   std::string view_address = "127.0.0.1";
+  bool open = false;  ///< that page
 };
 
 void declare(CLI::App& app, LiveOptions& options);

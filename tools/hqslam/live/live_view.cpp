@@ -155,11 +155,12 @@ TurningView LiveView::turning_view() const {
   const std::lock_guard lock(mutex_);
   view.clouds = {{"map", map_.points_m(), {}, map_.intensity()}};
   view.scans = {{"last scan", 0, T_map_sensor_, {"", last_scan_m_}, {}}};
+  ViewPath& path = view.paths.emplace_back(ViewPath{"path"});
   std::optional<std::size_t> segment;
   const auto add = [&](const PathPosition& position) {
-    if (segment != position.segment) view.path_m.emplace_back();
+    if (segment != position.segment) path.pieces_m.emplace_back();
     segment = position.segment;
-    view.path_m.back().push_back(position.place_m);
+    path.pieces_m.back().push_back(position.place_m);
   };
   const std::size_t every = 1 + positions_.size() / kMostPlaces;
   for (std::size_t i = 0; i < positions_.size(); i += every) add(positions_[i]);

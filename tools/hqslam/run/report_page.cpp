@@ -1,15 +1,17 @@
 #include "run/report_page.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
+#include <ctime>
 #include <limits>
 
 #include "hqslam/core/angles.h"
 #include "pages/page.h"
 #include "pages/text_table.h"
+#include "program/invocation.h"
 #include "timing/timing.h"
 
 namespace hqslam::tools {
@@ -58,12 +60,6 @@ Json notices_json(const SlamRun& run) {
       fmt::format("The run ended after {}: {}. The results are valid up to there.",
                   scans_text(std::ssize(run.scans), run.scans_in_recording),
                   run.end == ReadingEnd::kInterrupted ? "it was interrupted" : run.end_message)};
-}
-
-/// The recording without most of its path: "kitti_drive_0005/velodyne".
-std::string short_name(const SlamRun& run) {
-  const std::filesystem::path path(run.input);
-  return (path.parent_path().filename() / path.filename()).string();
 }
 
 /// A value of each pose.
@@ -192,41 +188,7 @@ Json statuses_json(const SlamRun& run) {
   return json;
 }
 
-/// Cells of two bits, four in a byte, the first in the lowest.
-Json grid_json(const slam::OccupancyMap& map, const std::string& summary) {
-  std::vector<std::uint8_t> packed((map.cells.size() + 3) / 4, 0);
-  for (std::size_t i = 0; i < map.cells.size(); ++i) {
-    packed[i / 4] |= static_cast<std::uint8_t>(static_cast<unsigned>(map.cells[i]) << 2 * (i % 4));
-  }
-  return {{"rows", map.rows},           {"columns", map.columns},
-          {"cell_m", map.resolution_m}, {"origin_m", {map.origin_m.x(), map.origin_m.y()}},
-          {"summary", summary},         {"cells", u8_block(packed)}};
-}
-
 }  // namespace
-
-slam::OccupancyMap thinned(const slam::OccupancyMap& map, std::size_t most_cells) {
-  int factor = 1;
-  const auto side = [&](int cells) { return (cells + factor - 1) / factor; };
-  while (static_cast<std::size_t>(side(map.rows)) * side(map.columns) > most_cells) ++factor;
-  slam::OccupancyMap result = map;
-  if (factor == 1) return result;
-  result.resolution_m = factor * map.resolution_m;
-  result.rows = side(map.rows);
-  result.columns = side(map.columns);
-  // Row 0 has the largest y: the lower edge moves down where rows do not divide.
-  result.origin_m.y() -= (result.rows * factor - map.rows) * map.resolution_m;
-  result.cells.assign(static_cast<std::size_t>(result.rows) * result.columns,
-                      slam::Occupancy::kUnknown);
-  for (int row = 0; row < map.rows; ++row) {
-    for (int column = 0; column < map.columns; ++column) {
-      slam::Occupancy& cell =
-          result.cells[static_cast<std::size_t>(row / factor) * result.columns + column / factor];
-      cell = std::max(cell, map.cells[static_cast<std::size_t>(row) * map.columns + column]);
-    }
-  }
-  return result;
-}
 
 Json report_json(const SlamRun& run, const DenseMapRun* dense_map, const slam::OccupancyMap* grid) {
   const std::string upsampled =
@@ -239,12 +201,16 @@ Json report_json(const SlamRun& run, const DenseMapRun* dense_map, const slam::O
         "where scans agree",
         dense_map->points.size(), dense_map->voxel_m, dense_map->scans);
   }
+  TurningView view = view_of(run, dense_map);
+  if (grid != nullptr) view.grid = {*grid, run.occupancy_grid_summary};
   Json data = {{"command", run.command},
-               {"title", fmt::format("{}, {} rows{}", short_name(run), run.rows, upsampled)},
+               {"title", fmt::format("{}, {} rows{}", short_name(run.input), run.rows, upsampled)},
                {"subtitle", subtitle},
+               {"command_line", invocation()},
+               {"date", fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)))},
                {"notices", notices_json(run)},
                {"numbers", numbers_json(run)},
-               {"view", turning_view_json(view_of(run, dense_map))},
+               {"view", turning_view_json(view)},
                {"trajectory", trajectory_json(run)},
                {"statuses", statuses_json(run)},
                {"times", Json::array()},
@@ -256,7 +222,6 @@ Json report_json(const SlamRun& run, const DenseMapRun* dense_map, const slam::O
     data["reference"] = reference_json(run);
     data["error"] = error_json(run);
   }
-  if (grid != nullptr) data["grid"] = grid_json(*grid, run.occupancy_grid_summary);
   return data;
 }
 

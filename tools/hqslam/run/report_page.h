@@ -16,10 +16,6 @@ namespace hqslam::tools {
 /// are not in it: their relative pose is unknown.
 TurningView view_of(const SlamRun& run, const DenseMapRun* dense_map = nullptr);
 
-/// What a page may have of an occupancy grid: cells of twice, three times, ... the side, so that
-/// there are at most so many. A cell is occupied if one of its own is, else free if one is.
-slam::OccupancyMap thinned(const slam::OccupancyMap& map, std::size_t most_cells = 4'000'000);
-
 /// What tools/web/report.html shows: headline numbers, the view of the map, the trajectory from
 /// above, errors and poses over time, time per stage, statuses, and the occupancy grid if there is
 /// one.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "hqslam/core/error.h"
+#include "pages/open_page.h"
 #include "recording/recording_choice.h"
 #include "run/beam_correction.h"
 #include "run/run_output.h"
@@ -179,6 +180,7 @@ void declare(CLI::App& app, RunOptions& options) {
               "Trajectory to compare with (TUM, or KITTI with one pose per scan); default: the "
               "truth of a simulated drive",
               {.given = Given::kFile});
+  declare_open(command, options.open);
   declare_threads(command, options.threads);
   declare_slam_kind(command, options.slam);
   declare_slam_settings(command, options.slam);
@@ -256,6 +258,7 @@ int run(const RunOptions& options) {
   const InterruptGuard interrupt;
   const SlamRun run = run_and_write(options, interrupt);
   if (!run.scans.empty()) print_summary(run, options);
+  if (!run.scans.empty() && options.open) open_page(options.out + "/report.html");
   return exit_status_of(run, options);
 }
 

@@ -13,7 +13,8 @@ namespace hqslam::tools {
 struct RunOptions : InputChoice, UpsamplingChoice, MapChoice {
   std::string out;
   std::string
-      reference;    ///< empty: truth.tum in a folder written by `hqslam-lab simulate`, or none
+      reference;  ///< empty: truth.tum in a folder written by `hqslam-lab simulate`, or none
+  bool open = false;
   int threads = 0;  ///< 0: what OpenMP chooses
   bool no_calibration = false;
   SlamSettings slam;

@@ -58,11 +58,12 @@ TurningView view_of(const SlamRun& run, const DenseMapRun* dense_map) {
   const auto place_m = [&](std::size_t pose) {
     return Eigen::Vector3f(run.trajectory[pose].T_map_sensor.translation().cast<float>());
   };
+  ViewPath& path = view.paths.emplace_back(ViewPath{"path"});
   for (std::size_t pose = 0; pose < run.trajectory.size(); ++pose) {
     if (!is_shown(pose)) continue;
     const bool goes_on = pose > 0 && is_shown(pose - 1) && is_motion_known(run, pose - 1);
-    if (!goes_on) view.path_m.emplace_back();
-    view.path_m.back().push_back(place_m(pose));
+    if (!goes_on) path.pieces_m.emplace_back();
+    path.pieces_m.back().push_back(place_m(pose));
   }
   for (const slam::LoopReport& loop : run.loops) {
     if (!is_shown(loop.scan) || !is_shown(loop.older_scan)) continue;

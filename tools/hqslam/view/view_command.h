@@ -13,6 +13,7 @@ struct ViewOptions {
   std::string sensor;     ///< of recordings; empty: what they say
   std::int64_t scan = 0;  ///< of recordings
   std::string out;
+  bool open = false;
 };
 
 void declare(CLI::App& app, ViewOptions& options);

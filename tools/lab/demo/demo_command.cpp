@@ -18,6 +18,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/point_fields.h"
+#include "pages/open_page.h"
 #include "pages/page.h"
 #include "pages/text_table.h"
 #include "pages/turning_view.h"
@@ -190,11 +191,13 @@ std::string demo_html(const TurningView& view, const TextTable& table,
 }  // namespace
 
 void declare(CLI::App& app, DemoOptions& options) {
-  add_command(app, "demo",
-              "Simulate a short city drive and run SLAM on it with 64 beams, with 16, and with 16 "
-              "upsampled to 64")
-      .option("--out", &options.out, "Folder for the drive and the results",
-              {.shows_default = true});
+  Command command = add_command(
+      app, "demo",
+      "Simulate a short city drive and run SLAM on it with 64 beams, with 16, and with 16 "
+      "upsampled to 64");
+  command.option("--out", &options.out, "Folder for the drive and the results",
+                 {.shows_default = true});
+  declare_open(command, options.open);
 }
 
 int run(const DemoOptions& options) {
@@ -246,6 +249,7 @@ int run(const DemoOptions& options) {
       page);
   to_stdout("Pages for any browser:\n  {}\n", page);
   for (const std::string& report : table.links) to_stdout("  {}\n", (out / report).string());
+  if (options.open) open_page(page);
   return kOk;
 }
 

@@ -10,6 +10,7 @@ namespace hqslam::tools {
 
 struct DemoOptions {
   std::string out = "hqslam-demo";
+  bool open = false;
 };
 
 void declare(CLI::App& app, DemoOptions& options);

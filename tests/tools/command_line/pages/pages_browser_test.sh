@@ -43,7 +43,7 @@ try() {
 
 "$laboratory" simulate --drive block --sensor os1-64 --scans 60 --out drive >/dev/null 2>&1
 "$program" run drive --rows 16 --upsample linear --dense-map --occupancy-grid --out results >/dev/null 2>&1
-"$program" view results/dense_map.ply results/map.pcd --out view.html >/dev/null
+"$program" view results/dense_map.ply results/map.pcd results/map.yaml results/trajectory.tum drive/truth.kitti --out view.html >/dev/null
 for weights in du-or du-mix simple-du; do
   "$program" inspect drive --weights "$source_folder/weights/${weights}_os1_16to64.npz" \
     --tensor layers.0.h --scan 3 --out $weights.html >/dev/null 2>&1
@@ -54,13 +54,13 @@ done
 # A template of tools/web opens as it is, beside its styles and scripts: here with a demo's data.
 cp "$source_folder"/tools/web/*.{css,js} .
 data='{"title": "t", "version": "1", "view": {"centre": [0, 0, 0], "radius": 5, "heights": [0, 1],
-  "clouds": [], "path": [], "loops": [], "scans": []}, "table": {"columns": ["", "a"], "rows": [["b", "1"]],
+  "clouds": [], "paths": [], "loops": [], "scans": []}, "table": {"columns": ["", "a"], "rows": [["b", "1"]],
   "links": ["c.html"]}, "notes": ["d"], "max_range_m": 100,
   "images": [{"caption": "e", "rows": 1, "columns": 4, "ranges": [0, 1, 20, 3]}]}'
 sed "s|id=\"data\">|&${data//$'\n'/ }|" "$source_folder"/tools/web/demo.html >demo_page.html
 
 for page in results/report.html du-or.html du-mix.html simple-du.html slam_scan.html \
-  calibration.html table/table.html demo_page.html; do
+  calibration.html table/table.html demo_page.html view.html; do
   try $page every_page.html 1366,768
   try $page every_page.html 500,844
 done

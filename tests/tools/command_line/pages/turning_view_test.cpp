@@ -70,10 +70,34 @@ TEST_CASE("the view begins around the path, or around most of the points") {
   TurningView view;
   view.clouds = {{"map", points_m(1000)}};
   CHECK(turning_view_json(view)["radius"].get<double>() == doctest::Approx(127).epsilon(0.05));
-  view.path_m = {{{100.0F, 0.0F, 1.0F}, {130.0F, 0.0F, 1.0F}}};
+  view.paths = {{"path", {{{100.0F, 0.0F, 1.0F}, {130.0F, 0.0F, 1.0F}}}}};
   const nlohmann::json data = turning_view_json(view);
   CHECK(data["centre"] == nlohmann::json({115.0, 0.0, 1.0}));
   CHECK(data["radius"].get<double>() == doctest::Approx(33.5).epsilon(0.01));
+}
+
+TEST_CASE("a large occupancy grid is thinned: a cell is occupied if one of its own is") {
+  using enum slam::Occupancy;
+  const slam::OccupancyMap map{
+      0.1, {1.0, 2.0}, 2, 3, {kUnknown, kFree, kOccupied, kOccupied, kUnknown, kFree}};
+  const slam::OccupancyMap coarse = thinned(map, 2);
+  CHECK(coarse.rows == 1);
+  CHECK(coarse.columns == 2);
+  CHECK(coarse.resolution_m == doctest::Approx(0.2));
+  CHECK(coarse.origin_m == map.origin_m);
+  CHECK(coarse.cells == std::vector{kOccupied, kOccupied});
+  CHECK(thinned(map, 6).cells == map.cells);
+}
+
+TEST_CASE("a view of a grid alone begins over the grid, one of paths has their names in order") {
+  TurningView view;
+  view.grid = {{0.5, {10.0, -20.0}, 40, 20, std::vector(800, slam::Occupancy::kFree)}, "summary"};
+  const nlohmann::json grid = turning_view_json(view);
+  CHECK(grid["centre"] == nlohmann::json({15.0, -10.0, 0.0}));
+  CHECK(grid["grid"]["summary"] == "summary");
+  view.paths = {{"first", {{{1.0F, 2.0F, 3.0F}}}}, {"second"}};
+  CHECK(turning_view_json(view)["paths"].dump() ==
+        R"([{"name":"first","pieces":[[[1.0,2.0,3.0]]]},{"name":"second","pieces":[]}])");
 }
 
 }  // namespace hqslam::tools

@@ -101,12 +101,12 @@ TEST_CASE("the state has the pose and the numbers, the view all points, also aft
   CHECK(state["dropped_scans"] == 1);
   CHECK(state["mapping"] == "ok");
   CHECK(holds(state["warning"].get<std::string>(), "2 submaps, relative pose unknown"));
-  CHECK(answered(view, "/view")["path"] ==
+  CHECK(answered(view, "/view")["paths"][0]["pieces"] ==
         nlohmann::json({{{0.0, 0.0, 0.0}, {2.0, 0.0, 0.0}, {2.0, 0.0, 0.0}}}));
   moved.translation().y() = 1.0;
   view.replace({{0.0, Pose::Identity()}, {0.1, moved}}, {0, 0});
   const auto after = answered(view, "/view");
-  CHECK(after["path"][0][1] == nlohmann::json({2.0, 1.0, 0.0}));
+  CHECK(after["paths"][0]["pieces"][0][1] == nlohmann::json({2.0, 1.0, 0.0}));
   CHECK(after["clouds"][0]["points"].get<std::string>().size() == 2 * 16 * 16 / 3 + 2);
   for (const char* target : {"/state?x=99999999999999999999999", "/state?&&&==", "/view?%00"}) {
     CHECK(answered(view, target).is_object());
@@ -132,11 +132,11 @@ TEST_CASE("the view that turns shows the map, the last scan and a path of bounde
     view.add(ring(10.0F, 64), pose, 0);
   }
   const auto now = data();
-  CHECK(now["path"][0].size() < 2'100);
-  CHECK(now["path"][0].size() > 500);
-  CHECK(now["path"][0][0][0] == 0.0);
-  CHECK(now["path"][0].back()[0] == doctest::Approx(0.2 * 14'999));
-  CHECK(now["scans"][0]["at"][0] == now["path"][0].back()[0]);
+  CHECK(now["paths"][0]["pieces"][0].size() < 2'100);
+  CHECK(now["paths"][0]["pieces"][0].size() > 500);
+  CHECK(now["paths"][0]["pieces"][0][0][0] == 0.0);
+  CHECK(now["paths"][0]["pieces"][0].back()[0] == doctest::Approx(0.2 * 14'999));
+  CHECK(now["scans"][0]["at"][0] == now["paths"][0]["pieces"][0].back()[0]);
   CHECK_FALSE(now["clouds"][0]["blocks"].empty());
   CHECK_FALSE(now["scans"][0]["measured"]["blocks"].empty());
   CHECK(now.dump().size() < 1'000'000);
@@ -150,7 +150,7 @@ TEST_CASE("a path whose parts are not joined is not drawn as if they were") {
     view.add(OrganizedCloud(1, 1), pose, i < 15 ? 0 : 4);
   }
   CHECK(answered(view, "/state")["segment"] == 4);
-  const auto path = answered(view, "/view")["path"];
+  const auto path = answered(view, "/view")["paths"][0]["pieces"];
   REQUIRE(path.size() == 2);
   CHECK(path[0].size() == 15);
   CHECK(path[1][0][0] == 15.0);

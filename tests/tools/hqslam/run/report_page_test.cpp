@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <string>
 
+#include "program/invocation.h"
 #include "tools/example_run.h"
 #include "tools/page_data.h"
 #include "tools/parts_of_text.h"
@@ -33,6 +35,16 @@ TEST_CASE("the headline has scans, path, error and speed") {
   CHECK_FALSE(headline(data, "Position error").empty());
   CHECK(headline(data, "Scans per second") == "50.0");
   CHECK(headline(data, "SLAM per scan") == "10.0");
+}
+
+TEST_CASE("the report says how it was made and when") {
+  const char* arguments[] = {"./hqslam", "run", "my drive", "it's", "--rows=16", ""};
+  keep_invocation("hqslam", 6, arguments);
+  const nlohmann::json data = report_json(example_run(3));
+  keep_invocation("", 0, nullptr);
+  CHECK(data["command_line"] == R"(hqslam run 'my drive' 'it'\''s' --rows=16 '')");
+  CHECK(std::regex_match(data["date"].get<std::string>(),
+                         std::regex(R"(20\d\d-\d\d-\d\d \d\d:\d\d UTC)")));
 }
 
 TEST_CASE("where the relative pose of two scans is unknown there is a gap and no path") {
@@ -119,22 +131,14 @@ TEST_CASE("with a reference each pose has its error, and the reference is in the
   CHECK_FALSE(report_json(example_run(30)).contains("reference"));
 }
 
-TEST_CASE("an occupancy grid is packed into two bits a cell, a large one thinned") {
+TEST_CASE("an occupancy grid is packed into two bits a cell") {
   slam::OccupancyMap map{0.1, {1.0, 2.0}, 2, 3, {}};
   using enum slam::Occupancy;
   map.cells = {kUnknown, kFree, kOccupied, kOccupied, kUnknown, kFree};
-  const nlohmann::json grid = report_json(example_run(3), nullptr, &map)["grid"];
+  const nlohmann::json grid = report_json(example_run(3), nullptr, &map)["view"]["grid"];
   CHECK(grid["rows"] == 2);
   CHECK(grid["columns"] == 3);
   CHECK(numbers_of(grid["cells"]) == std::vector<float>{0b10100100, 0b0100});
-
-  const slam::OccupancyMap coarse = thinned(map, 2);
-  CHECK(coarse.rows == 1);
-  CHECK(coarse.columns == 2);
-  CHECK(coarse.resolution_m == doctest::Approx(0.2));
-  CHECK(coarse.origin_m == map.origin_m);
-  CHECK(coarse.cells == std::vector{kOccupied, kOccupied});
-  CHECK(thinned(map, 6).cells == map.cells);
 }
 
 }  // namespace hqslam::tools

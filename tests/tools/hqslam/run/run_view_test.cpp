@@ -58,15 +58,15 @@ TEST_CASE("a scan's points are where the sensor was when it saw them, measured o
 TEST_CASE("the path ends where the relative pose is unknown, and other submaps are not shown") {
   SlamRun run = example_run(30);
   run.loops.push_back({slam::LoopStatus::kClosed, 1, 20, 2, 0.5});
-  CHECK(view_of(run).path_m.size() == 1);
+  CHECK(view_of(run).paths[0].pieces_m.size() == 1);
   CHECK(view_of(run).loops_m.size() == 1);
   std::fill(run.segment_of_scan.begin() + 10, run.segment_of_scan.end(), 1);
   const TurningView joined = view_of(run);
-  REQUIRE(joined.path_m.size() == 2);
-  CHECK(joined.path_m[0].size() == 10);
+  REQUIRE(joined.paths[0].pieces_m.size() == 2);
+  CHECK(joined.paths[0].pieces_m[0].size() == 10);
   run.submap_of_scan = run.segment_of_scan;
   const TurningView parted = view_of(run);
-  CHECK(parted.path_m.size() == 1);
+  CHECK(parted.paths[0].pieces_m.size() == 1);
   CHECK(parted.loops_m.empty());
 }
 
