@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "hqslam/core/angles.h"
 #include "slam/yard_drive.h"
 
 namespace hqslam::pipeline {
@@ -47,6 +48,17 @@ TEST_CASE("beams have errors where corrections make surfaces thinner by a twenti
   CHECK(has_errors(found));
   found.residual_after_m = 0.0191;
   CHECK_FALSE(has_errors(found));
+}
+
+TEST_CASE("corrections larger than two units of one type differ by are complained about") {
+  SensorModel sensor = sensor_preset("vlp-16");
+  CHECK(complaint_about(sensor).empty());
+  sensor.elevation_correction_rad.assign(16, 0.0);
+  sensor.elevation_correction_rad[3] = -0.24 * kDegree_rad;
+  CHECK(complaint_about(sensor).empty());
+  sensor.elevation_correction_rad[3] = -0.93 * kDegree_rad;
+  CHECK(complaint_about(sensor).find("reach 0.93 degrees") != std::string::npos);
+  CHECK(complaint_about(sensor).find("'vlp-16'") != std::string::npos);
 }
 
 TEST_CASE("a scan is kept for each metre of path, as far as wanted, with the trajectory's poses") {

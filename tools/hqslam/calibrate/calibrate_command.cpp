@@ -118,6 +118,9 @@ int run(const CalibrateOptions& options) {
   const pipeline::Upsampler& rows_used = pipeline.upsampler();
   const SensorModel sensor =
       pipeline::corrected(rows_used.recorded(), rows_used.selected_rows(), found);
+  if (const std::string complaint = pipeline::complaint_about(sensor); !complaint.empty()) {
+    to_stderr("hqslam: {}: {}\n", options.input, complaint);
+  }
   validate(sensor);  // no other command would take corrections that are too large
   write_sensor_json(sensor, options.out);
   const CalibrationReport report{options.input, pipeline.sensor(), beams.path_m(),

@@ -239,6 +239,10 @@ SlamRun run_and_write(RunOptions options, const InterruptGuard& interrupt) {
       followed(options, output, interrupt, std::move(input), corrected);
   if (!followed_run) {
     to_stderr("hqslam: {}; the run begins anew with these\n", beams_text(*corrected));
+    if (const std::string complaint = pipeline::complaint_about(corrected->sensor);
+        !complaint.empty()) {
+      to_stderr("hqslam: {}\n", complaint);
+    }
     options.corrected = corrected->sensor;
     followed_run =
         followed(options, output, interrupt, upsampled_recording(options, options), corrected);

@@ -1,8 +1,12 @@
 #include "hqslam/pipeline/beam_check.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
+
+#include "hqslam/core/angles.h"
 
 namespace hqslam::pipeline {
 namespace {
@@ -64,6 +68,18 @@ SensorModel corrected(SensorModel sensor, const std::optional<RowSelection>& row
     sensor.range_correction_m[static_cast<std::size_t>(row)] += correction.range_m;
   }
   return sensor;
+}
+
+std::string complaint_about(const SensorModel& corrected) {
+  double largest_deg = 0.0;
+  for (const double correction_rad : corrected.elevation_correction_rad) {
+    largest_deg = std::max(largest_deg, kDegreesPerRadian * std::abs(correction_rad));
+  }
+  if (largest_deg <= kBeamTolerance_deg) return "";
+  return fmt::format(
+      "the corrections of elevations reach {:.2f} degrees, those of two units of one type {} at "
+      "most: is '{}' the right sensor?",
+      largest_deg, kBeamTolerance_deg, corrected.name);
 }
 
 }  // namespace hqslam::pipeline

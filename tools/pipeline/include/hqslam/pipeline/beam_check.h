@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "hqslam/core/organized_cloud.h"
@@ -52,5 +53,9 @@ bool has_errors(const slam::BeamCalibration& found);
 /// `found` is of; nothing: all. A row that is not among them gets the nearest one's.
 SensorModel corrected(SensorModel sensor, const std::optional<RowSelection>& rows,
                       const slam::BeamCalibration& found);
+
+/// "the corrections reach 0.93 degrees, ...", where no unit of the sensor's type can be so far off
+/// its table: it is probably another sensor. Otherwise empty.
+std::string complaint_about(const SensorModel& corrected);
 
 }  // namespace hqslam::pipeline
