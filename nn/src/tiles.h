@@ -19,7 +19,7 @@ struct TileSize {
 /// image: rows x columns, row-major. Fills the first tile.pixels() channels of `tiles`, borders
 /// too. By the calling thread alone.
 void to_tiles(const float* image, TileSize tile, Tensor& tiles);
-/// The way back, of the channels from `first` on.
+/// The inverse, of the channels from `first` on.
 void from_tiles(const Tensor& tiles, TileSize tile, float* image, int first = 0);
 
 /// One row of the image, by the calling thread alone; borders are left as they are.

@@ -33,7 +33,7 @@ Registered Slam::Implementation::checked(const Tracking& last, Scan& scan, Notes
   const bool is_doubtful = !found.is_registered ||
                            found.innovation > InertialCheck::kMostInnovation ||
                            found.close_ratio < kDoubtfulFit * last.close_ratio;
-  // A sensor of which nothing else is doubtful is left out for a clear gain only.
+  // A sensor that passed all other checks is left out for a clear gain only.
   const double least_gain = is_doubtful ? 1.0 : kClearlyBetter;
   const bool competes = scan.turning && (is_doubtful || !inertial_check.is_proven());
   if (competes && replaced_without_imu(last, least_gain, scan, found, notes)) {

@@ -161,7 +161,7 @@ void look_at_scans(ScanSource& source, RecordingInfo& info) {
     info.warnings.push_back(end);
   } else if (info.scans > kMostScans) {
     info.warnings.push_back(
-        fmt::format("only the first {} of {} scans were looked at", kMostScans, info.scans));
+        fmt::format("only the first {} of {} scans were examined", kMostScans, info.scans));
   }
 }
 

@@ -56,7 +56,7 @@ Between between(const Run& run, int row);
 /// x mod tile columns of place (y / tile rows, x / tile columns).
 /// image: 1 x rows x columns. Returns tile rows tile columns x rows / tile rows x ...
 Image tiled(const Image& image, int tile_rows, int tile_columns);
-/// The way back, from as many channels from `first` on.
+/// The inverse, from as many channels from `first` on.
 Image untiled(const Image& tiles, int first, int tile_rows, int tile_columns);
 
 /// Q: 1 where a pixel of H (1 x rows x columns, metres) belongs to a connected component of fewer

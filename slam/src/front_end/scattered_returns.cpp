@@ -18,10 +18,10 @@ struct Neighbourhood {
   float tolerance_share;  ///< of the range, where that is more
   int fewest;             ///< a return with fewer neighbours is scattered
 };
-/// That of clear air: edges, posts and leaves have so many.
+/// That of clear air, which edges, posts and leaves meet.
 constexpr Neighbourhood kOfClearAir = {3, 1, 0.3F, 0.1F, 2};
-/// That of scans with scattered returns: so few echoes meet there by chance that 0.3 to 2 % of them
-/// stay, and 80 % of the returns of surfaces.
+/// That of scans with scattered returns: 0.3 to 2 % of the echoes meet it by chance, and 80 % of
+/// the returns of surfaces do.
 constexpr Neighbourhood kOfFog = {6, 2, 0.15F, 0.05F, 3};
 constexpr double kShareInClearAir = 0.1;
 /// Droplets farther away send no echo back; what is seen behind them is thinned by the fog, too.

@@ -209,4 +209,16 @@ TEST_CASE("run --scans uses these scans alone, with their own stamps and their o
   }
 }
 
+TEST_CASE("--upsample without a value takes du-mix weights of the sensor") {
+  const TemporaryDirectory folder;
+  const std::string drive = simulated_drive("--sensor os1-16 --scans 3");
+  const ProgramResult named =
+      succeeds("run '{}' --upsample du-mix --out '{}'", drive, folder.file("named"));
+  const ProgramResult bare = succeeds("run '{}' --upsample --out '{}'", drive, folder.file("bare"));
+  CHECK(holds(bare.out, "upsampled to 64 rows by "));
+  CHECK(file_contents(folder.file("bare") + "/trajectory.tum") ==
+        file_contents(folder.file("named") + "/trajectory.tum"));
+  CHECK(run_hqslam("run --upsample '{}' --out '{}'", drive, folder.file("none")).status == 2);
+}
+
 }  // namespace hqslam::test

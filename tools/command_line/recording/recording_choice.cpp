@@ -103,6 +103,9 @@ recordings::KeptReturn kept_return_named(const std::string& kept_return) {
   return kept_return == "last" ? recordings::KeptReturn::kLast : recordings::KeptReturn::kStrongest;
 }
 
+/// The weights of --upsample without a value: those without a memory, which needs poses.
+constexpr const char* kUsualWeights = "du-mix";
+
 void declare_upsampling_method(Command& command, UpsamplingChoice& choice) {
   std::vector<std::string> methods = nn::interpolation_names();
   const std::vector<std::string> weights = pipeline::installed_weights_names();
@@ -113,9 +116,10 @@ void declare_upsampling_method(Command& command, UpsamplingChoice& choice) {
       .option("--upsample", &choice.upsample,
               fmt::format("Fill the rows between the measured ones first: a weights file (.npz), "
                           "weights that come with hqslam and are chosen by the sensor ({}), or an "
-                          "interpolation ({})",
-                          fmt::join(weights, ", "), fmt::join(nn::interpolation_names(), ", ")),
-              {.given = Given::kFile, .one_of = methods});
+                          "interpolation ({}); {} if it is the last option or another one follows",
+                          fmt::join(weights, ", "), fmt::join(nn::interpolation_names(), ", "),
+                          kUsualWeights),
+              {.given = Given::kFile, .one_of = methods, .if_bare = kUsualWeights});
 }
 
 void declare_upsampling(Command& command, UpsamplingChoice& choice) {

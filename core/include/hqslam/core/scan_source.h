@@ -37,8 +37,7 @@ class ScanSource {
   /// The next scan, or nothing at the end. Throws ScanError for a scan that cannot be understood,
   /// after which the next one can be asked for, and Error where the recording cannot be read on.
   virtual std::optional<RecordedScan> next() = 0;
-  /// What whoever uses the recording should know of it, a line each; complete when all scans were
-  /// read.
+  /// Warnings for users of the recording, a line each; complete when all scans were read.
   virtual std::vector<std::string> warnings() const { return {}; }
 };
 

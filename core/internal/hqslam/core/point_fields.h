@@ -118,7 +118,7 @@ struct RawPoints {
   std::string ring_name;
   PointTimeField time;  ///< per point; empty if there are none
 
-  /// Points of which nothing else is known.
+  /// Points without any other field.
   explicit RawPoints(Scan scan_) : scan(std::move(scan_)) {}
   RawPoints(const PointFields& fields, std::size_t points);
   /// value(field): the point's number. Keeps the point if it is finite and not at the origin;

@@ -11,7 +11,7 @@ namespace {
 
 using slam::Status;
 
-/// Ten scans, of which the way was lost after the third and the fifth; the last part is the
+/// Ten scans, of which tracking was lost after the third and the fifth; the last part is the
 /// largest, and one of its scans was not located.
 SlamRun run_of_parts() {
   SlamRun run = example_run(10);
