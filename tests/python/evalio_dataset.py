@@ -32,7 +32,8 @@ class Simulated(Dataset):
         return RawDataIter(self.measurements(), iter([]), self.quick_len())
 
     def ground_truth_raw(self) -> Trajectory:
-        return Trajectory.from_tum(Path("drive/truth.tum"))
+        fields = ["sec", "x", "y", "z", "qx", "qy", "qz", "qw"]
+        return Trajectory.from_csv(Path("drive/truth.tum"), fields, delimiter=" ")
 
     def imu_T_lidar(self) -> SE3:
         return SE3.identity()

@@ -2,12 +2,13 @@
 odometries on public recordings:
 
     pip install evalio .
-    export PYTHONPATH=tools/python EVALIO_CUSTOM=hqslam_evalio
+    export EVALIO_CUSTOM=hqslam.evalio
     evalio run -d hilti_2022/construction_upper_level_1 -p hqslam -o results
 
 Scans alone are used, not the inertial sensor. evalio keeps every pose as it was first given, so
 loop closing, which corrects past ones too, is off unless it is asked for.
 """
+# mypy: disable-error-code="import-not-found,misc,no-untyped-call"
 
 import json
 import tempfile
