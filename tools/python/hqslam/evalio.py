@@ -2,15 +2,17 @@
 odometries on public recordings:
 
     pip install evalio .
-    export PYTHONPATH=tools/python EVALIO_CUSTOM=hqslam_evalio
+    export EVALIO_CUSTOM=hqslam.evalio
     evalio run -d hilti_2022/construction_upper_level_1 -p hqslam -o results
 
 Scans alone are used, not the inertial sensor. evalio keeps every pose as it was first given, so
 loop closing, which corrects past ones too, is off unless it is asked for.
 """
+# mypy: disable-error-code="import-not-found,misc"
 
 import json
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -43,7 +45,7 @@ class Hqslam(Pipeline):
     def __init__(self) -> None:
         super().__init__()
         self.params: dict[str, Any] = dict(self.default_params())
-        self.lidar_T_imu = np.eye(4)
+        self.lidar_T_imu: np.ndarray = np.eye(4)
         self.slam: hqslam.Pipeline | None = None
         self.row_of_ring: np.ndarray = np.empty(0, np.uint16)  # 65535: has no beam
 
@@ -59,7 +61,7 @@ class Hqslam(Pipeline):
     def default_params() -> dict[str, bool | int | float | str]:
         return {"threads": 0, "loop_closing": False}
 
-    def set_params(self, params: dict[str, Any]) -> dict[str, Any]:
+    def set_params(self, params: Mapping[str, Any]) -> dict[str, Any]:
         self.params |= {name: value for name, value in params.items() if name in self.params}
         return {name: value for name, value in params.items() if name not in self.params}
 
