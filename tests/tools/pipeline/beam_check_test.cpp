@@ -8,7 +8,7 @@
 namespace hqslam::pipeline {
 namespace {
 
-const SensorModel kSensor = sensor_preset("os1-16");
+const SensorModel kDriven = sensor_preset("os1-16");
 
 slam::BeamCalibration calibration(int beams) {
   slam::BeamCalibration found;
@@ -62,11 +62,11 @@ TEST_CASE("corrections larger than two units of one type differ by are complaine
 }
 
 TEST_CASE("a scan is kept for each metre of path, as far as wanted, with the trajectory's poses") {
-  Pipeline pipeline(kSensor);
+  Pipeline pipeline(kDriven);
   BeamCheck beams(3.0);
   int processed = 0;
   for (; processed < 100 && !beams.is_complete(); ++processed) {
-    const OrganizedCloud cloud = test::drive_scan(kSensor, processed);
+    const OrganizedCloud cloud = test::drive_scan(kDriven, processed);
     const slam::ScanReport report =
         pipeline.process(cloud, test::kDrivePeriod_s * processed).report;
     beams.add(cloud, report, pipeline);
@@ -82,11 +82,11 @@ TEST_CASE("a scan is kept for each metre of path, as far as wanted, with the tra
     CHECK(step_m >= 1.0);
     CHECK(step_m < 1.5);
     CHECK(scans[i].velocity.linear.norm() > 0.0);
-    CHECK(scans[i].cloud.rows == kSensor.rows());
+    CHECK(scans[i].cloud.rows == kDriven.rows());
   }
   const std::size_t kept = scans.size();
-  beams.add(test::drive_scan(kSensor, processed),
-            pipeline.process(test::drive_scan(kSensor, processed), test::kDrivePeriod_s * processed)
+  beams.add(test::drive_scan(kDriven, processed),
+            pipeline.process(test::drive_scan(kDriven, processed), test::kDrivePeriod_s * processed)
                 .report,
             pipeline);
   CHECK(beams.scans(pipeline.trajectory()).size() == kept);
