@@ -132,8 +132,8 @@ TEST_CASE("squared errors are what their covariances say, within a factor of two
 }
 
 TEST_CASE("what a blind stretch leaves unknown of a pose is what its covariance says") {
-  // 2.0 after a second, which is bridged, and 3.1 after three: tracking is lost then, and poses that
-  // are 17 and 23 m off have sigmas of 38 m.
+  // 2.0 after a second, which is bridged, and 3.1 after three: tracking is lost then, and poses
+  // that are 17 and 23 m off have sigmas of 38 m.
   for (const std::int64_t blind : {10, 30}) {
     CAPTURE(blind);
     double mean = 0.0;
