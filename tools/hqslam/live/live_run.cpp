@@ -38,9 +38,8 @@ class LiveBeams {
     check_.add(recorded, session.report(), session.pipeline());
     if (check_.is_complete()) determine(session);
   }
-  /// At the end of a drive whose path was shorter than wanted, or that ended before the result.
+  /// At the end of the drive. A shorter one is not calibrated now: its results are waited for.
   void finish(SlamSession& session) {
-    if (is_waiting_) determine(session);
     if (errors_.valid()) session.run().found_beams = errors_.get();
   }
 
