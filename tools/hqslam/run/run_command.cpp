@@ -210,7 +210,11 @@ std::optional<SlamRun> followed(const RunOptions& options, RunOutput& output,
     may_correct = false;  // asked once
     const std::optional<BeamEvidence> evidence = evidence_of(check, session.pipeline());
     if (evidence) corrected = beams_with_errors(*evidence);
-    return corrected.has_value();
+    const std::string complaint = corrected ? pipeline::complaint_about(corrected->sensor) : "";
+    if (complaint.empty()) return corrected.has_value();
+    to_stderr("hqslam: {}; the beams are kept\n", complaint);
+    corrected.reset();
+    return false;
   };
   process_all(source, session, output, interrupt, [&](const ReadScan& read) {
     if (may_correct) check.add(read.scan.cloud, session.report(), session.pipeline());
@@ -239,10 +243,6 @@ SlamRun run_and_write(RunOptions options, const InterruptGuard& interrupt) {
       followed(options, output, interrupt, std::move(input), corrected);
   if (!followed_run) {
     to_stderr("hqslam: {}; the run begins anew with these\n", beams_text(*corrected));
-    if (const std::string complaint = pipeline::complaint_about(corrected->sensor);
-        !complaint.empty()) {
-      to_stderr("hqslam: {}\n", complaint);
-    }
     options.corrected = corrected->sensor;
     followed_run =
         followed(options, output, interrupt, upsampled_recording(options, options), corrected);

@@ -14,6 +14,7 @@ namespace {
 /// Scans this far apart see enough of each other's surfaces and enough that is new.
 constexpr double kStep_m = 1.0;
 constexpr double kLargestShareLeft = 0.95;
+constexpr double kMostOfOneSensor_deg = 0.7;
 
 /// Between the poses before and after.
 Twist velocity_at(const Trajectory& trajectory, std::size_t pose) {
@@ -75,11 +76,11 @@ std::string complaint_about(const SensorModel& corrected) {
   for (const double correction_rad : corrected.elevation_correction_rad) {
     largest_deg = std::max(largest_deg, kDegreesPerRadian * std::abs(correction_rad));
   }
-  if (largest_deg <= kBeamTolerance_deg) return "";
+  if (largest_deg <= kMostOfOneSensor_deg) return "";
   return fmt::format(
-      "the corrections of elevations reach {:.2f} degrees, those of two units of one type {} at "
-      "most: is '{}' the right sensor?",
-      largest_deg, kBeamTolerance_deg, corrected.name);
+      "the corrections of elevations reach {:.2f} degrees, those of one sensor {} at most: is '{}' "
+      "the right one?",
+      largest_deg, kMostOfOneSensor_deg, corrected.name);
 }
 
 }  // namespace hqslam::pipeline
