@@ -101,7 +101,7 @@ TEST_CASE("info counts the scans that cannot be read, and says what is wrong wit
   }
   CHECK(missing(succeeds("info '{}' --sensor os1-16", path).out,
                 {"40 scans were left out, the first of them: " + path + "[60]",
-                 "only the first 100 of 120 scans were looked at"}) == "");
+                 "only the first 100 of 120 scans were examined"}) == "");
 }
 
 TEST_CASE("a folder that says that it was corrected for motion is not asked how it was captured") {

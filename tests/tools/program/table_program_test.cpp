@@ -26,7 +26,12 @@ std::string run_file(const std::string& out, const std::string& drive, const std
   if (!fs::is_directory(folder)) return "";
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
-    if (name.starts_with(method + "-") && name.ends_with(".tum")) return entry.path().string();
+    // METHOD-KEY.tum; of du-or no file of du-or-no-filter.
+    constexpr std::size_t kKeyDigits = 16;
+    const bool has_key = name.size() == method.size() + 1 + kKeyDigits + 4;
+    if (has_key && name.starts_with(method + "-") && name.ends_with(".tum")) {
+      return entry.path().string();
+    }
   }
   return "";
 }
