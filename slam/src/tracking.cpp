@@ -25,13 +25,7 @@ constexpr double kLeastShareOfInlierRatio = 0.6;
 /// map to determine the pose. In a street (raw HDL-64E, made fog with a visibility of 40 m, echoes
 /// in 5 to 30 % of the lost pixels) steps of 16 rows with 160 to 385 of them are wrong and those
 /// with 415 to 540 are right; 64 rows have 730 to 1,470.
-constexpr double kFewestPlanesInFog = 400.0;
-
-double close_planes(const MappingResult& matched, const MapFeatures& features) {
-  return matched.close_ratio *
-         static_cast<double>(features.surfaces_to_register.size() +
-                             2 * (features.edges.size() + features.posts_to_register.size()));
-}
+constexpr int kFewestPlanesInFog = 400;
 
 /// Whether a sensor that is not carried can deviate this much from its expected motion.
 bool is_plausible(const Twist& innovation, double duration_s) {
@@ -240,7 +234,7 @@ Registered Slam::Implementation::registered(const Tracking& last, const Scan& sc
       register_from_starts(mapping, scan.map_features,
                            {expected, T_map_moved, reference.state.T_map_sensor, duration_s,
                             last.close_ratio, measured.has_value()});
-  if (notes.report.scattered > 0 && close_planes(matched, scan.map_features) < kFewestPlanesInFog) {
+  if (notes.report.scattered > 0 && matched.close_planes < kFewestPlanesInFog) {
     // Ground and walls alone fit any motion along them.
     matched.state.covariance = expected.covariance;
     if (matched.status == Status::kOk) matched.status = Status::kDegenerate;

@@ -24,21 +24,24 @@ constexpr Neighbourhood kOfClearAir = {3, 1, 0.3F, 0.1F, 2};
 /// the returns of surfaces do.
 constexpr Neighbourhood kOfFog = {6, 2, 0.15F, 0.05F, 3};
 constexpr double kShareInClearAir = 0.1;
-/// Droplets farther away send no echo back; what is seen behind them is thinned by the fog, too.
+/// What stands alone farther away is kept: fog thins surfaces, too, and along a street those that
+/// are far away carry the motion.
 constexpr float kFarthestEcho_m = 10.0F;
 
 bool is_scattered(const OrganizedCloud& cloud, int row, int column, const Neighbourhood& near) {
   const float range_m = cloud.range_m[cloud.index(row, column)];
   const float tolerance_m = std::max(near.tolerance_m, near.tolerance_share * range_m);
-  int neighbours = -1;  // the return itself is found, too
+  int missing = near.fewest + 1;  // the return itself is found, too
   for (int i = std::max(row - 1, 0); i <= std::min(row + 1, cloud.rows - 1); ++i) {
     const int reach = i == row ? near.columns_beside : near.columns_above_and_below;
     for (int j = column - reach; j <= column + reach; ++j) {
-      const float other_m = cloud.range_m[cloud.index(i, (j + cloud.columns) % cloud.columns)];
-      neighbours += other_m > 0.0F && std::abs(other_m - range_m) < tolerance_m;
+      const int wrapped = j < 0 ? j + cloud.columns : j < cloud.columns ? j : j - cloud.columns;
+      const float other_m = cloud.range_m[cloud.index(i, wrapped)];
+      const bool is_near = other_m > 0.0F && std::abs(other_m - range_m) < tolerance_m;
+      if (is_near && --missing == 0) return false;
     }
   }
-  return neighbours < near.fewest;
+  return true;
 }
 
 std::vector<std::uint8_t> scattered_returns(const OrganizedCloud& cloud,

@@ -13,8 +13,8 @@ namespace hqslam::slam {
 /// row, one above and below) are at its range, within a tenth of it or 0.3 m. In clear air these
 /// are up to 2 % of the returns (16 and 64 rows; streets, hills, meadows, rooms, real and
 /// simulated), in fog with a visibility of 40 m 23 to 62 %. A scan with more than 10 % loses all
-/// returns of which fewer than three neighbours (six columns, two above and below) are within a
-/// twentieth of their range or 0.15 m.
+/// returns within 10 m of which fewer than three neighbours (six columns, two above and below) are
+/// within a twentieth of their range or 0.15 m.
 std::optional<OrganizedCloud> without_scattered(const OrganizedCloud& cloud);
 
 }  // namespace hqslam::slam

@@ -30,14 +30,18 @@ RegisteredScan searched(const MapFeatures& features) {
           SearchedFeatures<Eigen::Vector3d, 1>(features.posts_to_register)};
 }
 
-/// MappingResult::close_ratio. The ground's planes come first; a feature on a line has two planes.
-double close_share(const ConstraintList& found, const MapFeatures& features) {
+/// MappingResult::close_planes. The ground's planes come first; a feature on a line has two planes.
+int close_planes(const ConstraintList& found) {
+  return static_cast<int>(
+      std::count_if(found.all.begin() + found.ground, found.all.end(),
+                    [](const PlaneConstraint& plane) { return distance_m(plane) < kClose_m; }));
+}
+
+/// MappingResult::close_ratio.
+double close_share(int close, const MapFeatures& features) {
   const std::size_t sought = features.surfaces_to_register.size() +
                              2 * (features.edges.size() + features.posts_to_register.size());
-  const auto close =
-      std::count_if(found.all.begin() + found.ground, found.all.end(),
-                    [](const PlaneConstraint& plane) { return distance_m(plane) < kClose_m; });
-  return static_cast<double>(close) / std::max(static_cast<double>(sought), 1.0);
+  return close / std::max(static_cast<double>(sought), 1.0);
 }
 
 double standing_features(const MapFeatures& features) {
@@ -138,7 +142,8 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
     }
     result.edge_correspondences = constraints.edges;
     result.planar_correspondences = constraints.planes;
-    result.close_ratio = close_share(constraints, features);
+    result.close_planes = close_planes(constraints);
+    result.close_ratio = close_share(result.close_planes, features);
     if (!narrow) result.inlier_ratio = inlier_share(constraints, features);
     if (!enough) {
       result.state = expected;

@@ -37,9 +37,10 @@ struct MappingResult {
   /// how well the place fits. The ground fits everywhere, and more is found within 1 m than within
   /// 0.6 m.
   double inlier_ratio = 0.0;
-  /// Share of all lines and planes of features other than ground that the last search found within
-  /// 0.1 m. Unlike inlier_ratio it distinguishes a place from one half a metre or five degrees
-  /// away.
+  /// Planes of features other than ground, two of a line, that the last search found within 0.1 m.
+  int close_planes = 0;
+  /// Their share of all lines and planes of these features. Unlike inlier_ratio it distinguishes a
+  /// place from one half a metre or five degrees away.
   double close_ratio = 0.0;
   bool is_close_search = false;  ///< whether the last search was a narrow one (MapSearch)
 };
