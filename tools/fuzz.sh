@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Gives hostile inputs to every reader, so many seconds each, under address and undefined-behaviour
+# Gives hostile inputs to every reader, SECONDS each, under address and undefined-behaviour
 # sanitizers; ends with an error at the first finding.
 #   tools/fuzz.sh [SECONDS]                 20 by default
 #   tools/fuzz.sh SECONDS READER...         only these; tests/fuzz/readers.h names them

@@ -303,7 +303,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("drives", nargs="+", metavar="DRIVE")
     parser.add_argument("--rows", default="16,64", help="of the sensor's, separated by commas")
-    parser.add_argument("--scans", type=int, help="only so many of each drive")
+    parser.add_argument("--scans", type=int, help="scans of each drive that are used")
     parser.add_argument("--peers", default=",".join(PEERS), help="separated by commas")
     parser.add_argument("--hqslam", default="build/release/bin/hqslam", help="the program")
     parser.add_argument("--out", default="peers", help="folder for the trajectories")

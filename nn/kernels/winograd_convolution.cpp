@@ -59,7 +59,7 @@ WinogradConvolution::WinogradConvolution(const ConvolutionShape& shape, const Te
         shape.kernel_rows, shape.kernel_columns, shape.stride, shape.column_stride(),
         shape.padding_rows, shape.padding_columns);
   }
-  // So many vectors that the transformed weights are not fetched too often, and the transformed
+  // Enough vectors that the transformed weights are not fetched too often, and the transformed
   // images stay in the second-level cache.
   constexpr int kMostVectors = 8;
   rows_per_task_ = std::clamp(kMostVectors / row_vectors_, 1, (tile_rows_ + threads - 1) / threads);

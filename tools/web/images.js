@@ -1,7 +1,7 @@
 'use strict';
 // Range images, tensors and classes of pixels, with a colour scale and the value under the pointer.
 
-// Colours from low to high, rising in lightness, so that they are told apart in grey, too (after
+// Colours from low to high, rising in lightness, so that they differ in grey, too (after
 // viridis, magma and cividis of matplotlib).
 const kViridis = ['#440154', '#414487', '#2a788e', '#22a884', '#7ad151', '#fde725'];
 const kMagma = ['#000004', '#3b0f70', '#8c2981', '#de4968', '#fe9f6d', '#fcfdbf'];

@@ -53,7 +53,7 @@ void read_scans(ScanSource& source, const InterruptGuard& interrupt, Reading& re
                 const std::function<bool(const ReadScan& read)>& use,
                 const LookAhead& look_ahead = {});
 
-/// "40 of 80 scans", or "40 scans" where nobody knows how many there are.
+/// "40 of 80 scans", or "40 scans" where their number is unknown.
 std::string scans_text(std::int64_t used, std::optional<std::int64_t> in_recording);
 
 /// The ExitStatus of such a reading, of whose scans `used` were used, with the

@@ -10,7 +10,7 @@ namespace hqslam::tools {
 
 /// How well scans fit each other as captured while the sensor turned, and as corrected for motion.
 struct CaptureCheck {
-  int scans = 0;             ///< in which the sensor moved, and that were looked at
+  int scans = 0;             ///< that were compared: those in which the sensor moved
   double rolling_m = 0.0;    ///< median distance of features from their surfaces, mean over scans
   double corrected_m = 0.0;  ///< the same
   std::optional<CaptureTime> told;  ///< nothing where both fit alike

@@ -43,7 +43,7 @@ class BeamCheck {
   std::vector<std::size_t> pose_of_cloud_;
 };
 
-/// Path from which errors of beams are told from those of the poses, m.
+/// Least path that separates errors of beams from those of the poses, m.
 inline constexpr double kLeastPathOfErrors_m = 50.0;
 /// Whether the corrections are more than noise: surfaces are thinner by 5 % and more. Simulated
 /// perfect beams reach 3 %, beams within their makers' specification 6 to 20 %, a raw HDL-64E 43 %.
