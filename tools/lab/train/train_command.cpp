@@ -17,6 +17,7 @@
 #include "hqslam/nn/compare/compared_networks.h"
 #include "hqslam/nn/network.h"
 #include "hqslam/nn/training/checkpoint.h"
+#include "hqslam/nn/training/drawn_beams.h"
 #include "hqslam/nn/training/starting_parameters.h"
 #include "hqslam/nn/training/training_configuration.h"
 #include "hqslam/nn/weights_file.h"
@@ -126,7 +127,11 @@ void write_results(const Training& training, const nn::TrainingState& state) {
         static_cast<float>(std::pow(v.least_confidence, v.confidence_exponent));
     network.confidence_exponent = static_cast<float>(v.confidence_exponent);
   }
-  const RangeImage sample = select_rows(training.validation.front().truth, network.measured_rows);
+  nn::TrainingScan scan = training.validation.front();
+  if (const auto& all = training.configuration.plan.drawn_from) {
+    scan = nn::seen_by(nn::beams_like(*all, network.sensor, network.measured_rows), scan);
+  }
+  const RangeImage sample = select_rows(scan.truth, network.measured_rows);
   const auto trained =
       nn::make_network(network, network.sensor.columns, nn::chosen_instruction_set(), 1);
   trained->set_parameters(state.average);
@@ -140,13 +145,14 @@ void write_results(const Training& training, const nn::TrainingState& state) {
 std::unique_ptr<const nn::TrainingScans> load_scans(Training& training, const DriveStore& store,
                                                     const InterruptGuard& interrupt) {
   const nn::TrainingConfiguration& c = training.configuration;
-  const auto validation =
-      stored_scans(c.validation, c.network, store, "validation scans", interrupt);
+  nn::NetworkDescription scanned = c.network;
+  if (c.plan.drawn_from) scanned.sensor = *c.plan.drawn_from;
+  const auto validation = stored_scans(c.validation, scanned, store, "validation scans", interrupt);
   if (validation == nullptr) return nullptr;
   for (std::int64_t i = 0; i < validation->size(); ++i) {
     training.validation.push_back(validation->read(i));
   }
-  auto scans = stored_scans(c.training, c.network, store, "training scans", interrupt);
+  auto scans = stored_scans(c.training, scanned, store, "training scans", interrupt);
   if (scans != nullptr) training.training_scans = scans->size();
   return scans;
 }

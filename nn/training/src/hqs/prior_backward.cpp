@@ -134,11 +134,18 @@ class TwoModesBackward final : public PriorBackward {
   void backward(const Candidates& /*candidates*/, const PriorState& state, PriorState& gradient,
                 std::span<float> d_parameters) override {
     gradient.output().fill_borders();
-    graph_backward_.backward({&state.values, 1}, {&gradient.values, 1}, d_parameters);
+    const BeamParameters* beams = modes_.beams();
+    if (beams == nullptr) {
+      graph_backward_.backward({&state.values, 1}, {&gradient.values, 1}, d_parameters);
+      return;
+    }
+    std::vector<float> of_graph(elements(modes_.graph().parameter_shapes()), 0.0F);
+    graph_backward_.backward({&state.values, 1}, {&gradient.values, 1}, of_graph);
+    beams->add_gradient(of_graph, d_parameters);
   }
 
  private:
-  const TwoModesPrior& modes_;
+  TwoModesPrior& modes_;
 };
 
 }  // namespace
