@@ -3,7 +3,6 @@
 
 #include "error_message.h"
 #include "golden.h"
-#include "hqslam/nn/reference/reference.h"
 #include "small_network.h"
 
 namespace hqslam::nn {
@@ -58,50 +57,8 @@ TEST_CASE("DU-Mix equals PyTorch, with a memory too: ranges, confidence, loss an
   check_against_pytorch(small_du_mix(with_memory), "du_mix_memory");
 }
 
-namespace {
-
-/// For any beams, with an uneven table and other rows than the tests' usual ones.
-NetworkDescription any_beams(RowSelection rows) {
-  TwoModesShape shape = small_two_modes();
-  shape.any_beams = true;
-  SensorModel sensor = small_du_or().sensor;
-  for (std::size_t row = 0; row < sensor.beam_elevation_rad.size(); ++row) {
-    const auto place = static_cast<double>(row);
-    sensor.beam_elevation_rad[row] = 0.1 - 0.006 * place - 0.0007 * place * place;
-  }
-  return for_sensor(small_du_mix(shape), sensor, rows);
-}
-
-std::vector<float> large_start(const NetworkDescription& description) {
-  std::vector<float> parameters = initial_parameters(description, 4);
-  const std::vector<float> noise = random_values(5, static_cast<int>(parameters.size()));
-  for (std::size_t i = 0; i < parameters.size(); ++i) parameters[i] += 0.1F * noise[i];
-  return parameters;
-}
-
-}  // namespace
-
-TEST_CASE("DU-Mix for any beams equals the reference, whatever rows are measured") {
-  for (const RowSelection rows : {RowSelection{3, 4}, RowSelection{1, 4}, RowSelection{0, 2}}) {
-    CAPTURE(rows.offset);
-    const NetworkDescription description = any_beams(rows);
-    const std::vector<float> parameters = large_start(description);
-    const RangeImage measured = select_rows(small_scene(), rows);
-    for (const InstructionSet instruction_set : available_instruction_sets()) {
-      CAPTURE(name(instruction_set));
-      const Trace trace = made(description, parameters, 1, instruction_set)->trace({measured, {}});
-      const auto differences = differences_from_reference(description, parameters, trace);
-      CHECK(differences.size() > 8);
-      for (const ReferenceDifference& difference : differences) {
-        CAPTURE(difference.name);
-        CHECK(difference.largest < 2e-3);
-      }
-    }
-  }
-}
-
 TEST_CASE("the gradients of DU-Mix for any beams are the slopes of its loss") {
-  const NetworkDescription description = any_beams({1, 4});
+  const NetworkDescription description = small_any_beams({1, 4});
   std::vector<float> parameters = large_start(description);
   const TrainingSample sample{select_rows(small_scene(), description.measured_rows), small_scene()};
   std::vector<float> gradient(parameters.size());
@@ -136,7 +93,7 @@ TEST_CASE("a network of one sensor refuses another one, and one for any beams ta
   const NetworkDescription one = small_du_mix();
   CHECK_FALSE(fits_any_sensor(one));
   CHECK(test::refused_with([&] { for_sensor(one, one.sensor, {1, 2}); }, "expected one for any"));
-  const NetworkDescription any = any_beams({3, 4});
+  const NetworkDescription any = small_any_beams({3, 4});
   CHECK(fits_any_sensor(any));
   const NetworkDescription other = for_sensor(any, any.sensor, {1, 2});
   CHECK(elements(parameter_shapes(other)) == elements(parameter_shapes(any)));

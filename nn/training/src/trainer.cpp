@@ -45,11 +45,19 @@ void check_shape(int rows, int columns, const SensorModel& sensor) {
   }
 }
 
-void check_scans(const std::vector<TrainingScan>& scans, const SensorModel& sensor) {
-  for (const auto& [truth, recalled] : scans) {
-    check_shape(truth.rows, truth.columns, sensor);
-    if (!recalled.is_empty()) check_shape(recalled.image.rows, recalled.image.columns, sensor);
+void check_scans(const std::vector<TrainingScan>& scans, const SensorModel& usual) {
+  for (const TrainingScan& scan : scans) {
+    const SensorModel& sensor = scan.sensor != nullptr ? scan.sensor->sensor : usual;
+    const RangeImage& recalled = scan.recalled.image;
+    check_shape(scan.truth.rows, scan.truth.columns, sensor);
+    if (!scan.recalled.is_empty()) check_shape(recalled.rows, recalled.columns, sensor);
   }
+}
+
+/// The network for the sensor of a scan.
+NetworkDescription for_scan(const NetworkDescription& description, const TrainingScan& scan) {
+  if (scan.sensor == nullptr) return description;
+  return for_sensor(description, scan.sensor->sensor, scan.sensor->measured_rows);
 }
 
 void check_state(const TrainingState& state, const NetworkDescription& description) {
@@ -120,6 +128,7 @@ struct Trainer::Implementation {
     NetworkDescription description;
     TrainingSample sample;
     std::uint64_t seed = 0;  ///< of what is random in the network
+    bool is_of_other_sensor = false;
   };
   Drawn draw(int place) const;
   std::span<float> gradient(int call) {
@@ -190,11 +199,9 @@ Trainer::Implementation::Drawn Trainer::Implementation::draw(int place) const {
   Random random(plan.seed * 0x9E3779B97F4A7C15ULL + number);
   TrainingScan scan = scans->read(random.below(scans->size()));
   Drawn drawn{description, {}, 0};
-  if (plan.drawn_from) {
-    const DrawnBeams beams = draw_beams(*plan.drawn_from, random.bits());
-    drawn.description = for_sensor(description, beams.sensor, beams.measured_rows);
-    scan = seen_by(beams, scan);
-  }
+  if (plan.drawn_from) scan = seen_by(draw_beams(*plan.drawn_from, random.bits()), scan);
+  drawn.description = for_scan(description, scan);
+  drawn.is_of_other_sensor = scan.sensor != nullptr;
   drawn.sample = augmented_sample(scan, drawn.description.sensor, drawn.description.measured_rows,
                                   plan.augmentation, random.bits());
   drawn.seed = random.bits() >> 20;
@@ -205,18 +212,20 @@ Trainer::Implementation::Drawn Trainer::Implementation::draw(int place) const {
 void Trainer::Implementation::run_call(int worker, int call) {
   std::vector<TrainingSample> samples;
   std::vector<std::uint64_t> seeds;
+  std::unique_ptr<TrainableNetwork> network;
   for (int place = call * samples_of_call; place < (call + 1) * samples_of_call; ++place) {
     Drawn drawn = draw(place);
-    if (plan.drawn_from) {  // made for this sensor, and for this call alone
-      workers[worker] = make_trainable(drawn.description, columns(), chosen_instruction_set());
-      workers[worker]->set_parameters(state.parameters);
+    if (drawn.is_of_other_sensor) {  // made for this sensor, and for this call alone
+      network = make_trainable(drawn.description, columns(), chosen_instruction_set());
+      network->set_parameters(state.parameters);
     }
     samples.push_back(std::move(drawn.sample));
     seeds.push_back(drawn.seed);
   }
   std::ranges::fill(gradient(call), 0.0F);
-  losses[call] = workers[worker]->add_gradients(samples, {.layer_share = plan.layer_loss_share},
-                                                seeds, gradient(call));
+  TrainableNetwork& used = network != nullptr ? *network : *workers[worker];
+  losses[call] =
+      used.add_gradients(samples, {.layer_share = plan.layer_loss_share}, seeds, gradient(call));
 }
 
 /// Gradients and losses of the batch.
@@ -224,7 +233,7 @@ void Trainer::Implementation::run_calls() {
   const int calls = static_cast<int>(losses.size());
   in_parallel(static_cast<int>(workers.size()), calls, [&](int worker, int call) {
     const bool is_first = call == worker;
-    if (is_first && !plan.drawn_from) workers[worker]->set_parameters(state.parameters);
+    if (is_first) workers[worker]->set_parameters(state.parameters);
     run_call(worker, call);
   });
 }
@@ -288,10 +297,14 @@ Validation Trainer::validate(const std::vector<TrainingScan>& scans) {
   std::vector<std::unique_ptr<Network>> whole(workers);
   std::vector<ValidatedScan> each(scans.size());
   in_parallel(workers, static_cast<int>(scans.size()), [&](int worker, int item) {
+    TrainingScan scan = scans[item];
     if (self.plan.drawn_from) {  // the same sensor for the same scan at every validation
-      const DrawnBeams beams = draw_beams(*self.plan.drawn_from, static_cast<std::uint64_t>(item));
-      const NetworkDescription own = for_sensor(description, beams.sensor, beams.measured_rows);
-      each[item] = validated_scan(*network_of(own), own, seen_by(beams, scans[item]));
+      const auto seed = static_cast<std::uint64_t>(item);
+      scan = seen_by(draw_beams(*self.plan.drawn_from, seed), scan);
+    }
+    if (scan.sensor != nullptr) {
+      const NetworkDescription own = for_scan(description, scan);
+      each[item] = validated_scan(*network_of(own), own, scan);
       return;
     }
     if (whole[worker] == nullptr) whole[worker] = network_of(description);

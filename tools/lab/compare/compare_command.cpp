@@ -48,6 +48,9 @@ nn::SuperResolver network_of(const std::string& weights, const SensorModel& sens
                              nn::SuperResolverOptions options = {}) {
   options.architectures = nn::all_architectures();
   nn::SuperResolver network = nn::SuperResolver::load(weights, options);
+  if (fits_any_sensor(network.description())) {
+    network = network.for_sensor(sensor, selection_for(sensor.rows(), kMeasuredRows));
+  }
   const SensorModel& made_for = network.sensor();
   if (sensor.columns != made_for.columns || !have_same_beams(sensor, made_for)) {
     throw Error(

@@ -26,6 +26,7 @@
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
 #include "timing/timing.h"
+#include "train/train_on_recording.h"
 #include "train/training_scans.h"
 
 namespace hqslam::tools {
@@ -225,8 +226,19 @@ The drives of the recipe are simulated once into --drives (0.26 MB for a scan of
 and read from there scan by scan.
 Ctrl-C stops after the current step; the same command then continues exactly there. The
 recipes of the weights that come with hqslam are weights/*.json.)");
+  Command what = command.alternatives("What to train", "what to train");
+  what.option("--config", &options.config, "Network, data and recipe (.json)")
+      .option("--from-recording", &options.recording.input,
+              "A recording on which weights for any sensor are trained on: what other scans "
+              "measured is the truth between the rows of each; its last fifth is held out",
+              {.given = Given::kFileOrFolder});
   command
-      .option("--config", &options.config, "Network, data and recipe (.json)", {.required = true})
+      .option("--start-from", &options.start_from, "Weights to train on with a recording",
+              {.given = Given::kFile, .needs = {"--from-recording"}})
+      .option("--steps", &options.steps, "Steps with a recording",
+              {.shows_default = true, .needs = {"--from-recording"}})
+      .option("--sensor", &options.recording.sensor, "Sensor of the recording, as for hqslam run",
+              {.needs = {"--from-recording"}})
       .option("--out", &options.out,
               "Folder for results; a training whose checkpoint is in it is continued",
               {.required = true})
@@ -237,6 +249,12 @@ recipes of the weights that come with hqslam are weights/*.json.)");
 }
 
 int run(const TrainOptions& options) {
+  const int all_threads = options.threads > 0 ? options.threads : omp_get_max_threads();
+  if (!options.recording.input.empty()) {
+    if (options.start_from.empty()) throw Error("train: --from-recording needs --start-from");
+    return train_on_recording(
+        {options.recording, options.start_from, options.out, options.steps, all_threads});
+  }
   const InterruptGuard interrupt;
   Training training;
   training.configuration_path = options.config;
@@ -250,15 +268,14 @@ int run(const TrainOptions& options) {
   const FolderLock lock(training.out);
   nn::TrainingState state = starting_state(training);
   const nn::TrainingConfiguration& c = training.configuration;
-  const int threads = options.threads > 0 ? options.threads : omp_get_max_threads();
   std::optional<nn::Trainer> prepared;
   try {
     const DriveStore store{
         options.drives.empty() ? training.out / "drives" : std::filesystem::path(options.drives),
-        threads};
+        all_threads};
     auto scans = load_scans(training, store, interrupt);
     if (scans == nullptr) return kInterrupted;
-    prepared.emplace(c.network, c.plan, std::move(scans), std::move(state), threads);
+    prepared.emplace(c.network, c.plan, std::move(scans), std::move(state), all_threads);
   } catch (const Error& error) {
     throw Error("{}: {}", options.config, error.what());
   }

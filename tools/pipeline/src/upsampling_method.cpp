@@ -20,11 +20,14 @@ bool takes(const SensorModel& recorded, const SensorModel& full, RowSelection me
 std::string weights_for(const std::string& name, const std::optional<SensorModel>& recorded) {
   const std::vector<std::string> files = installed_weights_files(name);
   std::vector<std::string> made_for;
+  std::optional<std::string> for_any;
   for (const std::string& file : files) {
     const nn::NetworkDescription network = nn::read_weights(file).description;
     if (recorded && takes(*recorded, network.sensor, network.measured_rows)) return file;
     made_for.push_back(network.sensor.name);
+    if (nn::fits_any_sensor(network)) for_any = file;
   }
+  if (for_any) return *for_any;
   if (!recorded) {
     throw Error(
         "{}: expected a recording whose sensor is known, to choose between weights for {}; name "
@@ -55,7 +58,7 @@ UpsamplingMethod load_method(const UpsamplingOptions& options,
 
 std::optional<SensorModel> sensor_of(const UpsamplingMethod& method) {
   const auto* network = std::get_if<nn::SuperResolver>(&method);
-  if (network == nullptr) return std::nullopt;
+  if (network == nullptr || nn::fits_any_sensor(network->description())) return std::nullopt;
   SensorModel sensor = network->sensor();
   sensor.measured_rows = network->description().measured_rows;
   return sensor;

@@ -84,6 +84,11 @@ bool have_same_beams(const SensorModel& a, const SensorModel& b);
 /// The sensor that has only the selected rows. Its name says so ("os1-64/3:4").
 SensorModel select_rows(const SensorModel& sensor, RowSelection rows);
 
+/// The sensor with `factor` times as many rows, of which its own are the measured ones: the last of
+/// every group, the others evenly between it and the beam above. Throws Error unless it has two
+/// beams and factor is 2 or more.
+SensorModel with_rows_between(const SensorModel& sensor, int factor);
+
 /// os1-64, os1-16, hdl-64e, hdl-32e, vlp-16, vlp-32c, vls-128. Throws Error for any other.
 SensorModel sensor_preset(std::string_view name);
 std::vector<std::string> sensor_preset_names();

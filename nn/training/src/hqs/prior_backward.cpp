@@ -7,9 +7,13 @@
 #include "hqs/two_modes_prior.h"
 #include "hqs/u_shaped_prior.h"
 #include "hqslam/core/error.h"
+#include "hqslam/nn/training/augmentation.h"
+#include "kernels/two_modes.h"
 
 namespace hqslam::nn {
 namespace {
+
+static_assert(kLeastTruth_m == kUnknownTruth_m);
 
 /// The share of the likelihood of a range in the loss, beside the cross-entropy of a return.
 constexpr float kRangeShare = 0.3F;

@@ -10,8 +10,7 @@ namespace hqslam::nn {
 
 /// A sensor whose beams are some rows of another one with many.
 struct DrawnBeams {
-  SensorModel sensor;
-  RowSelection measured_rows;
+  ScanSensor seen;
   std::vector<int> rows;  ///< of the other sensor, from top to bottom
   int column_step = 1;    ///< of its columns, every such one
 };

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hqslam/nn/training/augmentation.h"
+#include "recording/recording_choice.h"
+#include "terminal/terminal.h"
+
+namespace hqslam::tools {
+
+/// What a recorded drive teaches about the rows between those that its sensor measures: other scans
+/// measured them from elsewhere.
+struct RecordedDrive {
+  /// Each scan with all rows of the result. Measured rows are as they were measured; a computed
+  /// pixel has minus the range at which other scans agree, or is unknown (nn/kernels/two_modes.h).
+  std::vector<nn::TrainingScan> scans;
+  /// Each scan with every other one of its own rows as measured, and the others as the truth: they
+  /// teach where nothing returns. Empty where the rows cannot be halved.
+  std::vector<nn::TrainingScan> own_rows;
+  SensorModel sensor;  ///< of the result
+  RowSelection measured_rows;
+};
+
+/// Reads a recording, locates its scans by SLAM, and sees from each of them what those around it
+/// measured. weights: for any sensor. Throws Error; returns no scans if interrupted.
+RecordedDrive read_recorded_drive(const InputChoice& input, const std::string& weights,
+                                  const InterruptGuard& interrupt);
+
+}  // namespace hqslam::tools
