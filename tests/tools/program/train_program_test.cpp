@@ -113,6 +113,30 @@ TEST_CASE("compare puts interpolation and networks side by side, inspect shows t
   CHECK_FALSE(fs::exists(folder.file("none.html")));
 }
 
+TEST_CASE("weights for any sensor go on with a recorded drive, and stay where that is no better") {
+  const TemporaryDirectory folder;
+  SensorModel sensor = sensor_preset("vlp-16");
+  sensor.columns = 256;
+  write_sensor_json(sensor, folder.file("sensor.json"));
+  const std::string drive =
+      simulated_drive("--sensor '" + folder.file("sensor.json") + "' --scans 110 --seed 9");
+  const std::string weights = folder.file("any.npz");
+  nn::write_weights(weights, untrained_weights(sensor_preset("os1-64"), "du-mix", "any_beams"));
+  const ProgramResult trained =
+      succeeds("train --from-recording '{}' --start-from '{}' --steps 40 --out '{}'", drive,
+               weights, folder.file("own"));
+  CHECK(holds(trained.out, "scans held out: of the pixels between their rows"));
+  const nn::Weights own = nn::read_weights(folder.file("own/weights.npz"));
+  CHECK_NOTHROW(nn::SuperResolver::checked(own, "own"));
+  const bool is_new = holds(trained.out, ": the new weights");
+  CHECK((own.parameters == nn::read_weights(weights).parameters) == !is_new);
+  CHECK(is_new);  // nobody has trained the old ones
+  const ProgramResult few =
+      refused("train --from-recording '{}' --start-from '{}' --out '{}'",
+              simulated_drive("--sensor os1-16 --scans 2 --seed 9"), weights, folder.file("few"));
+  CHECK(holds(few.error, "expected at least 100 scans"));
+}
+
 TEST_CASE("a scan without a return costs a comparison that scan and no more") {
   const TemporaryDirectory folder;
   {

@@ -216,7 +216,8 @@ int run(const InspectOptions& options) {
   }
   check_options(options);
   pipeline::UpsampledRecording input = upsampled_recording(options, {options.weights});
-  const nn::Weights weights = nn::read_weights(options.weights);
+  nn::Weights weights = nn::read_weights(options.weights);
+  weights.description = input.upsampler.method()->network()->description();  // for this sensor
   const SeenScan seen = scan_of(options, input);
   LayersReport report = report_of(options, weights, seen, input.upsampler);
   if (options.list) {

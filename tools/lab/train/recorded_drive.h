@@ -24,7 +24,8 @@ struct RecordedDrive {
 };
 
 /// Reads a recording, locates its scans by SLAM, and sees from each of them what those around it
-/// measured. weights: for any sensor. Throws Error; returns no scans if interrupted.
+/// measured. weights: for any sensor, or for the recording's. Throws Error; returns no scans if
+/// interrupted.
 RecordedDrive read_recorded_drive(const InputChoice& input, const std::string& weights,
                                   const InterruptGuard& interrupt);
 

@@ -229,7 +229,7 @@ recipes of the weights that come with hqslam are weights/*.json.)");
   Command what = command.alternatives("What to train", "what to train");
   what.option("--config", &options.config, "Network, data and recipe (.json)")
       .option("--from-recording", &options.recording.input,
-              "A recording on which weights for any sensor are trained on: what other scans "
+              "A recording on which weights are trained further: what other scans "
               "measured is the truth between the rows of each; its last fifth is held out",
               {.given = Given::kFileOrFolder});
   command
@@ -238,7 +238,9 @@ recipes of the weights that come with hqslam are weights/*.json.)");
       .option("--steps", &options.steps, "Steps with a recording",
               {.shows_default = true, .needs = {"--from-recording"}})
       .option("--sensor", &options.recording.sensor, "Sensor of the recording, as for hqslam run",
-              {.needs = {"--from-recording"}})
+              {.needs = {"--from-recording"}});
+  declare_reading(command, options.recording);
+  command
       .option("--out", &options.out,
               "Folder for results; a training whose checkpoint is in it is continued",
               {.required = true})

@@ -101,7 +101,8 @@ std::pair<std::vector<nn::TrainingScan>, std::vector<nn::TrainingScan>> split(
     throw Error("{}: expected at least {} scans that SLAM locates, found {}; give a longer drive",
                 path, kFewestScans, count);
   }
-  const auto first_held = static_cast<std::int64_t>((1.0 - kHeldOutShare) * count);
+  const auto first_held =
+      static_cast<std::int64_t>((1.0 - kHeldOutShare) * static_cast<double>(count));
   const std::int64_t trained = first_held - std::min(kScansBetween, first_held / 4);
   std::vector<nn::TrainingScan> training(drive.scans.begin(), drive.scans.begin() + trained);
   if (!drive.own_rows.empty()) {
@@ -145,17 +146,17 @@ std::optional<std::vector<float>> trained(const nn::NetworkDescription& network,
 int train_on_recording(const RecordingTraining& training) {
   const InterruptGuard interrupt;
   nn::Weights weights = nn::read_weights(training.start_from);
-  if (!fits_any_sensor(weights.description)) {
-    throw Error("{}: expected weights for any sensor, found weights for '{}'", training.start_from,
-                weights.description.sensor.name);
-  }
   make_result_folder(training.out);
-  const RecordedDrive drive =
-      read_recorded_drive(training.recording, training.start_from, interrupt);
+  RecordedDrive drive = read_recorded_drive(training.recording, training.start_from, interrupt);
   if (interrupt.stop_requested()) return kInterrupted;
+  nn::NetworkDescription network = weights.description;
+  if (fits_any_sensor(network)) {
+    network = for_sensor(network, drive.sensor, drive.measured_rows);
+  } else {  // made for this sensor, and for all of its rows alone
+    drive.own_rows.clear();
+    for (nn::TrainingScan& scan : drive.scans) scan.sensor = nullptr;
+  }
   auto [scans, held_out] = split(drive, training.recording.input);
-  const nn::NetworkDescription network =
-      for_sensor(weights.description, drive.sensor, drive.measured_rows);
   const std::vector<double> before = right_shares(network, weights.parameters, held_out);
   const auto parameters =
       trained(network, std::move(scans), training, weights.parameters, interrupt);

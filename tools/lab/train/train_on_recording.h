@@ -9,7 +9,7 @@ namespace hqslam::tools {
 
 struct RecordingTraining {
   InputChoice recording;
-  std::string start_from;  ///< weights for any sensor
+  std::string start_from;  ///< weights for any sensor, or for the recording's
   std::string out;
   std::int64_t steps = 1500;
   int threads = 1;
