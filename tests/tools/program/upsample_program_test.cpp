@@ -119,7 +119,7 @@ TEST_CASE("where the poses are known a network with a memory recalls the scans a
   const Material& files = material();
   const TemporaryDirectory folder;
   const std::string weights = folder.file("memory.npz");
-  write_weights(weights, untrained_weights(sensor_preset("os1-64"), "du-mix", true));
+  write_weights(weights, untrained_weights(sensor_preset("os1-64"), "du-mix", "scan_memory"));
   const auto upsampled = [&](const std::string& poses, const std::string& out) {
     succeeds("upsample '{}' --weights '{}' {} --confidence 0 --out '{}'", files.drive, weights,
              poses, folder.file(out));

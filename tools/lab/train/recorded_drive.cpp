@@ -1,6 +1,7 @@
 #include "train/recorded_drive.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <utility>
@@ -23,6 +24,8 @@ constexpr nn::ScanMemoryOptions kScansThatTell = {
     .scans = 2 * kScansAround + 1, .path_m = 80.0, .time_s = 20.0};
 /// W^2 from which a recalled range is the truth: as much as one point through a pixel's centre.
 constexpr float kLeastWeight = 4.0F;
+/// Twice a sensor's noise and the errors of poses that SLAM registered.
+constexpr float kSameRange_m = 0.06F;
 /// Training keeps them all in memory, at 0.5 MB each.
 constexpr std::int64_t kMostScans = 3000;
 
@@ -67,31 +70,44 @@ LocatedScans located_scans(pipeline::UpsampledRecording& opened, const Interrupt
   return located;
 }
 
-/// Minus the ranges that others measured in computed rows, in measured rows what was measured.
+/// In a measured row: whether other scans measured the same range as this one, another one, or
+/// nothing.
+enum class Agreement { kSame, kOther, kUnknown };
+Agreement agreement(float measured_m, float recalled_m) {
+  if (measured_m <= 0.0F || recalled_m <= 0.0F) return Agreement::kUnknown;
+  const bool is_same = std::fabs(measured_m - recalled_m) <= kSameRange_m;
+  return is_same ? Agreement::kSame : Agreement::kOther;
+}
+
+/// Minus the ranges that others measured in computed rows, in measured rows what was measured. What
+/// others measured counts where it agrees with this scan's own rows above and below: elsewhere
+/// something has moved, or a pose is off.
 nn::TrainingScan scan_with_truth(const RangeImage& measured, const nn::RecalledImage& recalled,
-                                 const std::shared_ptr<const nn::ScanSensor>& sensor) {
-  nn::TrainingScan scan{recalled.image, {}, sensor};
-  const RowSelection rows = sensor->measured_rows;
+                                 RowSelection rows) {
+  nn::TrainingScan scan{recalled.image};
+  const auto agrees = [&](int beam, int column) {
+    const int clamped = std::clamp(beam, 0, measured.rows - 1);
+    return agreement(measured.at(clamped, column),
+                     recalled.image.at(rows.offset + clamped * rows.stride, column));
+  };
   for (int row = 0; row < scan.truth.rows; ++row) {
+    const int below = (row - rows.offset + rows.stride - 1) / rows.stride;
     for (int column = 0; column < scan.truth.columns; ++column) {
       float& truth_m = scan.truth.at(row, column);
       if (rows.contains(row)) {
         truth_m = measured.at((row - rows.offset) / rows.stride, column);
       } else {
-        const bool is_known = recalled.weight[recalled.image.index(row, column)] >= kLeastWeight;
+        const Agreement up = agrees(below - 1, column);
+        const Agreement down = agrees(below, column);
+        const bool is_confirmed = up != Agreement::kOther && down != Agreement::kOther &&
+                                  (up == Agreement::kSame || down == Agreement::kSame);
+        const bool is_known =
+            is_confirmed && recalled.weight[recalled.image.index(row, column)] >= kLeastWeight;
         truth_m = is_known && truth_m > 0.0F ? -truth_m : nn::kUnknownTruth_m;
       }
     }
   }
   return scan;
-}
-
-/// Nothing where the rows are no whole number of pairs of tiles.
-std::shared_ptr<const nn::ScanSensor> every_other_row(const SensorModel& measured) {
-  if (measured.rows() % 4 != 0) return nullptr;
-  nn::ScanSensor sensor{measured, {1, 2}};
-  sensor.sensor.measured_rows.reset();
-  return std::make_shared<const nn::ScanSensor>(std::move(sensor));
 }
 
 }  // namespace
@@ -102,16 +118,14 @@ RecordedDrive read_recorded_drive(const InputChoice& input, const std::string& w
       pipeline::open_upsampled(input.input, open_options(input), {.method = weights});
   const pipeline::Upsampler& upsampler = opened.upsampler;
   const LocatedScans located = located_scans(opened, interrupt);
-  const auto sensor = std::make_shared<const nn::ScanSensor>(
-      nn::ScanSensor{upsampler.sensor(), *upsampler.sensor().measured_rows});
-  const auto halved = every_other_row(upsampler.measured_sensor());
-  RecordedDrive drive{{}, {}, sensor->sensor, sensor->measured_rows};
-  nn::ScanMemory memory(upsampler.sensor(), kScansThatTell);
+  const SensorModel& sensor = upsampler.sensor();
+  RecordedDrive drive{{}, sensor, *sensor.measured_rows};
+  nn::ScanMemory memory(sensor, kScansThatTell);
   const auto count = std::ssize(located.measured);
   const auto poses_of = [&](std::int64_t i) -> std::optional<nn::ColumnPoses> {
-    const auto path = located.poses.path_of(i, located.stamp_s[i], sensor->sensor.scan_period_s);
+    const auto path = located.poses.path_of(i, located.stamp_s[i], sensor.scan_period_s);
     if (!path) return std::nullopt;
-    return pipeline::column_poses(*path, located.measured[i], sensor->sensor);
+    return pipeline::column_poses(*path, located.measured[i], sensor);
   };
   Progress progress("what other scans measured", count);
   for (std::int64_t next = 0, i = 0; i < count && !interrupt.stop_requested(); ++i) {
@@ -126,8 +140,7 @@ RecordedDrive read_recorded_drive(const InputChoice& input, const std::string& w
     const RangeImage measured = range_image(located.measured[i]);
     const nn::RecalledImage recalled = memory.recall(measured, *poses, located.stamp_s[i]);
     if (recalled.is_empty()) continue;
-    drive.scans.push_back(scan_with_truth(measured, recalled, sensor));
-    if (halved) drive.own_rows.push_back({measured, {}, halved});
+    drive.scans.push_back(scan_with_truth(measured, recalled, drive.measured_rows));
   }
   progress.finish();
   return interrupt.stop_requested() ? RecordedDrive{} : drive;

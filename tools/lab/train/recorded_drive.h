@@ -16,9 +16,6 @@ struct RecordedDrive {
   /// Each scan with all rows of the result. Measured rows are as they were measured; a computed
   /// pixel has minus the range at which other scans agree, or is unknown (nn/kernels/two_modes.h).
   std::vector<nn::TrainingScan> scans;
-  /// Each scan with every other one of its own rows as measured, and the others as the truth: they
-  /// teach where nothing returns. Empty where the rows cannot be halved.
-  std::vector<nn::TrainingScan> own_rows;
   SensorModel sensor;  ///< of the result
   RowSelection measured_rows;
 };

@@ -15,7 +15,7 @@ struct TrainOptions {
   std::string config;
   InputChoice recording;   ///< to train on, in the place of a configuration
   std::string start_from;  ///< weights, with a recording
-  std::int64_t steps = 1500;
+  std::int64_t steps = 400;
   std::string out;
   std::string drives;  ///< empty: the folder "drives" in `out`
   int threads = 0;     ///< 0: what OpenMP chooses

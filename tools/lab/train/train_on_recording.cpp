@@ -105,16 +105,13 @@ std::pair<std::vector<nn::TrainingScan>, std::vector<nn::TrainingScan>> split(
       static_cast<std::int64_t>((1.0 - kHeldOutShare) * static_cast<double>(count));
   const std::int64_t trained = first_held - std::min(kScansBetween, first_held / 4);
   std::vector<nn::TrainingScan> training(drive.scans.begin(), drive.scans.begin() + trained);
-  if (!drive.own_rows.empty()) {
-    training.insert(training.end(), drive.own_rows.begin(), drive.own_rows.begin() + trained);
-  }
   return {std::move(training), {drive.scans.begin() + first_held, drive.scans.end()}};
 }
 
 nn::TrainingPlan plan_of(std::int64_t steps, const SensorModel& sensor) {
   nn::TrainingPlan plan;
   plan.steps = steps;
-  plan.learning_rate = 4e-4F;  // a fifth of what weights are trained with from the start
+  plan.learning_rate = 2e-4F;  // a tenth of what weights are trained with from the start
   plan.largest_gradient_norm = 1.0;
   plan.average_steps = std::max<std::int64_t>(steps / 5, 1);
   plan.augmentation.crop_columns = std::min(512, sensor.columns);
@@ -152,9 +149,6 @@ int train_on_recording(const RecordingTraining& training) {
   nn::NetworkDescription network = weights.description;
   if (fits_any_sensor(network)) {
     network = for_sensor(network, drive.sensor, drive.measured_rows);
-  } else {  // made for this sensor, and for all of its rows alone
-    drive.own_rows.clear();
-    for (nn::TrainingScan& scan : drive.scans) scan.sensor = nullptr;
   }
   auto [scans, held_out] = split(drive, training.recording.input);
   const std::vector<double> before = right_shares(network, weights.parameters, held_out);

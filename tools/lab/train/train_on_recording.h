@@ -11,7 +11,7 @@ struct RecordingTraining {
   InputChoice recording;
   std::string start_from;  ///< weights for any sensor, or for the recording's
   std::string out;
-  std::int64_t steps = 1500;
+  std::int64_t steps = 400;
   int threads = 1;
 };
 
