@@ -19,7 +19,6 @@ namespace hqslam::tools {
 struct UpsampledFormats {
   bool kitti_bin = false;  ///< bin/000000.bin, ...
   bool pcd = false;        ///< pcd/000000.pcd, ...
-  bool png = false;        ///< png/000000.png, ...: the range image in colours
 };
 
 /// Where the scans of a folder come from.
@@ -60,8 +59,7 @@ class UpsampleOutput {
   void append_first_column(int column);
   void append_beside(std::optional<NpyStackWriter>& stack, const char* name,
                      const std::vector<float>& values) const;
-  void write_formats(const RangeImage& image, const OrganizedCloud& cloud, double stamp_s,
-                     PartFiles& parts) const;
+  void write_formats(const OrganizedCloud& cloud, double stamp_s, PartFiles& parts) const;
 
   std::filesystem::path folder_;
   FolderLock lock_;
