@@ -18,8 +18,6 @@ struct TextTable {
 
 /// As Markdown, without its title.
 std::string markdown_of(const TextTable& table);
-/// In columns of one width, for a terminal.
-std::string aligned_text(const TextTable& table);
 /// As pages take it: {title, columns, rows, links}.
 nlohmann::ordered_json json_of(const TextTable& table);
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <utility>
 
@@ -12,6 +11,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/recordings/recording.h"
 #include "info/capture_check.h"
+#include "program/invocation.h"
 #include "recording/recording_choice.h"
 #include "terminal/command_options.h"
 #include "terminal/terminal.h"
@@ -69,18 +69,6 @@ std::string what_is_in(const recordings::Stream& stream) {
              : "packets";
 }
 
-/// In quotation marks if the shell would take it apart.
-std::string for_shell(const std::string& word) {
-  const bool plain = std::ranges::all_of(word, [](unsigned char c) {
-    return std::isalnum(c) != 0 ||
-           std::string("/._-+:[]@%,=").find(static_cast<char>(c)) != std::string::npos;
-  });
-  if (plain && !word.empty()) return word;
-  std::string quoted = "'";
-  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
-
 /// Of points without times, and of images, which may have been corrected.
 std::string capture_line(const CaptureCheck& check) {
   const std::string fit = fmt::format(
@@ -99,9 +87,9 @@ std::string capture_option(const std::optional<CaptureTime>& told, bool is_stack
 }
 
 std::string command_for(const InfoOptions& options, const std::string& capture) {
-  std::string command = fmt::format("hqslam run {}", for_shell(options.input));
-  if (!options.sensor.empty()) command += fmt::format(" --sensor {}", for_shell(options.sensor));
-  if (!options.stream.empty()) command += fmt::format(" --stream {}", for_shell(options.stream));
+  std::string command = fmt::format("hqslam run {}", shell_word(options.input));
+  if (!options.sensor.empty()) command += fmt::format(" --sensor {}", shell_word(options.sensor));
+  if (!options.stream.empty()) command += fmt::format(" --stream {}", shell_word(options.stream));
   return command + capture + " --out results";
 }
 

@@ -18,7 +18,6 @@ struct CompareOptions : InputChoice {
   bool no_look_ahead = false;
   std::int64_t every = 1;
   std::string json;  ///< file to write; empty: none
-  bool filters = false;
   bool layers = false;
   int threads = 0;  ///< 0: what OpenMP chooses
 };
