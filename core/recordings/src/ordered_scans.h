@@ -13,7 +13,7 @@ namespace hqslam::recordings {
 /// - Two scans that change places, as in a bag that was written out of order, change back.
 /// - A single scan that is stamped before the one before is late, and left out (ScanError).
 /// - Stamps that stand, or fall and stay behind, are of a clock that was not set or set back: they
-///   are counted on by the sensor's period, and a warning says so.
+///   are counted on by the sensor's period, with a warning.
 std::unique_ptr<ScanSource> ordered(std::unique_ptr<ScanSource> source);
 
 }  // namespace hqslam::recordings

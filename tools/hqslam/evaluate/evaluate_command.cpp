@@ -170,7 +170,7 @@ Kind kind_of(const std::string& path) {
   return std::ranges::count(kBinaryPoints, ending) > 0 ? Kind::kCloud : Kind::kTrajectory;
 }
 
-/// Of both files. Throws Error where they are of two.
+/// The kind of both files. Throws Error where they differ.
 Kind kind_of(const EvaluateOptions& options) {
   const Kind kind = kind_of(options.estimate);
   if (kind == kind_of(options.reference)) return kind;
@@ -189,8 +189,8 @@ void declare(CLI::App& app, EvaluateOptions& options) {
       .option("ESTIMATE", &options.estimate,
               "Trajectory (TUM or KITTI), cloud (.pcd, .ply, .bin) or .npy stack of range images",
               read)
-      .option("REFERENCE", &options.reference, "What it should be, in the same kind of file", read)
-      .option("--align", &options.alignment, "Alignment of a trajectory before its APE is taken",
+      .option("REFERENCE", &options.reference, "Reference: the same kind of file", read)
+      .option("--align", &options.alignment, "Alignment of a trajectory before its APE is computed",
               {.shows_default = true, .one_of = {"se3", "first", "none"}})
       .option("--sensor", &options.sensor,
               "Sensor of two .npy stacks (name or .json file): adds the errors in 3-D");

@@ -115,7 +115,7 @@ void print_summary(const UpsampleRun& run, const nn::Upsampler& upsampler,
 
 void declare(CLI::App& app, UpsampleOptions& options) {
   Command command =
-      add_command(app, "upsample", "Fill the rows between those of a LiDAR with few beams",
+      add_command(app, "upsample", "Compute the rows between those of a LiDAR with few beams",
                   "Writes into --out, which hqslam run reads as it is:\n"
                   "  scans.npy          N x rows x columns, float32 metres\n"
                   "  confidence.npy     0 to 1 per pixel, of a network that gives a confidence\n"

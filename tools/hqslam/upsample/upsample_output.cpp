@@ -69,7 +69,7 @@ void write_origin(const fs::path& folder, const UpsampleOrigin& origin, bool com
 }
 
 /// `folder`, made empty of earlier results: the members that open files in it start with this. The
-/// file that says where the results came from is first: it marks the folder as ours however little
+/// file with the origin of the results is first: it marks the folder as ours however little
 /// else is there, because a disk was full or the program was killed.
 fs::path prepared(const fs::path& folder, const UpsampleOrigin& origin) {
   guard_scan_folder(folder, kUpsampled, has_marker((folder / kMarkerFile).string(), kMarker),

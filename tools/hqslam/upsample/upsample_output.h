@@ -26,13 +26,13 @@ struct UpsampleOrigin {
   std::string input;
   std::string method;
   std::optional<std::int64_t> scans = {};  ///< of the recording; nothing: not known yet
-  std::string poses = {};                  ///< the file that says what is recalled where; or empty
+  std::string poses = {};                  ///< the file of poses for recall; or empty
 };
 
 /// The folder that `hqslam upsample` writes into, scan by scan; what is there is valid whenever
 /// writing stops:
 ///   scans.npy      N x rows x columns, float32 metres, 0 = no return, row 0 the highest beam
-///   confidence.npy  N x rows x columns, float32, 0 to 1, if the method says how sure it is
+///   confidence.npy  N x rows x columns, float32, 0 to 1, if the method gives a confidence
 ///   intensity.npy  the same shape, float32, if the recording has intensities; not a number where
 ///                  that of a return is not known
 ///   timestamps.txt  the stamp of each scan, seconds
@@ -50,7 +50,7 @@ class UpsampleOutput {
 
   /// cloud: the same scan as points. Throws Error.
   void append(const RangeImage& image, const OrganizedCloud& cloud, double stamp_s);
-  /// Says in upsample.json that all scans of the recording were taken, and how many they are.
+  /// Marks upsample.json as complete, with the number of scans of the recording.
   /// Throws Error.
   void finish(std::int64_t scans);
 

@@ -86,7 +86,7 @@ void put_udp(Frame& frame, const Packet& packet) {
   put_big_endian(frame, header + 6, checksum == 0 ? 0xFFFF : checksum);  // 0 would be: none
 }
 
-/// Of the file: microseconds are nanoseconds, version 2.4, raw IP.
+/// The file's header: nanoseconds, version 2.4, raw IP.
 constexpr std::array<std::uint32_t, 6> kFileHeader = {0xA1B23C4D, 0x00040002, 0, 0, kMaxFrame, 101};
 
 }  // namespace

@@ -38,7 +38,7 @@ class SensorClock {
   /// A quartz is right to 50 millionths; two may differ by twice as much.
   static constexpr std::int64_t kSlewDivisor = 10'000;
 
-  // Of numbers that may be any.
+  // The numbers may have any value.
   static std::int64_t difference(std::int64_t a, std::int64_t b) {
     return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(b));
   }

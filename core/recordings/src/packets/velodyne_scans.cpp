@@ -32,8 +32,8 @@ VelodyneStream probe(StreamReader& reader, std::optional<VelodyneModel> named) {
   }
   if (!found) {
     throw Error(
-        "{}: expected packets of a VLP-16, HDL-32E, VLP-32C or VLS-128, found some that say "
-        "neither by their spacing nor by their factory byte whose they are; name the sensor",
+        "{}: expected packets of a VLP-16, HDL-32E, VLP-32C or VLS-128, found some whose "
+        "spacing and factory byte determine no model; name the sensor",
         path);
   }
   return *found;
