@@ -8,7 +8,7 @@ namespace hqslam::recordings {
 
 /// The scans of a recording of points or images, each once, with stamps that rise.
 ///
-/// - A scan with the very ranges of the one before, as where a message was recorded twice or a
+/// - A scan with the same ranges as the one before, as where a message was recorded twice or a
 ///   driver stood still, is left out (ScanError).
 /// - Two scans that change places, as in a bag that was written out of order, change back.
 /// - A single scan that is stamped before the one before is late, and left out (ScanError).

@@ -211,8 +211,8 @@ void warn_of_other_beams(const SensorModel& named, const SensorModel& expected,
   }
   if (off_deg <= kFarthest_deg) return;
   warnings.push_back(fmt::format(
-      "{}: the packets are read with the beams of '{}', as asked for, up to {:.1f} degrees beside "
-      "{}'s",
+      "{}: the packets are read with the beams of the named sensor '{}', up to {:.1f} degrees "
+      "beside {}'s",
       path, named.name, off_deg, expected.name));
 }
 

@@ -192,7 +192,7 @@ TEST_CASE("results that cannot be written end no drive and no recording; they ar
     fs::create_directory(live.path("out/timings.json"));  // nothing can be renamed to this
     live.send_drive();
     CHECK(live.says("RESULTS NOT WRITTEN"));
-    CHECK(holds(live.error(), "driving on"));
+    CHECK(holds(live.error(), "the drive continues"));
     if (mended) fs::remove(live.path("out/timings.json"));
     CHECK(live.end(SIGINT) == (mended ? 0 : 2));
     CAPTURE(live.error());

@@ -80,7 +80,7 @@ class LiveProgress {
 
   void set_results_failure(const std::string& failure) {
     if (!failure.empty() && status_.results_failure.empty()) {
-      to_stderr("hqslam: {}; driving on, it is tried again\n", failure);
+      to_stderr("hqslam: {}; the drive continues, the next attempt follows\n", failure);
     }
     status_.results_failure = failure;
   }

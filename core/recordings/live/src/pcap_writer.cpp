@@ -138,7 +138,7 @@ void PcapWriter::add(const Packet& packet) {
 
 void PcapWriter::write(const void* bytes, std::size_t count) {
   if (std::fwrite(bytes, 1, count, file_.get()) == count) return;
-  throw Error("{}: cannot be written on; is the disk full?", path_);
+  throw Error("{}: cannot be written; is the disk full?", path_);
 }
 
 }  // namespace hqslam::live

@@ -50,7 +50,7 @@ Bytes ip_packet(Bytes frame, int link_type) {
     case DLT_NULL:
     case DLT_LOOP:
       return frame.size() < 4 ? Bytes{} : frame.subspan(4);
-    default:  // raw IP: the constructor lets nothing else through
+    default:  // raw IP: the constructor refuses all others
       return frame;
   }
 }

@@ -116,9 +116,10 @@ SensorModel velodyne_sensor(VelodyneStream& stream, const std::string& wanted_se
     preset = !wanted_sensor.ends_with(".json");
     const VelodyneModel wanted = model_for(sensor, stream.model, path);
     if (wanted != stream.model) {
-      warnings.push_back(fmt::format(
-          "{}: the packets look like those of a {}, but are read as a {}'s, as asked for", path,
-          name(stream.model), name(wanted)));
+      warnings.push_back(
+          fmt::format("{}: the packets look like those of a {}, but are read as those of the named "
+                      "sensor, a {}",
+                      path, name(stream.model), name(wanted)));
       stream.model = wanted;
     }
     refuse_hdl64e(stream, path);
