@@ -19,7 +19,6 @@ Options parsed(const std::vector<std::string>& arguments) {
 TEST_CASE("what makes no sense is refused") {
   const std::vector<std::vector<std::string>> wrong = {
       {"simulate", "--drive", "town", "--sensor", "os1-64", "--out", "x", "--scans", "-3"},
-      {"bench", "--sensor", "os1-64"},
       {"compare", "/", "--layers"},
   };
   for (const std::vector<std::string>& arguments : wrong) {
