@@ -28,7 +28,7 @@ void require(bool holds, const SensorModel& sensor, fmt::format_string<Values...
               fmt::format(complaint, std::forward<Values>(values)...));
 }
 
-/// Of all beams or of none; more is no calibration but another sensor.
+/// Corrections of all beams or of none; larger ones are another sensor, no calibration.
 void require_corrections(const SensorModel& sensor) {
   constexpr double kMaxElevation_rad = 0.05;
   constexpr double kMaxRange_m = 1.0;

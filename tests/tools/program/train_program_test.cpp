@@ -86,9 +86,6 @@ TEST_CASE("compare puts interpolation and networks side by side, inspect shows t
   CHECK(table["methods"][1]["mae_all_m"] > 0.0);
   CHECK(table["methods"][4]["good_lost_share"] >= 0.0);
 
-  const ProgramResult filters = succeeds("compare '{}' --weights '{}' --filters", drive, weights);
-  CHECK(holds(filters.out, "\n1           10      20 "));
-
   const ProgramResult layers = succeeds("compare '{}' --weights '{}' --layers", drive, weights);
   CHECK(missing(layers.out, {"\nlinear ", "\nlayer 1: H ", "\nlayer 1: Y ", "\nlayer 2: Z "}) ==
         "");

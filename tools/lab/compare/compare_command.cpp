@@ -163,16 +163,12 @@ void declare(CLI::App& app, CompareOptions& options) {
               {.shows_default = true, .within = kAnyCount})
       .option("--every", &options.every, "Compare every n-th scan (default: all)",
               {.within = kAnyCount})
-      .option("--filters", &options.filters,
-              "Instead of methods, compare settings of the outlier filter at the end, on the "
-              "results of the first weights",
-              {})
       .option("--layers", &options.layers,
               "Instead of methods, compare the steps of the first weights' layers (H: data step, "
               "Z: denoiser, Y: filter), as if the network ended there",
-              {.excludes = {"--filters"}})
+              {.needs = {"--weights"}})
       .option("--json", &options.json, "Also write the figures into this file",
-              {.excludes = {"--filters", "--layers"}});
+              {.excludes = {"--layers"}});
   declare_threads(command, options.threads);
 }
 
@@ -185,15 +181,7 @@ int run(const CompareOptions& options) {
   require_rows_to_compute(options, sensor);
   Json json;
   std::int64_t used = 0;
-  if ((options.filters || options.layers) && options.weights.empty()) {
-    throw Error("compare: {} needs --weights", options.filters ? "--filters" : "--layers");
-  }
-  if (options.filters) {
-    FilterComparison comparison(without_last_filter(options.weights.front(), sensor, options.rows));
-    used = for_each_scan(options, sensor, interrupt,
-                         [&](const OrganizedCloud& scan, const auto&) { comparison.add(scan); });
-    to_stdout("{}", trials_text(comparison.trials()));
-  } else if (options.layers) {
+  if (options.layers) {
     LayerComparison comparison(network_of(options.weights.front(), sensor, options.rows), sensor);
     used = for_each_scan(options, sensor, interrupt,
                          [&](const OrganizedCloud& scan, const auto&) { comparison.add(scan); });

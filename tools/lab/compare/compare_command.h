@@ -19,7 +19,6 @@ struct CompareOptions : InputChoice {
   int rows = 16;  ///< that are measured
   std::int64_t every = 1;
   std::string json;  ///< file to write; empty: none
-  bool filters = false;
   bool layers = false;
   int threads = 0;  ///< 0: what OpenMP chooses
 };

@@ -16,7 +16,7 @@ bool takes(const SensorModel& recorded, const SensorModel& full, RowSelection me
          have_same_beams(recorded, select_rows(full, measured_rows));
 }
 
-/// Of the weights of a name the file that was made for a sensor.
+/// The file of the weights of this name that was made for the sensor.
 std::string weights_for(const std::string& name, const std::optional<SensorModel>& recorded) {
   const std::vector<std::string> files = installed_weights_files(name);
   std::vector<std::string> made_for;

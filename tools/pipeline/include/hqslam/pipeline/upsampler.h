@@ -101,7 +101,7 @@ std::vector<std::string> installed_weights_names();
 std::vector<std::string> installed_weights_files(const std::string& name);
 /// Whether a method is such a name, and not a file.
 bool is_weights_name(const std::string& method);
-/// The path of a weights file that comes with hqslam, "du-or_os1_16to64.npz" say: beside the
+/// The path of a weights file that comes with hqslam, such as "du-or_os1_16to64.npz": beside the
 /// installed program (../share/hqslam/weights), where hqslam was installed, or in the source tree
 /// it was built from. Nothing if it is in none of them.
 std::optional<std::string> installed_weights(const std::string& file);
