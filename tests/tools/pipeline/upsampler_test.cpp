@@ -147,9 +147,10 @@ TEST_CASE("weights that come with hqslam are chosen by name and sensor") {
   SensorModel fast_packets = sensor_preset("vlp-16");
   fast_packets.columns = 1800;
   CHECK(Upsampler(fast_packets, {.method = "du-mix"}).method()->name() == "du-mix");
-  CHECK(refused_with([] { Upsampler(sensor_preset("hdl-32e"), {.method = "du-mix"}); }, "du-mix",
+  CHECK(Upsampler(sensor_preset("hdl-32e"), {.method = "du-mix"}).sensor().rows() == 64);
+  CHECK(refused_with([] { Upsampler(sensor_preset("hdl-32e"), {.method = "du-or"}); }, "du-or",
                      "hdl-64e", "none for 'hdl-32e'"));
-  CHECK(refused_with([] { load_method({.method = "du-mix"}); }, "name the sensor"));
+  CHECK(refused_with([] { load_method({.method = "du-or"}); }, "name the sensor"));
 }
 
 }  // namespace hqslam::pipeline
