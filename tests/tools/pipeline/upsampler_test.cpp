@@ -144,6 +144,7 @@ TEST_CASE("rows that nothing fills are selected, all of them where none are aske
 TEST_CASE("weights that come with hqslam are chosen by name and sensor") {
   const Upsampler os1(sensor_preset("os1-16"), {.method = "du-mix"});
   CHECK(os1.sensor().rows() == 64);
+  CHECK_FALSE(fits_any_sensor(os1.method()->network()->description()));
   SensorModel fast_packets = sensor_preset("vlp-16");
   fast_packets.columns = 1800;
   CHECK(Upsampler(fast_packets, {.method = "du-mix"}).method()->name() == "du-mix");

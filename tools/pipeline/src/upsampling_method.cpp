@@ -23,9 +23,12 @@ std::string weights_for(const std::string& name, const std::optional<SensorModel
   std::optional<std::string> for_any;
   for (const std::string& file : files) {
     const nn::NetworkDescription network = nn::read_weights(file).description;
+    if (nn::fits_any_sensor(network)) {
+      for_any = file;
+      continue;
+    }
     if (recorded && takes(*recorded, network.sensor, network.measured_rows)) return file;
     made_for.push_back(network.sensor.name);
-    if (nn::fits_any_sensor(network)) for_any = file;
   }
   if (for_any) return *for_any;
   if (!recorded) {
