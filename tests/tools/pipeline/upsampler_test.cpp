@@ -149,6 +149,9 @@ TEST_CASE("weights that come with hqslam are chosen by name and sensor") {
   fast_packets.columns = 1800;
   CHECK(Upsampler(fast_packets, {.method = "du-mix"}).method()->name() == "du-mix");
   CHECK(Upsampler(sensor_preset("hdl-32e"), {.method = "du-mix"}).sensor().rows() == 64);
+  SensorModel fast_turns = sensor_preset("vlp-16");  // the weights for it have 1,800 columns
+  fast_turns.columns = 900;
+  CHECK(Upsampler(fast_turns, {.method = "du-mix"}).recorded().columns == 896);
   CHECK(refused_with([] { Upsampler(sensor_preset("hdl-32e"), {.method = "du-or"}); }, "du-or",
                      "hdl-64e", "none for 'hdl-32e'"));
   CHECK(refused_with([] { load_method({.method = "du-or"}); }, "name the sensor"));

@@ -13,8 +13,6 @@ namespace {
 /// An interpolation of all rows takes every fourth as measured, of sensors with at least 64 rows.
 constexpr int kInterpolationFactor = 4;
 constexpr int kFewestRowsToThin = 64;
-/// Sensors do not keep their rate to the percent.
-constexpr double kFewestColumnsShare = 0.9;
 
 /// In an image of more columns than a turn has, a network would take the gaps for no return.
 void check_columns(const UpsamplingOptions& options, const std::string& source, int found,

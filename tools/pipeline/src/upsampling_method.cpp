@@ -21,16 +21,21 @@ std::string weights_for(const std::string& name, const std::optional<SensorModel
   const std::vector<std::string> files = installed_weights_files(name);
   std::vector<std::string> made_for;
   std::optional<std::string> for_any;
+  std::optional<std::string> for_more_columns;
   for (const std::string& file : files) {
     const nn::NetworkDescription network = nn::read_weights(file).description;
     if (nn::fits_any_sensor(network)) {
       for_any = file;
       continue;
     }
-    if (recorded && takes(*recorded, network.sensor, network.measured_rows)) return file;
+    if (recorded && takes(*recorded, network.sensor, network.measured_rows)) {
+      if (recorded->columns >= kFewestColumnsShare * network.sensor.columns) return file;
+      for_more_columns = file;
+    }
     made_for.push_back(network.sensor.name);
   }
   if (for_any) return *for_any;
+  if (for_more_columns) return *for_more_columns;
   if (!recorded) {
     throw Error(
         "{}: expected a recording whose sensor is known, to choose between weights for {}; name "

@@ -95,6 +95,10 @@ class Upsampler {
   std::optional<nn::Upsampler> method_;
 };
 
+/// A sensor fits a network made for more columns if it has at least this share of them: sensors do
+/// not keep their rate to the percent.
+inline constexpr double kFewestColumnsShare = 0.9;
+
 /// The weights that come with hqslam: names such as "du-mix" and "du-mix-memory".
 std::vector<std::string> installed_weights_names();
 /// The weights files of such a name, one for each sensor.
