@@ -106,7 +106,7 @@ void check_options(const InspectOptions& options) {
     guard_output_file(options.out, {options.input, options.weights}, page_marker("hqslam inspect"));
   }
   if (!options.npz.empty() && (options.npz == options.weights || options.npz == options.input)) {
-    throw Error("inspect: --npz {} is the recording, expected another file", options.npz);
+    throw Error("inspect: --npz {} is an input, expected another file", options.npz);
   }
 }
 
