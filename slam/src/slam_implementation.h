@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "alignment/drift.h"
@@ -82,7 +83,8 @@ struct Slam::Implementation {
   std::optional<InertialPrediction> predicted_by_imu(const Reference& reference,
                                                      const Scan& scan) const;
   Registered judged(const Tracking& last, const Scan& scan, const MotionState& expected,
-                    const OdometryResult& moved, const MappingResult& matched) const;
+                    const MappingResult& matched,
+                    const std::function<const OdometryResult&()>& moved) const;
   Registered registered(const Tracking& last, const Scan& scan, Notes& notes) const;
   void leave_out_imu(Scan& scan) const;
   Registered checked(const Tracking& last, Scan& scan, Notes& notes);

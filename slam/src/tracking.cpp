@@ -180,32 +180,31 @@ std::optional<InertialPrediction> Slam::Implementation::predicted_by_imu(const R
                    scan.turning->mean_rate_rad_per_s());
 }
 
-/// Whether the results of odometry and mapping are accepted, and the state by them.
+/// Whether the result of mapping is accepted, and otherwise the odometry's.
 Registered Slam::Implementation::judged(const Tracking& last, const Scan& scan,
-                                        const MotionState& expected, const OdometryResult& moved,
-                                        const MappingResult& matched) const {
-  const double duration_s = scan.time_s - last.reference.time_s;
-  const Pose T_map_moved =
-      orthonormalized(last.reference.state.T_map_sensor * moved.T_reference_sensor);
+                                        const MotionState& expected, const MappingResult& matched,
+                                        const std::function<const OdometryResult&()>& moved) const {
   // inlier_ratio alone is that of a wide search, which may have begun far from the result.
   const bool is_elsewhere = matched.inlier_ratio < kLeastShareOfInlierRatio * last.inlier_ratio &&
                             matched.close_ratio < kLeastShareOfInlierRatio * last.close_ratio;
   Registered found;
   found.is_registered = matched.status != Status::kTooFewFeatures && !is_elsewhere &&
                         (!place_recognition || is_in_given_map(scan.map_features, matched.state));
-  found.by_odometry = moved.status != Status::kTooFewFeatures;
-  found.is_motion_plausible =
-      found.by_odometry && !is_elsewhere &&
-      is_plausible(logarithm(expected.T_map_sensor.inverse() * T_map_moved), duration_s);
-  found.is_contradiction = scan.has_enough_features && is_precise(expected) &&
-                           (is_elsewhere || (found.by_odometry && !found.is_motion_plausible));
   found.inlier_ratio = matched.inlier_ratio;
   found.close_ratio = matched.close_ratio;
-  found.state = found.is_registered ? matched.state : expected;
-  if (!found.is_registered) {
-    found.state.T_map_sensor = T_map_moved;
-    found.state.velocity = (1.0 / duration_s) * logarithm(moved.T_reference_sensor);
-  }
+  found.state = matched.state;
+  if (found.is_registered) return found;
+  const double duration_s = scan.time_s - last.reference.time_s;
+  const Pose& motion = moved().T_reference_sensor;
+  found.state = expected;
+  found.state.T_map_sensor = orthonormalized(last.reference.state.T_map_sensor * motion);
+  found.state.velocity = (1.0 / duration_s) * logarithm(motion);
+  found.by_odometry = moved().status != Status::kTooFewFeatures;
+  const Pose innovation = expected.T_map_sensor.inverse() * found.state.T_map_sensor;
+  found.is_motion_plausible =
+      found.by_odometry && !is_elsewhere && is_plausible(logarithm(innovation), duration_s);
+  found.is_contradiction = scan.has_enough_features && is_precise(expected) &&
+                           (is_elsewhere || (found.by_odometry && !found.is_motion_plausible));
   return found;
 }
 
@@ -221,15 +220,21 @@ Registered Slam::Implementation::registered(const Tracking& last, const Scan& sc
   const MotionState expected =
       measured ? measured->state
                : predicted(reference.state, duration_s, steady_s, accelerations.density());
-  const OdometryResult moved =
-      scan_to_scan(reference.target, scan.features,
-                   {reference.state.T_map_sensor.inverse() * expected.T_map_sensor, duration_s},
-                   options.odometry);
-  const Pose T_map_moved = orthonormalized(reference.state.T_map_sensor * moved.T_reference_sensor);
-  report.odometry_status = moved.status;
-  report.T_odom_sensor = orthonormalized(reference.T_odom_sensor * moved.T_reference_sensor);
-  report.times.odometry_s += notes.stopwatch.lap_s();
-
+  std::optional<OdometryResult> odometry;  // only where it can change the result
+  const auto moved = [&]() -> const OdometryResult& {
+    if (odometry) return *odometry;
+    report.times.mapping_s += notes.stopwatch.lap_s();
+    odometry =
+        scan_to_scan(reference.target, scan.features,
+                     {reference.state.T_map_sensor.inverse() * expected.T_map_sensor, duration_s},
+                     options.odometry);
+    report.odometry_status = odometry->status;
+    report.times.odometry_s += notes.stopwatch.lap_s();
+    return *odometry;
+  };
+  const auto T_map_moved = [&] {
+    return orthonormalized(reference.state.T_map_sensor * moved().T_reference_sensor);
+  };
   MappingResult matched =
       register_from_starts(mapping, scan.map_features,
                            {expected, T_map_moved, reference.state.T_map_sensor, duration_s,
@@ -239,7 +244,7 @@ Registered Slam::Implementation::registered(const Tracking& last, const Scan& sc
     matched.state.covariance = expected.covariance;
     if (matched.status == Status::kOk) matched.status = Status::kDegenerate;
   }
-  Registered found = judged(last, scan, expected, moved, matched);
+  Registered found = judged(last, scan, expected, matched, moved);
   if (measured) {
     found.innovation = normalized_innovation(*measured, found.state, matched.information);
     // What a wrong sample did to the prediction is no error of biases or gravity.
@@ -262,13 +267,14 @@ Registered Slam::Implementation::registered(const Tracking& last, const Scan& sc
                                           : carried(reference.against_map, motion) +
                                                 growth(reference.state, expected, motion);
   report.covariance = drift.covariance(motion, found.against_map);
+  report.T_odom_sensor = orthonormalized(reference.T_odom_sensor * motion);
   notes.own_covariance = drift.own_covariance(motion, found.against_map);
   if (notes.trace != nullptr) {
     notes.trace->T_map_expected = expected.T_map_sensor;
-    notes.trace->T_map_odometry = T_map_moved;
+    notes.trace->T_map_odometry = T_map_moved();
     notes.trace->duration_s = duration_s;
-    notes.trace->sharp_edges = moved.edge_correspondences;
-    notes.trace->flat_points = moved.planar_correspondences;
+    notes.trace->sharp_edges = moved().edge_correspondences;
+    notes.trace->flat_points = moved().planar_correspondences;
     notes.trace->last_inlier_ratio = last.inlier_ratio;
     trace_registration(mapping, scan.map_features, matched, *notes.trace);
   }
