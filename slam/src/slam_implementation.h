@@ -47,7 +47,6 @@ struct Slam::Implementation {
   SlamOptions options;
   Mounting mounting;
   SensorModel sensor;  ///< the upright one
-  Segmenter segmenter;
   ScanClock clock;
   ImuBuffer imu;
   InertialCheck inertial_check;

@@ -55,7 +55,6 @@ struct ScanReport {
   int returns = 0;
   int scattered = 0;  ///< returns that were left out: echoes of fog, dust or snow
   int ground_points = 0;
-  int clusters = 0;
   int edge_features = 0;
   int planar_features = 0;
   int edge_correspondences = 0;  ///< used by the last iteration of mapping
@@ -69,7 +68,7 @@ struct ScanReport {
 
 /// LeGO-LOAM without ROS: scan in, pose out.
 ///
-///   OrganizedCloud -> ground, clusters -> edge and planar features -> two-step odometry
+///   OrganizedCloud -> ground, objects -> edge and planar features -> two-step odometry
 ///   -> de-skewed features -> scan-to-map optimisation -> loop closing -> pose, map
 ///
 /// Deterministic: the same scans give the same bytes for any number of threads. Every scan is
