@@ -3,9 +3,9 @@
 # sanitizers; ends with an error at the first finding.
 #   tools/fuzz.sh [SECONDS]                 20 by default
 #   tools/fuzz.sh SECONDS READER...         only these; tests/fuzz/readers.h names them
-#   tools/fuzz.sh --inputs COUNT READER...  so many inputs instead of so many seconds
-# What was found interesting is kept in build/fuzz/corpus and begun with the next time; a finding is
-# written into build/fuzz/findings.
+#   tools/fuzz.sh --inputs COUNT READER...  COUNT inputs for each reader instead of a time
+# build/fuzz/corpus keeps inputs that reach new code, for the next run; build/fuzz/findings has the
+# findings.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 if [[ "${1:-}" == --inputs ]]; then

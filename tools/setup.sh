@@ -11,10 +11,10 @@ set -euo pipefail
 packages=(
   g++ cmake ninja-build pkg-config
   libeigen3-dev libfmt-dev nlohmann-json3-dev libzip-dev            # core
-  libpng-dev                                                        # evaluation
-  libpcap-dev libsqlite3-dev liblz4-dev libzstd-dev libbz2-dev      # recordings, live
+  libpcap-dev libsqlite3-dev liblz4-dev libzstd-dev libbz2-dev      # recordings
+  libcpp-httplib-dev                                                # live
   libceres-dev                                                      # slam
-  libcli11-dev libcpp-httplib-dev                                   # the programs
+  libcli11-dev                                                      # the programs
   doctest-dev                                                       # the tests
 )
 if [[ "${1:-}" != light ]]; then

@@ -14,8 +14,8 @@ export OMP_WAIT_POLICY=passive
 packages=(
   libc6-dev libstdc++6 libgomp1
   libeigen3-dev libfmt-dev nlohmann-json3-dev libzip-dev            # core
-  libpng-dev                                                        # evaluation
-  libpcap-dev libsqlite3-dev liblz4-dev libzstd-dev libbz2-dev      # recordings, live
+  libpcap-dev libsqlite3-dev liblz4-dev libzstd-dev libbz2-dev      # recordings
+  libcpp-httplib-dev                                                # live
   libceres-dev libblas-dev liblapack-dev                            # slam
   doctest-dev
 )

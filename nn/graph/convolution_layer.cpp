@@ -58,6 +58,7 @@ ConvolutionLayer::ConvolutionLayer(const ConvolutionOptions& options, const Tens
       convolution_(strided_convolution(shape_, input, output, engine.instruction_set)),
       threads_(engine.threads) {
   if (options.row_bias) row_bias_ = output_.make();
+  if (options.row_weights) of_rows_.assign(output_.rows, convolution_);
   if (shape_.transposed || !kernels::WinogradConvolution::suits(shape_, input)) return;
   winograd_.emplace(shape_, input, engine.instruction_set, engine.threads);
 }
@@ -73,6 +74,9 @@ std::vector<ParameterShape> ConvolutionLayer::parameter_shapes() const {
   if (options_.transposed) std::swap(first, second);
   std::vector<ParameterShape> shapes{
       {"weight", {first, second, shape_.kernel_rows, shape_.kernel_columns}}};
+  if (options_.row_weights) {
+    return {{"weight", {output_.rows, first, second}}, {"bias", {output_.rows, first}}};
+  }
   if (options_.linear) shapes.front().shape.resize(2);
   if (options_.bias) shapes.push_back({"bias", {output_.channels}});
   if (options_.row_bias) shapes.push_back({"row_bias", {output_.channels, output_.rows}});
@@ -84,12 +88,13 @@ void ConvolutionLayer::add_initial_parameters(UniformStart& start,
   // PyTorch counts the fan-in of both kinds of convolution in the second extent.
   const int second = options_.transposed ? shape_.output_channels : shape_.input_channels;
   const auto fan_in = static_cast<float>(second * shape_.kernel_rows * shape_.kernel_columns);
-  start.add(shape_.weights(),
+  const int rows = options_.row_weights ? output_.rows : 1;
+  start.add(rows * shape_.weights(),
             options_.start_limit.value_or(options_.start_scale / std::sqrt(fan_in)), parameters);
   if (options_.bias && options_.start_limit) {
     parameters.insert(parameters.end(), output_.channels, options_.start_bias);
   } else if (options_.bias) {
-    start.add(output_.channels, 0.1F * options_.start_scale, parameters);
+    start.add(rows * output_.channels, 0.1F * options_.start_scale, parameters);
   }
   if (options_.row_bias) {
     parameters.insert(parameters.end(), static_cast<std::size_t>(output_.channels) * output_.rows,
@@ -99,6 +104,10 @@ void ConvolutionLayer::add_initial_parameters(UniformStart& start,
 
 void ConvolutionLayer::set_parameters(std::span<const float> parameters) {
   check_parameters(parameters, parameter_shapes());
+  if (options_.row_weights) {
+    set_row_parameters(parameters);
+    return;
+  }
   const std::span<const float> weight = take(parameters, shape_.weights());
   if (winograd_) {
     winograd_->set_weights(weight);
@@ -117,7 +126,29 @@ void ConvolutionLayer::set_parameters(std::span<const float> parameters) {
   }
 }
 
+void ConvolutionLayer::set_row_parameters(std::span<const float> parameters) {
+  for (kernels::StridedConvolution& row : of_rows_) {
+    row.set_weights(take(parameters, shape_.weights()));
+  }
+  const std::size_t block = kernels::whole_blocks(output_.channels);
+  bias_.assign(block * of_rows_.size(), 0.0F);
+  for (std::size_t row = 0; row < of_rows_.size(); ++row) {
+    std::ranges::copy(take(parameters, output_.channels), bias_.begin() + row * block);
+  }
+  if (scratch_.rows.empty()) scratch_ = convolution_.make_scratch(threads_);
+}
+
 void ConvolutionLayer::forward(const LayerPass& pass) {
+  if (options_.row_weights) {
+#pragma omp for schedule(static)
+    for (int row = 0; row < output_.rows; ++row) {
+      forward_row(*pass.input, row, pass.output->row(0, row), pass.output->channel_stride());
+      for (int channel = 0; channel < output_.channels; ++channel) {
+        pass.output->fill_border(channel, row);
+      }
+    }
+    return;
+  }
   const LayerEnd end{options_.negative_slope, options_.row_bias ? &row_bias_ : pass.second};
   if (winograd_) {
     winograd_->forward(*pass.input, bias_.data(), end, *pass.output);
@@ -137,7 +168,9 @@ void ConvolutionLayer::require_single_rows() const {
 void ConvolutionLayer::forward_row(const Tensor& input, int row, float* output,
                                    std::int64_t channel_stride) const {
   require_single_rows();
-  convolution_.gather_row(input, bias_.data(), row, output, channel_stride);
+  const std::size_t own = options_.row_weights ? row : 0;
+  const float* bias = bias_.data() + own * kernels::whole_blocks(output_.channels);
+  strided(row).gather_row(input, bias, row, output, channel_stride);
 }
 
 std::function<void()> ConvolutionLayer::reference(const LayerPass& pass) const {

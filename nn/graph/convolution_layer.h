@@ -24,7 +24,10 @@ struct ConvolutionOptions {
   bool transposed = false;
   bool bias = true;       ///< a learned bias per output channel
   bool row_bias = false;  ///< one per output channel and row too; not with a second input
-  bool linear = false;    ///< a 1 x 1 kernel whose weight is stored as out x in
+  /// Weights and biases of each row, for a linear 1 x 1 kernel without a second input: arrays of
+  /// rows x out x in and rows x out.
+  bool row_weights = false;
+  bool linear = false;  ///< a 1 x 1 kernel whose weight is stored as out x in
   float negative_slope = 1.0F;
   /// Starting values: weights uniform in +-start_limit, biases start_bias; without a limit
   /// PyTorch's, weights in +-start_scale / sqrt(fan in), biases in +-0.1 start_scale.
@@ -72,6 +75,10 @@ class ConvolutionLayer final : public Layer {
   const ConvolutionOptions& options() const { return options_; }
   const ConvolutionShape& shape() const { return shape_; }
   const kernels::StridedConvolution& strided() const { return convolution_; }
+  /// What computes one row of the result.
+  const kernels::StridedConvolution& strided(int row) const {
+    return of_rows_.empty() ? convolution_ : of_rows_[row];
+  }
   kernels::ConvolutionScratch& scratch() { return scratch_; }
   /// Null where strided() computes the layer.
   const kernels::WinogradConvolution* winograd() const { return winograd_ ? &*winograd_ : nullptr; }
@@ -79,13 +86,16 @@ class ConvolutionLayer final : public Layer {
   void require_single_rows() const;
 
  private:
+  void set_row_parameters(std::span<const float> parameters);
+
   ConvolutionOptions options_;
   ConvolutionShape shape_;
   TensorShape input_;
   kernels::StridedConvolution convolution_;
   int threads_;
   kernels::ConvolutionScratch scratch_;  ///< made with the first parameters, where it is needed
-  std::vector<float> bias_;              ///< padded with zeros to whole blocks
+  std::vector<float> bias_;  ///< padded with zeros to whole blocks; with row_weights row by row
+  std::vector<kernels::StridedConvolution> of_rows_;      ///< with row_weights
   std::optional<kernels::WinogradConvolution> winograd_;  ///< where it is faster
   Tensor row_bias_;                                       ///< in the result's shape; empty: none
 };

@@ -134,7 +134,7 @@ void HqsArchitecture::validate(const NetworkDescription& d) const {
 }
 
 std::vector<ParameterShape> HqsArchitecture::parameter_shapes(const NetworkDescription& d) const {
-  const std::vector<ParameterShape> of_one = graph_of(prior_, d).parameter_shapes();
+  const std::vector<ParameterShape> of_one = nn::parameter_shapes(prior_, d);
   std::vector<ParameterShape> shapes;
   for (int layer = 0; layer < prior_count(); ++layer) {
     add_part(fmt::format("layers.{}", layer), of_one, shapes);
@@ -147,11 +147,9 @@ std::vector<ParameterShape> HqsArchitecture::parameter_shapes(const NetworkDescr
 
 std::vector<float> HqsArchitecture::initial_parameters(const NetworkDescription& d,
                                                        std::uint64_t seed) const {
-  const LayerGraph graph = graph_of(prior_, d);
   std::vector<float> parameters;
   for (int layer = 0; layer < prior_count(); ++layer) {
-    std::vector<float> of_one = graph.initial_parameters(seed * 1000 + layer);
-    if (prior_.start) prior_.start(of_one);
+    const std::vector<float> of_one = nn::initial_parameters(prior_, d, seed * 1000 + layer);
     parameters.insert(parameters.end(), of_one.begin(), of_one.end());
   }
   parameters.insert(parameters.end(), penalty_count(),
@@ -163,6 +161,12 @@ std::unique_ptr<Network> HqsArchitecture::make_network(const NetworkDescription&
                                                        InstructionSet instruction_set,
                                                        int threads) const {
   return std::make_unique<HqsNetwork>(d, columns, instruction_set, threads);
+}
+
+std::shared_ptr<const Architecture> HqsArchitecture::for_rows(RowSelection measured_rows) const {
+  if (!prior_.with_tile_rows) return nullptr;
+  return std::make_shared<HqsArchitecture>(preset_, sizes_,
+                                           prior_.with_tile_rows(measured_rows.stride));
 }
 
 std::optional<OutlierRemovalOptions> HqsArchitecture::last_filter() const {

@@ -74,6 +74,7 @@ class HqsArchitecture final : public Architecture {
                                         std::uint64_t seed) const override;
   std::unique_ptr<Network> make_network(const NetworkDescription& description, int columns,
                                         InstructionSet instruction_set, int threads) const override;
+  std::shared_ptr<const Architecture> for_rows(RowSelection measured_rows) const override;
   bool has_confidence() const override { return preset_.says_confidence; }
   bool has_scan_memory() const override { return prior_.scan_memory; }
   std::optional<OutlierRemovalOptions> last_filter() const override;

@@ -9,6 +9,15 @@ namespace hqslam::nn {
 
 Prior::Prior(LayerGraph graph, TileSize tile) : graph_(std::move(graph)), tile_(tile) {}
 
+void Prior::set_parameters(std::span<const float> parameters) {
+  if (!beams_) {
+    graph_.set_parameters(parameters);
+    return;
+  }
+  check_parameters(parameters, beams_->shapes());
+  graph_.set_parameters(beams_->of_graph(parameters));
+}
+
 std::int64_t Prior::parameters() const { return elements(parameter_shapes()); }
 
 PriorState Prior::make_state(bool /*for_backward*/) const {
@@ -34,6 +43,32 @@ void check_image(const PriorDescription& prior, int rows, int columns) {
 
 LayerGraph graph_of(const PriorDescription& prior, const NetworkDescription& network) {
   return prior.graph(network.sensor.rows(), network.sensor.columns, {InstructionSet::kPortable, 1});
+}
+
+namespace {
+
+std::optional<BeamParameters> beams_of(const PriorDescription& prior, const NetworkDescription& d,
+                                       const LayerGraph& graph) {
+  if (prior.any_beams == TileSize{}) return std::nullopt;
+  return BeamParameters(d.sensor, d.measured_rows, prior.any_beams, graph.parameter_shapes());
+}
+
+}  // namespace
+
+std::vector<ParameterShape> parameter_shapes(const PriorDescription& prior,
+                                             const NetworkDescription& d) {
+  const LayerGraph graph = graph_of(prior, d);
+  const std::optional<BeamParameters> beams = beams_of(prior, d, graph);
+  return beams ? beams->shapes() : graph.parameter_shapes();
+}
+
+std::vector<float> initial_parameters(const PriorDescription& prior, const NetworkDescription& d,
+                                      std::uint64_t seed) {
+  const LayerGraph graph = graph_of(prior, d);
+  std::vector<float> values = graph.initial_parameters(seed);
+  if (prior.start) prior.start(values);
+  const std::optional<BeamParameters> beams = beams_of(prior, d, graph);
+  return beams ? beams->start(values) : values;
 }
 
 TracedTensor traced(std::string name, const Tensor& tensor, int first, int channels) {

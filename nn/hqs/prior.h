@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "beam_parameters.h"
 #include "graph/layer_graph.h"
 #include "hqslam/core/json_fields.h"
 #include "hqslam/nn/network.h"
@@ -64,12 +65,16 @@ class Prior {
   LayerGraph& graph() { return graph_; }
   /// How columns continue beyond the edge.
   ColumnPadding padding() const { return graph_.shape(0).padding; }
-  std::vector<ParameterShape> parameter_shapes() const { return graph_.parameter_shapes(); }
+  std::vector<ParameterShape> parameter_shapes() const {
+    return beams_ ? beams_->shapes() : graph_.parameter_shapes();
+  }
   std::int64_t parameters() const;
   /// Multiply-adds of one pass.
   std::int64_t multiply_adds() const { return graph_.multiply_adds(); }
   /// All arrays of parameter_shapes(), one after the other. Throws Error for another number.
-  void set_parameters(std::span<const float> parameters) { graph_.set_parameters(parameters); }
+  void set_parameters(std::span<const float> parameters);
+  /// Not null if they are those of every table of beams.
+  const BeamParameters* beams() const { return beams_ ? &*beams_ : nullptr; }
   /// Channels that are handed from one layer to the next beside the image.
   virtual int memory_channels() const { return 0; }
   /// Tiles of an image, all zero.
@@ -102,6 +107,7 @@ class Prior {
   Prior(LayerGraph graph, TileSize tile);
 
   LayerGraph graph_;
+  std::optional<BeamParameters> beams_;
 
  private:
   TileSize tile_;
@@ -112,12 +118,15 @@ struct PriorDescription {
   nlohmann::ordered_json sizes;  ///< the fields that the kind's `read` takes
   TileSize multiple = {};        ///< images have rows and columns that are multiples of these
   bool scan_memory = false;      ///< uses what earlier scans measured
+  TileSize any_beams = {};       ///< its tiles if its parameters are BeamParameters
   /// The convolutions for images of rows x columns, such multiples.
   std::function<LayerGraph(int rows, int columns, const Engine&)> graph = {};
   /// The prior with that graph, for images of `columns` columns.
   std::function<std::unique_ptr<Prior>(LayerGraph, const NetworkDescription&, int columns,
                                        const Engine&)>
       make;
+  /// The same prior on tiles of other rows; empty: its parameters are for these alone.
+  std::function<PriorDescription(int tile_rows)> with_tile_rows = {};
   /// Changes the graph's starting values; empty: they stay.
   std::function<void(std::span<float>)> start = {};
   /// Throws Error unless the prior fits sensor and measured rows; empty: every prior does.
@@ -128,6 +137,11 @@ struct PriorDescription {
 void check_image(const PriorDescription& prior, int rows, int columns);
 /// The convolutions for the sensor's images, on the thread that calls.
 LayerGraph graph_of(const PriorDescription& prior, const NetworkDescription& network);
+/// The parameters of the prior for the sensor.
+std::vector<ParameterShape> parameter_shapes(const PriorDescription& prior,
+                                             const NetworkDescription& network);
+std::vector<float> initial_parameters(const PriorDescription& prior,
+                                      const NetworkDescription& network, std::uint64_t seed);
 
 /// Channels `first` to first + channels - 1 (0: all from `first` on) of a tensor, without borders.
 TracedTensor traced(std::string name, const Tensor& tensor, int first = 0, int channels = 0);

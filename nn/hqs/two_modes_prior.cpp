@@ -21,8 +21,8 @@ LayerGraph two_modes_graph(const TwoModesShape& shape, int rows, int columns,
                            const Engine& engine) {
   const float slope = shape.negative_slope;
   const int recalled = shape.scan_memory ? 2 * shape.tile.pixels() : 0;
-  LayerGraph graph({shape.tile.pixels() + 2 * shape.tile.columns + recalled, rows, columns},
-                   engine);
+  const int ranges = shape.any_beams ? shape.tile.columns : shape.tile.pixels();
+  LayerGraph graph({ranges + 2 * shape.tile.columns + recalled, rows, columns}, engine);
   ConvolutionOptions first = three_by_three(shape.channels, slope);
   first.row_bias = true;
   const int encoded = graph.add("encoder.0", first, {0});
@@ -40,7 +40,8 @@ LayerGraph two_modes_graph(const TwoModesShape& shape, int rows, int columns,
                  .negative_slope = slope},
                 {x, encoded});
   const int outputs = two_modes_outputs(shape.scan_memory) * computed_pixels_of(shape.tile);
-  graph.add("head", {.channels = outputs, .start_scale = 0.1F}, {x});
+  graph.add("head", {.channels = outputs, .row_weights = shape.any_beams, .start_scale = 0.1F},
+            {x});
   return graph;
 }
 
@@ -77,6 +78,9 @@ TwoModesPrior::TwoModesPrior(const TwoModesShape& shape, LayerGraph graph,
       ranges_(d, shape.tile, columns, shape.scan_memory, engine),
       pixels_(computed_pixels_of(shape.tile)),
       outputs_(two_modes_outputs(shape.scan_memory)) {
+  if (shape.any_beams) {
+    beams_.emplace(d.sensor, d.measured_rows, shape.tile, graph_.parameter_shapes());
+  }
   stride_ = tiles(1).padded_columns();
   // A row of the head's result, then ranges and confidences of a row of tiles.
   const std::size_t channels = (outputs_ + 2) * ranges_.computed().size();
@@ -100,8 +104,10 @@ void TwoModesPrior::take_row(int row, const PriorState* /*before*/, PriorState& 
     input.fill_border(channel, row);
   };
   int channel = 0;
-  for (; channel < tile().pixels(); ++channel) {
-    const float* h = state.own_h.row(channel, row);
+  const int ranges = beams() != nullptr ? tile().columns : tile().pixels();
+  for (; channel < ranges; ++channel) {
+    const float* h =
+        beams() != nullptr ? ranges_.log_row(channel, row) : state.own_h.row(channel, row);
     put(channel, [&](int x) { return 0.5F * (h[x] - LogRanges::kTypicalLogRange); });
   }
   for (int phase = 0; phase < tile().columns; ++phase) {
@@ -250,20 +256,31 @@ PriorDescription two_modes_prior(const TwoModesShape& shape) {
                                   {"negative_slope", shape.negative_slope},
                                   {"layers", nlohmann::ordered_json::array({std::move(layer)})}};
   if (shape.scan_memory) sizes["scan_memory"] = true;
-  return {.sizes = std::move(sizes),
-          .multiple = {2 * shape.tile.rows, 2 * shape.tile.columns},
-          .scan_memory = shape.scan_memory,
-          .graph =
-              [shape](int rows, int columns, const Engine& engine) {
-                return two_modes_graph(shape, rows / shape.tile.rows, columns / shape.tile.columns,
-                                       engine);
-              },
-          .make =
-              [shape](LayerGraph graph, const NetworkDescription& d, int columns,
-                      const Engine& engine) {
-                return std::make_unique<TwoModesPrior>(shape, std::move(graph), d, columns, engine);
-              },
-          .check = [tile = shape.tile](const NetworkDescription& d) { check_rows(tile, d); }};
+  if (shape.any_beams) sizes["any_beams"] = true;
+  PriorDescription prior{
+      .sizes = std::move(sizes),
+      .multiple = {2 * shape.tile.rows, 2 * shape.tile.columns},
+      .scan_memory = shape.scan_memory,
+      .any_beams = shape.any_beams ? shape.tile : TileSize{},
+      .graph =
+          [shape](int rows, int columns, const Engine& engine) {
+            return two_modes_graph(shape, rows / shape.tile.rows, columns / shape.tile.columns,
+                                   engine);
+          },
+      .make =
+          [shape](LayerGraph graph, const NetworkDescription& d, int columns,
+                  const Engine& engine) {
+            return std::make_unique<TwoModesPrior>(shape, std::move(graph), d, columns, engine);
+          },
+      .check = [tile = shape.tile](const NetworkDescription& d) { check_rows(tile, d); }};
+  if (shape.any_beams) {
+    prior.with_tile_rows = [shape](int tile_rows) {
+      TwoModesShape other = shape;
+      other.tile.rows = tile_rows;
+      return two_modes_prior(other);
+    };
+  }
+  return prior;
 }
 
 PriorDescription read_two_modes_prior(JsonFields& sizes) {
@@ -272,6 +289,7 @@ PriorDescription read_two_modes_prior(JsonFields& sizes) {
   sizes.optional("tile_columns", shape.tile.columns);
   sizes.optional("memory", shape.memory);
   sizes.optional("scan_memory", shape.scan_memory);
+  sizes.optional("any_beams", shape.any_beams);
   sizes.optional("negative_slope", shape.negative_slope);
   if (sizes.has("layers")) {
     std::vector<JsonFields> layers = sizes.objects("layers");

@@ -15,10 +15,12 @@ namespace hqslam::nn {
 ///   head           1x1, channels -> 7 outputs (kernels/two_modes.h) of every computed pixel, 9
 ///   with
 ///                  a memory
-/// with leaky ReLU after all but the head. The input: (H - ln 20) / 2, where something was
-/// measured, and ln above - ln below of the measured rows; with a memory also M minus the start
-/// (of a measured pixel minus L) within +-1, and W^2 / (W^2 + 1) - 1/2. Z is the likelier mode, all
-/// in y = ln(range in metres); what is known to a centimetre needs no penalty, so b -> 0.
+/// with leaky ReLU after all but the head. For any table of beams the head has weights for each
+/// row, and the input has L of the measured row in the place of H. The input: (H - ln 20) / 2,
+/// where something was measured, and ln above - ln below of the measured rows; with a memory also M
+/// minus the start (of a measured pixel minus L) within +-1, and W^2 / (W^2 + 1) - 1/2. Z is the
+/// likelier mode, all in y = ln(range in metres); what is known to a centimetre needs no penalty,
+/// so b -> 0.
 struct TwoModesShape {
   TileSize tile{4, 4};
   int channels = 48;
@@ -27,6 +29,7 @@ struct TwoModesShape {
   float negative_slope = 0.1F;
   int memory = 16;           ///< unused, because there is one layer; files have it
   bool scan_memory = false;  ///< uses M and W of earlier scans (RecalledImage)
+  bool any_beams = false;    ///< one set of parameters for all tables of beams (BeamParameters)
 };
 
 class TwoModesPrior final : public Prior {

@@ -144,7 +144,7 @@ struct TwoModesRow {
 /// The loss of a row and its gradient.
 struct TwoModesLossRow {
   TwoModesInput in;
-  const float* truth_m = nullptr;  ///< 0: no return
+  const float* truth_m = nullptr;  ///< 0: no return; below 0: two_modes.h
   float return_share = 1.0F;       ///< weight of the cross-entropy of each pixel
   float range_share = 1.0F;        ///< weight of the likelihood of each pixel with a return
   float* d_outputs = nullptr;      ///< as outputs, d_group_stride apart

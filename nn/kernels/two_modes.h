@@ -23,6 +23,10 @@ namespace hqslam::nn {
 /// Loss of a pixel: the cross-entropy of p and, where there is a return, a share of
 ///   -ln(w/b e^(-|y - y1|/b) + (1 - w)/b e^(-|y - y2|/b)).
 ///
+/// Where other scans measured a surface the truth is minus its range: the likelihood of the range
+/// counts, but not the cross-entropy, because nobody measured whether this beam would return.
+/// kLeastTruth_m and below: nothing is known, nothing counts.
+///
 /// An addition to the paper, which has one range per pixel and an L1 loss on it.
 enum class TwoModesOutput {
   kShareAbove,
@@ -45,5 +49,7 @@ inline constexpr float kTwoModesGain = 4.0F;
 inline constexpr float kMiddleLogScale = -3.5F;
 inline constexpr float kLowestScale = -0.5F;
 inline constexpr float kHighestScale = 1.0F;
+
+inline constexpr float kLeastTruth_m = -1e6F;
 
 }  // namespace hqslam::nn

@@ -126,7 +126,8 @@ double two_modes_loss(const TwoModesLossRow& row) {
     const Modes m = modes_of(row.in, x);
     const Vector truth_m = load(row.truth_m + x);
     const auto there = truth_m > 0.0F;
-    const Vector y = logarithm(there ? truth_m : Vector{} + 1.0F);
+    const auto ranged = there | ((truth_m < 0.0F) & (truth_m > kLeastTruth_m));
+    const Vector y = logarithm(ranged ? magnitude(truth_m) : Vector{} + 1.0F);
     const Vector inverse_scale = exponential_up_to_10(-m.log_scale);
     const Vector off1 = y - m.mode1;
     const Vector off2 = y - m.mode2;
@@ -137,13 +138,14 @@ double two_modes_loss(const TwoModesLossRow& row) {
     const Vector part1 = m.weight1 * exponential(near - far1);
     const Vector part2 = (1.0F - m.weight1) * exponential(near - far2);
     const Vector sum = larger(part1 + part2, Vector{} + 1e-30F);
-    const Vector range_share = there ? Vector{} + row.range_share : Vector{};
+    const Vector range_share = ranged ? Vector{} + row.range_share : Vector{};
+    const Vector return_share = truth_m < 0.0F ? Vector{} : Vector{} + row.return_share;
     const Vector posterior1 = part1 / sum;
     const Vector posterior2 = part2 / sum;
     const Vector valid = there ? Vector{} + 1.0F : Vector{};
     const Vector likely = there ? m.probability : 1.0F - m.probability;
     const Vector terms = range_share * (m.log_scale + near - logarithm(sum)) -
-                         row.return_share * logarithm(larger(likely, Vector{} + 1e-7F));
+                         return_share * logarithm(larger(likely, Vector{} + 1e-7F));
     loss += sum_of_columns(terms, row.in.columns - x);
     const auto put = [&](TwoModesOutput group, Vector gradient) {
       store(row.d_outputs + static_cast<int>(group) * row.d_group_stride + x, gradient);
@@ -166,7 +168,7 @@ double two_modes_loss(const TwoModesLossRow& row) {
     const auto free = (scale >= kLowestScale) & (scale <= kHighestScale);
     const Vector d_log_scale = range_share * (1.0F - posterior1 * far1 - posterior2 * far2);
     put(TwoModesOutput::kScale, free ? kTwoModesGain * d_log_scale : Vector{});
-    put(TwoModesOutput::kReturn, kTwoModesGain * (row.return_share * (m.probability - valid)));
+    put(TwoModesOutput::kReturn, kTwoModesGain * (return_share * (m.probability - valid)));
     if (row.in.recalled_share == nullptr) continue;
     const Vector step = load(row.in.recalled_step + x);
     const auto put_recall = [&](TwoModesOutput group, Vector d_mode, Vector share, Vector recall) {

@@ -39,6 +39,11 @@ class Architecture {
                                                 InstructionSet instruction_set,
                                                 int threads) const = 0;
 
+  /// The same network for images with other rows; null if it is made for one sensor.
+  virtual std::shared_ptr<const Architecture> for_rows(RowSelection /*measured_rows*/) const {
+    return nullptr;
+  }
+
   /// Whether Network::upsample gives a confidence.
   virtual bool has_confidence() const { return false; }
   /// Whether the network uses what earlier scans measured (Observation::recalled).
@@ -46,6 +51,9 @@ class Architecture {
   /// The outlier filter that the result goes through at the end.
   virtual std::optional<OutlierRemovalOptions> last_filter() const { return std::nullopt; }
 };
+
+/// The sensor in a field: a preset's name, or the contents of a sensor file. Throws Error.
+SensorModel read_sensor_field(const char* field, const std::string& source, JsonFields& fields);
 
 /// Throws Error unless this processor and this build have the instruction set.
 void require_available(InstructionSet instruction_set);

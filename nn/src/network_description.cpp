@@ -34,6 +34,26 @@ void validate_rows(const NetworkDescription& d) {
 }  // namespace
 
 std::string_view name(const NetworkDescription& d) { return architecture_of(d).name(); }
+
+bool fits_any_sensor(const NetworkDescription& d) {
+  return architecture_of(d).for_rows(d.measured_rows) != nullptr;
+}
+
+NetworkDescription for_sensor(const NetworkDescription& d, const SensorModel& sensor,
+                              RowSelection measured_rows) {
+  NetworkDescription result = d;
+  result.sensor = sensor;
+  result.measured_rows = measured_rows;
+  validate_rows(result);
+  result.architecture = architecture_of(d).for_rows(measured_rows);
+  if (result.architecture == nullptr) {
+    throw Error("network: made for {}, expected one for any sensor; take weights for {}",
+                d.sensor.name, sensor.name);
+  }
+  validate(result);
+  return result;
+}
+
 bool has_confidence(const NetworkDescription& d) { return architecture_of(d).has_confidence(); }
 
 bool has_scan_memory(const NetworkDescription& d) { return architecture_of(d).has_scan_memory(); }

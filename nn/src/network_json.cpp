@@ -22,22 +22,6 @@ std::shared_ptr<const Architecture> read_architecture(JsonFields& fields,
   return architectures[fields.choice("kind", names)].read(fields);
 }
 
-SensorModel read_sensor(JsonFields& fields, const std::string& source) {
-  const std::string text = fields.dumped("sensor");
-  if (text.starts_with("\"")) {
-    const std::string sensor = fields.text("sensor");
-    const std::vector<std::string> presets = sensor_preset_names();
-    if (std::ranges::find(presets, sensor) == presets.end()) {
-      throw Error(
-          "{}: sensor '{}' is none of {}; name one of them, or put the content of a sensor file in "
-          "its place",
-          source, sensor, fmt::join(presets, ", "));
-    }
-    return sensor_preset(sensor);
-  }
-  return sensor_from_json(text, source + ": sensor");
-}
-
 RowSelection read_rows(JsonFields& fields, int sensor_rows) {
   if (!fields.dumped("measured_rows").starts_with("{")) {
     int measured = 0;
@@ -57,13 +41,29 @@ RowSelection read_rows(JsonFields& fields, int sensor_rows) {
 
 }  // namespace
 
+SensorModel read_sensor_field(const char* field, const std::string& source, JsonFields& fields) {
+  const std::string text = fields.dumped(field);
+  if (text.starts_with("\"")) {
+    const std::string sensor = fields.text(field);
+    const std::vector<std::string> presets = sensor_preset_names();
+    if (std::ranges::find(presets, sensor) == presets.end()) {
+      throw Error(
+          "{}: {} '{}' is none of {}; name one of them, or put the content of a sensor file in "
+          "its place",
+          source, field, sensor, fmt::join(presets, ", "));
+    }
+    return sensor_preset(sensor);
+  }
+  return sensor_from_json(text, fmt::format("{}: {}", source, field));
+}
+
 NetworkDescription network_from_json(const std::string& text, const std::string& source,
                                      const Architectures& architectures) {
   JsonFields fields(text, source);
   NetworkDescription d;
   try {
     d.architecture = read_architecture(fields, architectures);
-    d.sensor = read_sensor(fields, source);
+    d.sensor = read_sensor_field("sensor", source, fields);
     d.measured_rows = read_rows(fields, d.sensor.rows());
     fields.optional("range_scale_m", d.range_scale_m);
     if (has_confidence(d)) {

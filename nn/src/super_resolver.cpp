@@ -47,8 +47,9 @@ struct SuperResolver::Implementation {
                              options.instruction_set.value_or(chosen_instruction_set()), threads)),
         filter(options.filter_result ? filter_of(description) : std::nullopt),
         rejected(static_cast<std::size_t>(description.sensor.rows()) * description.sensor.columns),
-        parameters(static_cast<std::int64_t>(weights.parameters.size())) {
-    network->set_parameters(weights.parameters);
+        made_with(options),
+        parameters(weights.parameters) {
+    network->set_parameters(parameters);
   }
 
   RangeImage measured_rows(const RangeImage& image) const;
@@ -64,7 +65,8 @@ struct SuperResolver::Implementation {
   std::unique_ptr<Network> network;
   std::optional<OutlierRemoval> filter;  ///< at the end
   std::vector<std::uint8_t> rejected;    ///< by the filter at the end
-  std::int64_t parameters;
+  SuperResolverOptions made_with;
+  std::vector<float> parameters;
 };
 
 RangeImage SuperResolver::Implementation::measured_rows(const RangeImage& image) const {
@@ -149,13 +151,23 @@ SuperResolver SuperResolver::checked(const Weights& weights, const std::string& 
 SuperResolver::SuperResolver(const Weights& weights, const SuperResolverOptions& options)
     : implementation_(std::make_unique<Implementation>(weights, options)) {}
 SuperResolver::~SuperResolver() = default;
+
+SuperResolver SuperResolver::for_sensor(const SensorModel& sensor,
+                                        RowSelection measured_rows) const {
+  const Implementation& self = *implementation_;
+  return {Weights{nn::for_sensor(self.description, sensor, measured_rows), self.parameters, "", {}},
+          self.made_with};
+}
+
 SuperResolver::SuperResolver(SuperResolver&&) noexcept = default;
 SuperResolver& SuperResolver::operator=(SuperResolver&&) noexcept = default;
 
 const NetworkDescription& SuperResolver::description() const {
   return implementation_->description;
 }
-std::int64_t SuperResolver::parameters() const { return implementation_->parameters; }
+std::int64_t SuperResolver::parameters() const {
+  return static_cast<std::int64_t>(implementation_->parameters.size());
+}
 std::int64_t SuperResolver::multiply_adds() const {
   return implementation_->network->multiply_adds();
 }

@@ -101,4 +101,23 @@ TEST_CASE("the reference refuses what does not fit in one line") {
   CHECK(test::refused_with([&] { reference_of(plan, {.rejected = {{1}}}); }, "a mask of 1"));
 }
 
+TEST_CASE("DU-Mix for any beams equals the reference, whatever rows are measured") {
+  for (const RowSelection rows : {RowSelection{3, 4}, RowSelection{1, 4}, RowSelection{0, 2}}) {
+    CAPTURE(rows.offset);
+    const NetworkDescription description = small_any_beams(rows);
+    const std::vector<float> parameters = large_start(description);
+    const RangeImage measured = select_rows(small_scene(), rows);
+    for (const InstructionSet instruction_set : available_instruction_sets()) {
+      CAPTURE(name(instruction_set));
+      const Trace trace = made(description, parameters, 1, instruction_set)->trace({measured, {}});
+      const auto differences = differences_from_reference(description, parameters, trace);
+      CHECK(differences.size() > 8);
+      for (const ReferenceDifference& difference : differences) {
+        CAPTURE(difference.name);
+        CHECK(difference.largest < 2e-3);
+      }
+    }
+  }
+}
+
 }  // namespace hqslam::nn

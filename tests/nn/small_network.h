@@ -114,6 +114,25 @@ inline NetworkDescription small_du_mix(const TwoModesShape& shape = small_two_mo
   return small_network(std::make_shared<HqsArchitecture>(kDuMix, sizes, two_modes_prior(shape)));
 }
 
+/// For any beams, with an uneven table and other rows than the tests' usual ones.
+inline NetworkDescription small_any_beams(RowSelection rows) {
+  TwoModesShape shape = small_two_modes();
+  shape.any_beams = true;
+  SensorModel sensor = small_du_or().sensor;
+  for (std::size_t row = 0; row < sensor.beam_elevation_rad.size(); ++row) {
+    const auto place = static_cast<double>(row);
+    sensor.beam_elevation_rad[row] = 0.1 - 0.006 * place - 0.0007 * place * place;
+  }
+  return for_sensor(small_du_mix(shape), sensor, rows);
+}
+
+inline std::vector<float> large_start(const NetworkDescription& description) {
+  std::vector<float> parameters = initial_parameters(description, 4);
+  const std::vector<float> noise = random_values(5, static_cast<int>(parameters.size()));
+  for (std::size_t i = 0; i < parameters.size(); ++i) parameters[i] += 0.1F * noise[i];
+  return parameters;
+}
+
 /// An image in units of range_scale_m.
 inline std::vector<float> image_of(const HqsPlan& plan, const Tensor& tiles) {
   const TileSize tile = plan.tile();

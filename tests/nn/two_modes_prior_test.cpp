@@ -57,6 +57,48 @@ TEST_CASE("DU-Mix equals PyTorch, with a memory too: ranges, confidence, loss an
   check_against_pytorch(small_du_mix(with_memory), "du_mix_memory");
 }
 
+TEST_CASE("the gradients of DU-Mix for any beams are the slopes of its loss") {
+  const NetworkDescription description = small_any_beams({1, 4});
+  std::vector<float> parameters = large_start(description);
+  const TrainingSample sample{select_rows(small_scene(), description.measured_rows), small_scene()};
+  std::vector<float> gradient(parameters.size());
+  const auto loss = [&](std::span<float> d_parameters) {
+    return add_gradient(*trainable(description, parameters, chosen_instruction_set()), sample,
+                        d_parameters);
+  };
+  loss(gradient);
+  std::size_t first = 0;
+  for (const ParameterShape& shape : parameter_shapes(description)) {
+    CAPTURE(shape.name);
+    const auto count = static_cast<std::size_t>(shape.elements());
+    const auto largest =
+        std::ranges::max_element(gradient.begin() + first, gradient.begin() + first + count,
+                                 [](float a, float b) { return std::fabs(a) < std::fabs(b); });
+    REQUIRE(std::fabs(*largest) > 0.0F);
+    float& parameter = parameters[largest - gradient.begin()];
+    std::vector<float> unused(parameters.size());
+    const float before = parameter;
+    const float step = 2e-3F;
+    parameter = before + step;
+    const double above = loss(unused);
+    parameter = before - step;
+    const double below = loss(unused);
+    parameter = before;
+    CHECK(*largest == doctest::Approx((above - below) / (2.0 * step)).epsilon(0.02));
+    first += count;
+  }
+}
+
+TEST_CASE("a network of one sensor refuses another one, and one for any beams takes it") {
+  const NetworkDescription one = small_du_mix();
+  CHECK_FALSE(fits_any_sensor(one));
+  CHECK(test::refused_with([&] { for_sensor(one, one.sensor, {1, 2}); }, "expected one for any"));
+  const NetworkDescription any = small_any_beams({3, 4});
+  CHECK(fits_any_sensor(any));
+  const NetworkDescription other = for_sensor(any, any.sensor, {1, 2});
+  CHECK(elements(parameter_shapes(other)) == elements(parameter_shapes(any)));
+}
+
 TEST_CASE("the loss is the mean over the columns, where they are no whole vectors too") {
   // Outputs of 0 are: a return with probability 1/2, two modes at the interpolated range, whose
   // scale is e^-3.5.

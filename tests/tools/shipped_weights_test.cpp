@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "compare/upsampling_comparison.h"
@@ -34,8 +35,10 @@ Compared compared(const std::string& weights, const char* sensor_name) {
     methods.push_back({"", {interpolation, sensor, rows}});
   }
   const std::string path = golden_folder() + "/../../weights/" + weights;
-  methods.push_back(
-      {"", {nn::SuperResolver::load(path, {.architectures = nn::all_architectures()}), sensor}});
+  nn::SuperResolver network =
+      nn::SuperResolver::load(path, {.architectures = nn::all_architectures()});
+  if (fits_any_sensor(network.description())) network = network.for_sensor(sensor, rows);
+  methods.push_back({"", {std::move(network), sensor}});
   UpsamplingComparison comparison(std::move(methods));
   sim::DriveSpec spec = sim::drive_preset("town");
   spec.seed = 4711;
@@ -80,6 +83,13 @@ TEST_CASE("DU-Mix for the OS1 has a fifth of linear interpolation's outliers and
   const Compared c = check("du-mix_os1_16to64.npz", "os1-64", {0.3, 1.15, 0.8});
   CHECK(c.network.outliers_per_scan < 0.4 * c.inverse.outliers_per_scan);
   CHECK(c.network.f1 > c.inverse.f1);
+}
+
+TEST_CASE("the network for any sensor has a third of linear's outliers on sensors of all kinds") {
+  for (const char* sensor : {"os1-64", "hdl-64e", "hdl-32e", "vlp-32c"}) {
+    CAPTURE(sensor);
+    check("du-mix_any-beams.npz", sensor, {0.4, 1.08, 0.85});
+  }
 }
 
 TEST_CASE("DU-OR for the OS1 has a sixth of linear interpolation's outliers") {

@@ -66,7 +66,7 @@ class OrderedScans : public ScanSource {
     if (!first.scan) throw ScanError(first.complaint);
     RecordedScan& scan = *first.scan;
     if (is_repeated(scan)) {
-      throw ScanError(fmt::format("{}: has the very ranges of the scan before", scan.name));
+      throw ScanError(fmt::format("{}: has the same ranges as the scan before", scan.name));
     }
     set_stamp(scan);
     last_range_m_ = scan.cloud.range_m;

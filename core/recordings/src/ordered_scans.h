@@ -8,12 +8,12 @@ namespace hqslam::recordings {
 
 /// The scans of a recording of points or images, each once, with stamps that rise.
 ///
-/// - A scan with the very ranges of the one before, as where a message was recorded twice or a
+/// - A scan with the same ranges as the one before, as where a message was recorded twice or a
 ///   driver stood still, is left out (ScanError).
 /// - Two scans that change places, as in a bag that was written out of order, change back.
 /// - A single scan that is stamped before the one before is late, and left out (ScanError).
 /// - Stamps that stand, or fall and stay behind, are of a clock that was not set or set back: they
-///   are counted on by the sensor's period, and a warning says so.
+///   are counted on by the sensor's period, with a warning.
 std::unique_ptr<ScanSource> ordered(std::unique_ptr<ScanSource> source);
 
 }  // namespace hqslam::recordings

@@ -54,7 +54,7 @@ void refuse_folder_of_recordings(const std::string& folder) {
   if (paths.empty()) return;
   throw Error(
       "{}: expected a recording, found a folder with {} of them; give the path of one, such as {}, "
-      "or the --sensor of scans that lie beside them",
+      "or the --sensor of scans beside them",
       folder, paths.size(), *std::ranges::min_element(paths));
 }
 
@@ -135,7 +135,7 @@ std::unique_ptr<ScanSource> open_files(const std::string& path, const OpenOption
   return open_scan_files(path, of_images, choose, options.files);
 }
 
-/// Reads the first scans and takes from them what they tell; later ones are many.
+/// Examines the first scans; later ones are many.
 void look_at_scans(ScanSource& source, RecordingInfo& info) {
   constexpr std::int64_t kMostScans = 100;
   LeftOut left_out;

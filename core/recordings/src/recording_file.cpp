@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of the types that are read.
+/// Whether messages of a type that is read begin with a stamp.
 bool is_stamped(const std::string& type) {
   return type.starts_with("sensor_msgs/") || type.starts_with("velodyne_msgs/") ||
          type.starts_with("pandar_msgs/") || type.starts_with("nebula_msgs/");

@@ -32,7 +32,7 @@ class ScanAssembler {
   /// The next complete scan, or nothing: it takes more packets. Scans are counted in their names.
   /// Throws ScanError for one that cannot be understood, after which the next can be asked for.
   virtual std::optional<RecordedScan> next() = 0;
-  /// Without packets of inertial data, which come with the scans.
+  /// Packets of inertial data are not counted here; they come with the scans.
   virtual const PacketCounts& counts() const = 0;
   virtual ImuCounts imu_counts() const { return {}; }
   /// Whole turns of which no packet came.

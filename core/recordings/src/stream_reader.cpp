@@ -16,7 +16,7 @@ namespace {
 /// Sensors that are recorded together begin within this time.
 constexpr double kListen_s = 2.0;
 
-/// Of times that may be any, in a damaged file.
+/// In a damaged file the times may have any value.
 double seconds_apart(std::int64_t a_ns, std::int64_t b_ns) {
   return 1e-9 * std::abs(static_cast<double>(a_ns) - static_cast<double>(b_ns));
 }

@@ -33,7 +33,7 @@ void StreamScans::add_imu(const Message& message) {
   }
 }
 
-/// Those up to the scan's end, if it has none of its own.
+/// A scan without inertial samples of its own takes those up to its end.
 void StreamScans::take_imu(RecordedScan& scan) {
   if (scan.imu.empty()) {
     scan.imu = imu_.take(scan.stamp_s + 0.5 * info_.sensor.scan_period_s, 0.0);
@@ -173,13 +173,13 @@ class PacketScans : public StreamScans {
     info.lost_scans = assembler_->lost_scans();
     info.partial_scans = assembler_->partial_scans();
     std::string text = packets_.complaint();
-    const auto say = [&](std::int64_t count, const char* what) {
+    const auto add = [&](std::int64_t count, const char* what) {
       if (count > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, what);
     };
     const std::int64_t lost = info.packets.lost;
-    say(lost, lost == 1 ? "packet was lost" : "packets were lost");
-    say(info.lost_scans, info.lost_scans == 1 ? "whole turn was lost" : "whole turns were lost");
-    say(info.packets.late, "came late or twice and were left out");
+    add(lost, lost == 1 ? "packet was lost" : "packets were lost");
+    add(info.lost_scans, info.lost_scans == 1 ? "whole turn was lost" : "whole turns were lost");
+    add(info.packets.late, "came late or twice and were left out");
     if (!text.empty()) info.warnings.push_back(fmt::format("{}: {}", reader_.path(), text));
   }
 
@@ -201,19 +201,19 @@ void set_columns(SensorModel& sensor, int wanted, bool is_preset) {
   }
 }
 
-void warn_of_other_beams(const SensorModel& named, const SensorModel& told, const std::string& path,
-                         std::vector<std::string>& warnings) {
+void warn_of_other_beams(const SensorModel& named, const SensorModel& expected,
+                         const std::string& path, std::vector<std::string>& warnings) {
   constexpr double kFarthest_deg = 1.5;
   double off_deg = 0.0;
-  for (int row = 0; row < std::min(named.rows(), told.rows()); ++row) {
-    const double off_rad = named.beam_elevation_rad[row] - told.beam_elevation_rad[row];
+  for (int row = 0; row < std::min(named.rows(), expected.rows()); ++row) {
+    const double off_rad = named.beam_elevation_rad[row] - expected.beam_elevation_rad[row];
     off_deg = std::max(off_deg, degrees(std::abs(off_rad)));
   }
   if (off_deg <= kFarthest_deg) return;
   warnings.push_back(fmt::format(
-      "{}: the packets are read with the beams of '{}', as asked for, up to {:.1f} degrees beside "
-      "{}'s",
-      path, named.name, off_deg, told.name));
+      "{}: the packets are read with the beams of the named sensor '{}', up to {:.1f} degrees "
+      "beside {}'s",
+      path, named.name, off_deg, expected.name));
 }
 
 std::unique_ptr<StreamScans> packet_scans(StreamReader reader, RecordingInfo info,

@@ -68,13 +68,13 @@ inline MessagePackets packets_ahead(StreamReader& reader) {
           [&reader, index = std::size_t{0}]() mutable { return reader.ahead(index++); }};
 }
 
-/// What read(payload) says of the first packet that it understands; `sender` stands for the sensor
-/// in messages. Throws Error if there is none.
+/// The result of read(payload) for the first packet that it can decode; `sender` stands for the
+/// sensor in messages. Throws Error if there is none.
 template <typename Read>
 auto first_packet(StreamReader& reader, const char* sender, const Read& read) {
   MessagePackets packets = packets_ahead(reader);
   while (const auto packet = packets.next()) {
-    if (const auto said = read(packet->payload)) return *said;
+    if (const auto result = read(packet->payload)) return *result;
   }
   throw Error("{}: expected packets of {}, found none that are whole; copy it again", reader.path(),
               sender);
@@ -85,8 +85,8 @@ auto first_packet(StreamReader& reader, const char* sender, const Read& read) {
 void set_columns(SensorModel& sensor, int wanted, bool is_preset);
 
 /// Where beams of a named sensor look more than 1.5 degrees beside those that the packets' own has.
-void warn_of_other_beams(const SensorModel& named, const SensorModel& told, const std::string& path,
-                         std::vector<std::string>& warnings);
+void warn_of_other_beams(const SensorModel& named, const SensorModel& expected,
+                         const std::string& path, std::vector<std::string>& warnings);
 
 /// Scans of packets. make(sensor): what makes scans of them.
 using MakeAssembler = std::function<std::unique_ptr<ScanAssembler>(const SensorModel& sensor)>;

@@ -10,7 +10,7 @@ namespace {
 
 bool is_continuation(char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; }
 
-/// The same as utf8_bytes, but 0 for characters that steer a terminal.
+/// utf8_bytes, but 0 for characters that steer a terminal.
 std::size_t shown_bytes(std::string_view text) {
   const auto first = static_cast<unsigned char>(text[0]);
   const std::size_t bytes = utf8_bytes(text);

@@ -150,7 +150,7 @@ void erase_marked(std::vector<Value>& values, const std::vector<bool>& marked) {
   std::erase_if(values, [&](const Value&) { return marked[i++]; });
 }
 
-/// Those whose times are wild count as invalid.
+/// Points with implausible times count as invalid.
 void leave_out_points_without_time(RawPoints& points) {
   Scan& scan = points.scan;
   std::vector<bool> wild;

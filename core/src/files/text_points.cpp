@@ -23,7 +23,7 @@ std::optional<double> signed_decimal(std::string_view word) {
   return decimal_from(word);
 }
 
-/// Of a line of names, which may have blanks in them where commas stand between: "X (m), Y (m)".
+/// The names in a line; where commas separate them they may have blanks: "X (m), Y (m)".
 std::vector<std::string_view> column_names(std::string_view line) {
   const bool has_commas = line.find_first_of(",;") != std::string_view::npos;
   return words_of(line, has_commas ? ",;\r" : kSeparators, kMaxColumns);

@@ -20,8 +20,8 @@ namespace hqslam {
 /// which needs no atan.
 /// Source: Bogoslavskyi & Stachniss, IROS 2016; the paper's section on outlier removal.
 /// Differs from the original: 32-bit labels (16-bit ones overflow on noisy images), sizes and row
-/// spans are collected on the way, alpha2 < theta separates as in the paper but d1 is always the
-/// farther point.
+/// spans are collected during the pass, alpha2 < theta separates as in the paper but d1 is always
+/// the farther point.
 
 ComponentLabeler::ComponentLabeler(const SensorModel& sensor,
                                    const ConnectedComponentsOptions& options)

@@ -23,7 +23,7 @@ float range_of(const Eigen::Vector3f& point_m) {
   return std::sqrt(squares.x() + (squares.y() + squares.z()));
 }
 
-/// The beam nearest in elevation, or nothing if the direction lies more than half a beam spacing
+/// The beam nearest in elevation, or nothing if the direction is more than half a beam spacing
 /// above the highest or below the lowest beam.
 std::optional<int> nearest_row(double elevation_rad, const std::vector<double>& beams_rad) {
   const int rows = static_cast<int>(beams_rad.size());
@@ -195,7 +195,7 @@ OrganizedCloud unproject(const RangeImage& image, const SensorModel& sensor,
 
 int first_column(const OrganizedCloud& cloud, const SensorModel& sensor) {
   if (cloud.time_offset_s.empty()) return 0;
-  constexpr int kEvery = 8;  // column; they all say the same
+  constexpr int kEvery = 8;  // column; all give the same answer
   const double column_rad = 2.0 * std::numbers::pi / sensor.columns;
   std::complex<double> sum;  // a mean round the turn
   for (int row = 0; row < cloud.rows; ++row) {

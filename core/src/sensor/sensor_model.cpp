@@ -28,7 +28,7 @@ void require(bool holds, const SensorModel& sensor, fmt::format_string<Values...
               fmt::format(complaint, std::forward<Values>(values)...));
 }
 
-/// Of all beams or of none; more is no calibration but another sensor.
+/// Corrections of all beams or of none; larger ones are another sensor, no calibration.
 void require_corrections(const SensorModel& sensor) {
   constexpr double kMaxElevation_rad = 0.05;
   constexpr double kMaxRange_m = 1.0;
@@ -166,6 +166,31 @@ bool have_same_beams(const SensorModel& a, const SensorModel& b) {
   const double tolerance_rad = radians(kBeamTolerance_deg);
   return std::ranges::equal(a.beam_elevation_rad, b.beam_elevation_rad,
                             [&](double x, double y) { return std::abs(x - y) <= tolerance_rad; });
+}
+
+SensorModel with_rows_between(const SensorModel& sensor, int factor) {
+  if (sensor.rows() < 2 || factor < 2) {
+    throw Error(
+        "sensor: {} times the rows of a sensor with {}, expected twice those of two or more",
+        factor, sensor.rows());
+  }
+  SensorModel all = sensor;
+  all.name = fmt::format("{} with {} rows", sensor.name, sensor.rows() * factor);
+  all.beam_elevation_rad.clear();
+  all.beam_azimuth_offset_rad.clear();
+  all.elevation_correction_rad.clear();
+  all.range_correction_m.clear();
+  for (int beam = 0; beam < sensor.rows(); ++beam) {
+    const int above = std::max(beam - 1, 0);
+    const double gap_rad = sensor.beam_elevation_rad[above] - sensor.beam_elevation_rad[above + 1];
+    for (int below = factor - 1; below >= 0; --below) {
+      all.beam_elevation_rad.push_back(sensor.beam_elevation_rad[beam] + gap_rad * below / factor);
+      all.beam_azimuth_offset_rad.push_back(below == 0 ? sensor.beam_azimuth_offset_rad[beam]
+                                                       : 0.0);
+    }
+  }
+  all.measured_rows.reset();
+  return all;
 }
 
 SensorModel select_rows(const SensorModel& sensor, RowSelection rows) {

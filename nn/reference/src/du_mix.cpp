@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "hqslam/core/angles.h"
 #include "scan.h"
 
 // DU-Mix: one layer of eq. 10 in the limit b -> 0, where what was measured stays, on logarithms of
@@ -68,13 +70,28 @@ Recalled recalled(const Run& run) {
   return r;
 }
 
+/// (ln L - ln 20) / 2 of the measured rows alone: tile columns x measured rows x columns / those.
+Image measured_tiles(const Run& run, const Measured& m, int tile_columns) {
+  Image tiles = zeros(tile_columns, run.measured_m.rows, run.columns() / tile_columns);
+  for (int y = 0; y < run.measured_m.rows; ++y) {
+    for (int x = 0; x < run.columns(); ++x) {
+      tiles(x % tile_columns, y, x / tile_columns) =
+          0.5 * (std::log(m.filled(0, y, x)) - std::log(kTypicalRange_m));
+    }
+  }
+  return tiles;
+}
+
 /// The input on tiles, 16 + 4 + 4 x 16 x 256 for 4 x 4 tiles and 64 x 1024 pixels: (H - ln 20) / 2;
-/// valid - 1/2 of the tile's measured pixels; ln above - ln below of them, within +-1. With a
+/// valid - 1/2 of the tile's measured pixels; ln above - ln below of them, within +-1. For
+/// any beams measured_tiles() in the place of H. With a
 /// memory two channels more for each of the 16 pixels: M - start, within +-1; share - 1/2.
 Image input_of(const Run& run, const Measured& m, const Image& start, const Recalled& recalled,
                const Image& h, int tile_rows, int tile_columns) {
   const Image centred = (h - std::log(kTypicalRange_m)) * 0.5;
-  const Image tiles = tiled(centred, tile_rows, tile_columns);
+  const bool any_beams = run.network["denoiser"].value("any_beams", false);
+  const Image tiles =
+      any_beams ? measured_tiles(run, m, tile_columns) : tiled(centred, tile_rows, tile_columns);
   const auto pixels = static_cast<int>(tiles.dimension(0));  // of a tile
   const bool has_memory = run.network["denoiser"].value("scan_memory", false);
   const int first_recalled = pixels + 2 * tile_columns;
@@ -104,6 +121,91 @@ Image input_of(const Run& run, const Measured& m, const Image& start, const Reca
   return input;
 }
 
+/// Elevation of measured row i, degrees.
+double beam_deg(const Run& run, int i) {
+  const RowSelection rows = run.description.measured_rows;
+  return degrees(run.description.sensor.beam_elevation_rad[rows.offset + i * rows.stride]);
+}
+
+/// ln of the gap between measured rows i and i + 1 over 1.5 degrees; of the nearest ones there are.
+double log_gap(const Run& run, int i) {
+  const int above = std::clamp(i, 0, run.measured_m.rows - 2);
+  return std::log((beam_deg(run, above) - beam_deg(run, above + 1)) / 1.5);
+}
+
+/// The bias of channel c in measured row y: psi(y) . B[.][c], B of 7 x c,
+///   psi = ln gap above, ln gap below, e / 20, (e / 20)^2, first, last, ln(column step / 0.35)
+double beam_bias(const Run& run, const Array& b, int c, int y) {
+  const double e = beam_deg(run, y) / 20.0;
+  const std::array<double, 7> psi = {log_gap(run, y - 1),
+                                     log_gap(run, y),
+                                     e,
+                                     e * e,
+                                     y == 0 ? 1.0 : 0.0,
+                                     y == run.measured_m.rows - 1 ? 1.0 : 0.0,
+                                     std::log(360.0 / run.columns() / 0.35)};
+  double bias = 0.0;
+  for (std::size_t k = 0; k < psi.size(); ++k) bias += psi[k] * b.values[k * b.shape[1] + c];
+  return bias;
+}
+
+/// Where a computed row is among the measured ones: 11 values for rows above their own measured
+/// row, or for rows below it, the others 0 (nn/hqs/beam_parameters.h).
+std::array<double, 22> row_place(const Run& run, int row) {
+  const RowSelection rows = run.description.measured_rows;
+  const int own = row / rows.stride;
+  const bool above = row % rows.stride < rows.offset;
+  const int other = above ? own - 1 : own + 1;
+  const double e_deg = degrees(run.description.sensor.beam_elevation_rad[row]);
+  const double g = log_gap(run, above ? own - 1 : own);
+  const double distance = std::fabs(e_deg - beam_deg(run, own)) / (1.5 * std::exp(g));
+  const bool outside = other < 0 || other >= run.measured_m.rows;
+  const double v = outside ? 0.0 : 2.0 * distance - 1.0;
+  const double e = e_deg / 20.0;
+  std::array<double, 22> phi{};
+  double* half = phi.data() + (above ? 0 : 11);
+  for (int power = 0; power < 4; ++power)
+    half[power] = outside && power > 0 ? 0.0 : std::pow(v, power);
+  half[4] = g;
+  half[5] = g * v;
+  half[6] = e;
+  half[7] = e * v;
+  half[8] = e * e;
+  half[9] = outside ? 1.0 : 0.0;
+  half[10] = outside ? std::min(distance, 2.0) : 0.0;
+  return phi;
+}
+
+/// The head for any beams: out[(o, j, x)][y] = (phi W)[(o, x)] . in[.][y] + (phi b)[(o, x)] for
+/// output o, computed row j and column x of a tile. W: 22 x (7 x 4) x channels, b: 22 x (7 x 4).
+Image head_of_rows(const Run& run, const Image& in, const Array& weight, const Array& bias) {
+  const RowSelection rows = run.description.measured_rows;
+  const int tile_columns = run.network["denoiser"]["tile_columns"];
+  const auto of_pixel = static_cast<int>(weight.shape[1]) / tile_columns;
+  const auto channels = static_cast<int>(weight.shape[2]);
+  const int computed = rows.stride - 1;
+  Image out = zeros(of_pixel * computed * tile_columns, in.dimension(1), in.dimension(2));
+  for (int y = 0; y < in.dimension(1); ++y) {
+    for (int j = 0; j < computed; ++j) {
+      const auto phi = row_place(run, y * rows.stride + (j < rows.offset ? j : j + 1));
+      for (int n = 0; n < of_pixel * tile_columns; ++n) {  // output o of column x: 4 o + x
+        const int to = (n / tile_columns * computed + j) * tile_columns + n % tile_columns;
+        for (int k = 0; k < 22; ++k) {
+          const std::size_t array = static_cast<std::size_t>(k) * weight.shape[1] + n;
+          for (int x = 0; x < in.dimension(2); ++x) {
+            double sum = bias.values[array];
+            for (int c = 0; c < channels; ++c) {
+              sum += weight.values[array * channels + c] * in(c, y, x);
+            }
+            out(to, y, x) += phi[k] * sum;
+          }
+        }
+      }
+    }
+  }
+  return out;
+}
+
 /// The convolutions, channels c, lower channels l: c x 16 x 256 -> l x 8 x 128 -> residual blocks
 /// -> c x 16 x 256 -> 7 outputs of each computed pixel of a tile, 84 x 16 x 256 (9 with a memory).
 Image outputs_of(Run& run, const Image& input) {
@@ -121,12 +223,14 @@ Image outputs_of(Run& run, const Image& input) {
     run.add(prefix + name, image);
     return image;
   };
+  const bool any_beams = sizes.value("any_beams", false);
   Image encoded = convolved("encoder.0", input);
-  const std::span<const double> row_bias = array("encoder.0.row_bias").values;
-  std::size_t row = 0;
   for (int c = 0; c < encoded.dimension(0); ++c) {  // a bias of its own for each row
-    for (int y = 0; y < encoded.dimension(1); ++y, ++row) {
-      for (int x = 0; x < encoded.dimension(2); ++x) encoded(c, y, x) += row_bias[row];
+    for (int y = 0; y < encoded.dimension(1); ++y) {
+      const double bias = any_beams
+                              ? beam_bias(run, array("encoder.0.beam_bias"), c, y)
+                              : array("encoder.0.row_bias").values[c * encoded.dimension(1) + y];
+      for (int x = 0; x < encoded.dimension(2); ++x) encoded(c, y, x) += bias;
     }
   }
   encoded = named("encoder.0", activated(encoded, slope));
@@ -138,6 +242,7 @@ Image outputs_of(Run& run, const Image& input) {
   }
   x = transposed_convolution(x, array("decoder.0.weight"), array("decoder.0.bias"));
   x = named("decoder.0", activated(x + encoded, slope));
+  if (any_beams) return head_of_rows(run, x, array("head.weight"), array("head.bias"));
   return convolved("head", x);
 }
 

@@ -5,8 +5,12 @@
 namespace hqslam::nn {
 namespace {
 
-/// The range if it is within the sensor's limits, otherwise 0.
+/// The range if it is within the sensor's limits, otherwise 0, or unknown if it was below 0.
 float within_limits(double range_m, const SensorModel& sensor) {
+  if (range_m < 0.0) {
+    const bool is_range = within_limits(-range_m, sensor) > 0.0F;
+    return is_range ? static_cast<float>(range_m) : kUnknownTruth_m;
+  }
   const bool seen = range_m >= sensor.min_range_m && range_m <= sensor.max_range_m;
   return seen ? static_cast<float>(range_m) : 0.0F;
 }

@@ -8,6 +8,7 @@
 
 #include "hqslam/core/error.h"
 #include "hqslam/nn/network.h"
+#include "hqslam/nn/training/drawn_beams.h"
 #include "hqslam/nn/training/trainable_network.h"
 #include "parameters.h"
 #include "random.h"
@@ -44,11 +45,19 @@ void check_shape(int rows, int columns, const SensorModel& sensor) {
   }
 }
 
-void check_scans(const std::vector<TrainingScan>& scans, const SensorModel& sensor) {
-  for (const auto& [truth, recalled] : scans) {
-    check_shape(truth.rows, truth.columns, sensor);
-    if (!recalled.is_empty()) check_shape(recalled.image.rows, recalled.image.columns, sensor);
+void check_scans(const std::vector<TrainingScan>& scans, const SensorModel& usual) {
+  for (const TrainingScan& scan : scans) {
+    const SensorModel& sensor = scan.sensor != nullptr ? scan.sensor->sensor : usual;
+    const RangeImage& recalled = scan.recalled.image;
+    check_shape(scan.truth.rows, scan.truth.columns, sensor);
+    if (!scan.recalled.is_empty()) check_shape(recalled.rows, recalled.columns, sensor);
   }
+}
+
+/// The network for the sensor of a scan.
+NetworkDescription for_scan(const NetworkDescription& description, const TrainingScan& scan) {
+  if (scan.sensor == nullptr) return description;
+  return for_sensor(description, scan.sensor->sensor, scan.sensor->measured_rows);
 }
 
 void check_state(const TrainingState& state, const NetworkDescription& description) {
@@ -116,8 +125,10 @@ struct Trainer::Implementation {
   std::vector<float> gradients = {};
 
   struct Drawn {
+    NetworkDescription description;
     TrainingSample sample;
     std::uint64_t seed = 0;  ///< of what is random in the network
+    bool is_of_other_sensor = false;
   };
   Drawn draw(int place) const;
   std::span<float> gradient(int call) {
@@ -125,7 +136,11 @@ struct Trainer::Implementation {
     return std::span(gradients).subspan(parameters * static_cast<std::size_t>(call), parameters);
   }
   void run_calls();
-  void run_call(TrainableNetwork& network, int call);
+  void run_call(int worker, int call);
+  int columns() const {
+    return plan.augmentation.crop_columns > 0 ? plan.augmentation.crop_columns
+                                              : description.sensor.columns;
+  }
   void follow_statistics(std::span<float> gradient);
   void average();
 };
@@ -156,20 +171,21 @@ void validate(const TrainingPlan& plan, const SensorModel& sensor) {
 Trainer::Trainer(const NetworkDescription& description, const TrainingPlan& plan,
                  std::unique_ptr<const TrainingScans> scans, TrainingState state, int threads) {
   nn::validate(plan, description.sensor);
+  if (plan.drawn_from && !fits_any_sensor(description)) {
+    throw Error("training: sensors are drawn for a network of one sensor, expected any_beams");
+  }
   if (scans == nullptr || scans->size() == 0) throw Error("training: no scans to train on");
-  check_shape(scans->rows(), scans->columns(), description.sensor);
+  check_shape(scans->rows(), scans->columns(), plan.drawn_from.value_or(description.sensor));
   check_state(state, description);
   implementation_ = std::make_unique<Implementation>(
       Implementation{description, plan, std::move(scans), std::move(state), decays_of(description),
                      statistics_of(description)});
   Implementation& self = *implementation_;
-  const int columns = plan.augmentation.crop_columns > 0 ? plan.augmentation.crop_columns
-                                                         : description.sensor.columns;
   // With statistics of a batch (batch norm) the gradients of its scans depend on each other.
   if (!self.statistics.empty()) self.samples_of_call = plan.batch;
   const int calls = plan.batch / self.samples_of_call;
   for (int worker = 0; worker < std::clamp(threads, 1, calls); ++worker) {
-    self.workers.push_back(make_trainable(description, columns, chosen_instruction_set()));
+    self.workers.push_back(make_trainable(description, self.columns(), chosen_instruction_set()));
   }
   self.gradients.resize(calls * self.state.parameters.size());
   self.losses.resize(calls);
@@ -181,26 +197,35 @@ const TrainingState& Trainer::state() const { return implementation_->state; }
 Trainer::Implementation::Drawn Trainer::Implementation::draw(int place) const {
   const auto number = static_cast<std::uint64_t>(state.optimiser.steps * plan.batch + place);
   Random random(plan.seed * 0x9E3779B97F4A7C15ULL + number);
-  const TrainingScan scan = scans->read(random.below(scans->size()));
-  Drawn drawn{augmented_sample(scan, description.sensor, description.measured_rows,
-                               plan.augmentation, random.bits()),
-              0};
+  TrainingScan scan = scans->read(random.below(scans->size()));
+  Drawn drawn{description, {}, 0};
+  if (plan.drawn_from) scan = seen_by(draw_beams(*plan.drawn_from, random.bits()), scan);
+  drawn.description = for_scan(description, scan);
+  drawn.is_of_other_sensor = scan.sensor != nullptr;
+  drawn.sample = augmented_sample(scan, drawn.description.sensor, drawn.description.measured_rows,
+                                  plan.augmentation, random.bits());
   drawn.seed = random.bits() >> 20;
   return drawn;
 }
 
 /// One call of the network: of one sample, or of all together.
-void Trainer::Implementation::run_call(TrainableNetwork& network, int call) {
+void Trainer::Implementation::run_call(int worker, int call) {
   std::vector<TrainingSample> samples;
   std::vector<std::uint64_t> seeds;
+  std::unique_ptr<TrainableNetwork> network;
   for (int place = call * samples_of_call; place < (call + 1) * samples_of_call; ++place) {
     Drawn drawn = draw(place);
+    if (drawn.is_of_other_sensor) {  // made for this sensor, and for this call alone
+      network = make_trainable(drawn.description, columns(), chosen_instruction_set());
+      network->set_parameters(state.parameters);
+    }
     samples.push_back(std::move(drawn.sample));
     seeds.push_back(drawn.seed);
   }
   std::ranges::fill(gradient(call), 0.0F);
+  TrainableNetwork& used = network != nullptr ? *network : *workers[worker];
   losses[call] =
-      network.add_gradients(samples, {.layer_share = plan.layer_loss_share}, seeds, gradient(call));
+      used.add_gradients(samples, {.layer_share = plan.layer_loss_share}, seeds, gradient(call));
 }
 
 /// Gradients and losses of the batch.
@@ -209,7 +234,7 @@ void Trainer::Implementation::run_calls() {
   in_parallel(static_cast<int>(workers.size()), calls, [&](int worker, int call) {
     const bool is_first = call == worker;
     if (is_first) workers[worker]->set_parameters(state.parameters);
-    run_call(*workers[worker], call);
+    run_call(worker, call);
   });
 }
 
@@ -262,16 +287,27 @@ TrainingStep Trainer::step() {
 Validation Trainer::validate(const std::vector<TrainingScan>& scans) {
   Implementation& self = *implementation_;
   const NetworkDescription& description = self.description;
-  check_scans(scans, description.sensor);
+  check_scans(scans, self.plan.drawn_from.value_or(description.sensor));
   const int workers = static_cast<int>(self.workers.size());
-  std::vector<std::unique_ptr<Network>> whole;
-  for (int i = 0; i < workers; ++i) {
-    whole.push_back(
-        make_network(description, description.sensor.columns, chosen_instruction_set(), 1));
-    whole.back()->set_parameters(self.state.average);
-  }
+  const auto network_of = [&](const NetworkDescription& own) {
+    auto network = make_network(own, own.sensor.columns, chosen_instruction_set(), 1);
+    network->set_parameters(self.state.average);
+    return network;
+  };
+  std::vector<std::unique_ptr<Network>> whole(workers);
   std::vector<ValidatedScan> each(scans.size());
   in_parallel(workers, static_cast<int>(scans.size()), [&](int worker, int item) {
+    TrainingScan scan = scans[item];
+    if (self.plan.drawn_from) {  // the same sensor for the same scan at every validation
+      const auto seed = static_cast<std::uint64_t>(item);
+      scan = seen_by(draw_beams(*self.plan.drawn_from, seed), scan);
+    }
+    if (scan.sensor != nullptr) {
+      const NetworkDescription own = for_scan(description, scan);
+      each[item] = validated_scan(*network_of(own), own, scan);
+      return;
+    }
+    if (whole[worker] == nullptr) whole[worker] = network_of(description);
     each[item] = validated_scan(*whole[worker], description, scans[item]);
   });
   return validation_of(each);

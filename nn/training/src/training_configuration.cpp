@@ -7,6 +7,7 @@
 #include <numeric>
 #include <string_view>
 
+#include "architecture.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/json_fields.h"
 #include "hqslam/nn/network_json.h"
@@ -134,6 +135,9 @@ TrainingConfiguration training_configuration(const std::string& text, const std:
   fields.optional("average_steps", c.plan.average_steps);
   fields.optional("seed", c.plan.seed);
   fields.optional("validate_every", c.validate_every);
+  if (fields.has("drawn_from")) {
+    c.plan.drawn_from = read_sensor_field("drawn_from", source, fields);
+  }
   if (fields.has("start_from")) c.start_from = fields.text("start_from");
   if (fields.has("augmentation")) {
     read_augmentation(fields.object("augmentation"), c.plan.augmentation);

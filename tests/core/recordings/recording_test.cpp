@@ -145,7 +145,7 @@ TEST_CASE("the user's sensor wins over the packets, with a warning") {
   auto wanted = Recording::open(path, {.sensor = "hdl-32e"});
   CHECK(wanted.sensor().name == "hdl-32e");
   REQUIRE(wanted.warnings().size() >= 1);
-  CHECK(one_line_with(wanted.warnings()[0], "vlp-16", "hdl-32e", "asked"));
+  CHECK(one_line_with(wanted.warnings()[0], "vlp-16", "hdl-32e", "named sensor"));
   CHECK(Recording::open(path, {.sensor = "vlp-16"}).warnings().empty());
   CHECK(refused_with([&] { Recording::open(path, {.sensor = "hdl-64e"}); }, "16, 32 or 128",
                      "hdl-64e"));

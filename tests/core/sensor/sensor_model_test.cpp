@@ -169,6 +169,22 @@ TEST_CASE("validation names the field, the value and the constraint") {
   }
 }
 
+TEST_CASE("rows between beams lie evenly above each, at the top as far apart as below it") {
+  SensorModel sensor = sensor_preset("vlp-16");
+  sensor.beam_elevation_rad = radians({10.0, 6.0, 5.0});
+  sensor.beam_azimuth_offset_rad = {0.01, 0.02, 0.03};
+  const SensorModel all = with_rows_between(sensor, 2);
+  const std::vector<double> expected = radians({12.0, 10.0, 8.0, 6.0, 5.5, 5.0});
+  REQUIRE(all.rows() == 6);
+  for (int row = 0; row < 6; ++row) {
+    CHECK(all.beam_elevation_rad[row] == doctest::Approx(expected[row]));
+  }
+  CHECK(select_rows(all, {1, 2}).beam_elevation_rad == sensor.beam_elevation_rad);
+  CHECK(all.beam_azimuth_offset_rad[3] == 0.02);
+  CHECK_NOTHROW(validate(all));
+  CHECK_THROWS_AS(with_rows_between(sensor, 1), Error);
+}
+
 TEST_CASE("a turn takes a millisecond to a hundred seconds") {
   SensorModel sensor = sensor_preset("vlp-16");
   for (const double period_s : {1e-300, 0.0, -0.1, 1e300, std::nan("")}) {

@@ -36,6 +36,33 @@ TEST_CASE("a training that stopped and went on gives the same bytes as one that 
   }
 }
 
+TEST_CASE("a network for any beams is trained on drawn sensors, the same ones by any threads") {
+  const NetworkDescription description = small_any_beams({3, 4});
+  SensorModel many = description.sensor;
+  many.beam_elevation_rad.clear();
+  for (int row = 0; row < 272; ++row) many.beam_elevation_rad.push_back(0.6 - 0.004 * row);
+  many.beam_azimuth_offset_rad.assign(272, 0.0);
+  TrainingScan scan{RangeImage(many.rows(), many.columns)};
+  for (std::size_t i = 0; i < scan.truth.range_m.size(); ++i) {
+    scan.truth.range_m[i] = 5.0F + static_cast<float>(i % 7);
+  }
+  TrainingPlan plan = small_plan();
+  plan.drawn_from = many;
+  plan.augmentation.crop_columns = 32;
+  const auto trained_by = [&](int threads) {
+    Trainer trainer(description, plan, in_memory({scan}), fresh_state(description), threads);
+    train(trainer, 4);
+    return trainer.state();
+  };
+  const TrainingState one = trained_by(1);
+  check_same(one, trained_by(3));
+  CHECK(one.parameters != fresh_state(description).parameters);
+  plan.drawn_from.reset();
+  CHECK(test::refused_with(
+      [&] { Trainer(description, plan, in_memory({scan}), fresh_state(description), 1); },
+      "272 x"));
+}
+
 TEST_CASE("another seed trains other bytes") {
   const HqsPlan description = small_du_or();
   TrainingPlan plan = small_plan();

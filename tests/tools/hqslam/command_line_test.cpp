@@ -17,50 +17,12 @@ Options parsed(const std::vector<std::string>& arguments) {
 
 }  // namespace
 
-TEST_CASE("the options of live arrive where they belong, --view with a port and without") {
-  const auto live = parsed<LiveOptions>({"live",     "--sensor",   "os1-16",
-                                         "--port",   "7000",       "--rows",
-                                         "16",       "--out",      "x",
-                                         "--return", "last",       "--threads",
-                                         "2",        "--upsample", "linear",
-                                         "--record", "a.pcap",     "--no-loop-closing",
-                                         "--view",   "8000",       "--view-address",
-                                         "0.0.0.0"});
-  CHECK(live.sensor == "os1-16");
-  CHECK(live.port == 7000);
-  CHECK(live.rows == 16);
-  CHECK(live.kept_return == "last");
-  CHECK(live.upsample == "linear");
-  CHECK(live.record == "a.pcap");
-  CHECK(live.threads == 2);
-  CHECK_FALSE(live.slam.loop_closing);
-  CHECK(live.view == 8000);
-  CHECK(live.view_address == "0.0.0.0");
+TEST_CASE(
+    "the page of live is served to this computer alone, at port 8642 unless another is named") {
   const auto plain = parsed<LiveOptions>({"live", "--sensor", "vlp-16", "--out", "x"});
   CHECK_FALSE(plain.view);
   CHECK(plain.view_address == "127.0.0.1");
   CHECK(parsed<LiveOptions>({"live", "--sensor", "vlp-16", "--out", "x", "--view"}).view == 8642);
-}
-
-TEST_CASE("every command that opens recordings reads them as run does") {
-  const std::vector<std::string> reading = {"--stream",    "7502",        "--return", "last",
-                                            "--capture",   "rolling",     "--stamps", "names",
-                                            "--row-order", "lowest-first"};
-  const auto with = [&]<typename Options>(Options, std::vector<std::string> arguments) {
-    arguments.insert(arguments.end(), reading.begin(), reading.end());
-    return parsed<Options>(arguments);
-  };
-  for (const InputChoice& choice : std::vector<InputChoice>{
-           with(RunOptions{}, {"run", "/", "--out", "x"}),
-           with(MapOptions{}, {"map", "/", "--poses", "/proc/version", "--out", "x"}),
-           with(InspectOptions{}, {"inspect", "/", "--weights", "a", "--out", "x"}),
-           with(UpsampleOptions{}, {"upsample", "/", "--method", "linear", "--out", "x"})}) {
-    CHECK(choice.stream == "7502");
-    CHECK(choice.kept_return == "last");
-    CHECK(choice.capture == "rolling");
-    CHECK(choice.stamps == "names");
-    CHECK(choice.row_order == "lowest-first");
-  }
 }
 
 TEST_CASE("what makes no sense is refused") {

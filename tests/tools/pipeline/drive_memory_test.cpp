@@ -62,7 +62,8 @@ TEST_CASE("a scan that was corrected for motion has one pose") {
 TEST_CASE("without looking ahead a scan recalls those before it, also of a sensor that stands") {
   const test::TemporaryDirectory folder;
   const SensorModel sensor = sensor_preset("os1-64");
-  write_weights(folder.file("memory.npz"), test::untrained_weights(sensor, "du-mix", true));
+  write_weights(folder.file("memory.npz"),
+                test::untrained_weights(sensor, "du-mix", "scan_memory"));
   const nn::Upsampler upsampler(nn::SuperResolver::load(folder.file("memory.npz")), sensor);
   RangeImage image(16, sensor.columns);
   for (float& range_m : image.range_m) range_m = 10.0F;

@@ -55,7 +55,7 @@ TEST_CASE("scans of a recording and a driver's points give the same pose") {
 TEST_CASE("a network with a memory recalls the scans before, as SLAM located them") {
   const test::TemporaryDirectory folder;
   const std::string weights = folder.file("memory.npz");
-  write_weights(weights, test::untrained_weights(sensor_preset("os1-64"), "du-mix", true));
+  write_weights(weights, test::untrained_weights(sensor_preset("os1-64"), "du-mix", "scan_memory"));
   Pipeline pipeline(kSensor, {.upsampling = {.method = weights}});
   Upsampler alone(kSensor, {.method = weights});
   for (int i = 0; i < 3; ++i) {

@@ -108,6 +108,29 @@ TEST_CASE("scans in more columns than the network's are projected into its colum
   CHECK(measured.time_offset_s.size() == measured.range_m.size());
 }
 
+TEST_CASE("weights for any sensor get 64 rows out of 16 or 32, twice as many out of more") {
+  const test::TemporaryDirectory folder;
+  const std::string file = folder.file("any.npz");
+  write_weights(file, test::untrained_weights(sensor_preset("os1-64"), "du-mix", "any_beams"));
+  const auto rows_of = [&](const SensorModel& sensor, int rows = 0) {
+    return Upsampler(sensor, {.method = file, .rows = rows}).sensor().rows();
+  };
+  CHECK(rows_of(sensor_preset("vlp-16")) == 64);
+  CHECK(rows_of(sensor_preset("hdl-32e")) == 64);
+  CHECK(rows_of(sensor_preset("os1-64")) == 128);
+  CHECK(rows_of(sensor_preset("os1-64"), 16) == 64);
+  SensorModel odd = sensor_preset("vlp-16");
+  odd.columns = 900;
+  Upsampler upsampler(odd, {.method = file});
+  CHECK(upsampler.recorded().columns == 896);
+  CHECK_FALSE(upsampler.selected_rows());
+  CHECK(select_rows(upsampler.sensor(), {3, 4}).beam_elevation_rad == odd.beam_elevation_rad);
+  RangeImage image(16, 900);
+  image.range_m.assign(image.range_m.size(), 10.0F);
+  const OrganizedCloud measured = upsampler.measured(unproject(image, odd, CaptureTime::kRolling));
+  CHECK(upsampler.upsampled(measured).rows == 64);
+}
+
 TEST_CASE("rows that nothing fills are selected, all of them where none are asked for") {
   const SensorModel os1_64 = sensor_preset("os1-64");
   const Upsampler few(os1_64, {.rows = 16});
@@ -121,12 +144,17 @@ TEST_CASE("rows that nothing fills are selected, all of them where none are aske
 TEST_CASE("weights that come with hqslam are chosen by name and sensor") {
   const Upsampler os1(sensor_preset("os1-16"), {.method = "du-mix"});
   CHECK(os1.sensor().rows() == 64);
+  CHECK_FALSE(fits_any_sensor(os1.method()->network()->description()));
   SensorModel fast_packets = sensor_preset("vlp-16");
   fast_packets.columns = 1800;
   CHECK(Upsampler(fast_packets, {.method = "du-mix"}).method()->name() == "du-mix");
-  CHECK(refused_with([] { Upsampler(sensor_preset("hdl-32e"), {.method = "du-mix"}); }, "du-mix",
+  CHECK(Upsampler(sensor_preset("hdl-32e"), {.method = "du-mix"}).sensor().rows() == 64);
+  SensorModel fast_turns = sensor_preset("vlp-16");  // the weights for it have 1,800 columns
+  fast_turns.columns = 900;
+  CHECK(Upsampler(fast_turns, {.method = "du-mix"}).recorded().columns == 896);
+  CHECK(refused_with([] { Upsampler(sensor_preset("hdl-32e"), {.method = "du-or"}); }, "du-or",
                      "hdl-64e", "none for 'hdl-32e'"));
-  CHECK(refused_with([] { load_method({.method = "du-mix"}); }, "name the sensor"));
+  CHECK(refused_with([] { load_method({.method = "du-or"}); }, "name the sensor"));
 }
 
 }  // namespace hqslam::pipeline

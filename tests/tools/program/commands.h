@@ -135,7 +135,7 @@ inline const std::vector<Command>& commands() {
       {"inspect {drive64} --weights {weights} --out {out}",
        {"inspect {drive64} --weights {npz} --out {out}"},
        {""}},
-      {"bench --cpu", {"bench --input {npy} --sensor os1-64"}},
+      {"bench --cpu", {"bench --scans 2 --weights {npz}"}},
       {"table --drives block --methods rows-16 --scans 3 --out {out}",
        {"table --drives {npy} --sensor os1-64 --out {out}",
         "table --drives block --weights {npz} --methods rows-16 --scans 2 --out {out}"},

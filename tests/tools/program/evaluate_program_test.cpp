@@ -49,18 +49,6 @@ TEST_CASE("evaluate names the alignment, and only an alignment takes a constant 
   }
 }
 
-TEST_CASE("poses without stamps are not compared with more or fewer than there are of them") {
-  const TemporaryDirectory folder;
-  const std::string whole = folder.file("whole.txt");
-  const std::string part = folder.file("part.txt");
-  Trajectory trajectory = straight_line();
-  write_kitti_poses(trajectory, whole);
-  trajectory.resize(40);
-  write_kitti_poses(trajectory, part);
-  CHECK(missing(refused("evaluate '{}' '{}'", whole, part).error, {"300 poses", "40;"}) == "");
-  CHECK(missing(refused("evaluate '{}' '{}'", part, whole).error, {"40 poses", "300;"}) == "");
-}
-
 TEST_CASE("a jump aside is one slip on the path that was compared") {
   Trajectory estimate = straight_line();
   for (std::size_t i = 150; i < estimate.size(); ++i) {

@@ -93,7 +93,7 @@ TEST_CASE("inspect prints the figures of layers; --npz writes every tensor that 
   CHECK(arrays.at("layers.0.z").shape == std::vector<std::int64_t>{1, 64, 128});
   const ProgramResult over =
       inspected.inspect(fmt::format("--npz '{}'", inspected.folder.file("weights.npz")));
-  CHECK(over.status == 2);  // it is what is read
+  CHECK(over.status == 2);  // it is the recording
   CHECK(is_one_line(over.error));
   const ProgramResult page = inspected.inspect("--out tensors_of_no_page.npz");
   CHECK(page.status == 2);

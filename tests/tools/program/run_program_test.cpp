@@ -174,7 +174,7 @@ TEST_CASE("the demo ends with a table of every way through the drive and a repor
   for (const auto& [way, results] : ways) {
     const std::string& name = way;
     CAPTURE(name);
-    CHECK(holds(result.out, fmt::format("\n{:<18}{:>14}", name, 200)));
+    CHECK(holds(result.out, fmt::format("\n{:<16}{:>7}", name, 200)));
     const std::string report = results + "/report.html";
     CHECK(holds(result.out, report));
     CHECK(fs::exists(folder.file(report)));

@@ -159,20 +159,6 @@ TEST_CASE("a simulated drive that is not complete is simulated again") {
   }
 }
 
-TEST_CASE("other scans at the same place are not given the results of those before") {
-  const TemporaryDirectory folder;
-  const std::string drive = folder.file("drive");
-  const auto path_of = [&](const std::string& seed) {
-    fs::remove_all(drive);
-    // Long enough to set out: the drive begins standing.
-    run_hqslam("simulate --drive block --sensor os1-64 --scans 16 --seed " + seed + " --out '" +
-               drive + "'");
-    succeeds("table --drives '" + drive + "' --methods rows-16 --out '" + folder.file("out") + "'");
-    return json_of(folder.file("out/table.json"))["drives"][0]["path_m"].get<double>();
-  };
-  CHECK(path_of("1") != path_of("2"));
-}
-
 TEST_CASE("over seeds drives run side by side with the same figures as one by one, and go on") {
   const TemporaryDirectory folder;
   const auto table = [&](const std::string& seeds, int threads, const std::string& out) {
@@ -227,19 +213,6 @@ TEST_CASE(
 
   for (const fs::path& file : files) fs::resize_file(file, 1001);
   CHECK(holds(refused(arguments).error, ".bin: expected a KITTI scan"));
-}
-
-TEST_CASE("a table reads scans that change places in the order of their stamps") {
-  const TemporaryDirectory folder;
-  write_file(folder.file("stamps.txt"), "0\n0.1\n0.2\n0.15\n");
-  succeeds(
-      "table --drives '{1}/bin' --sensor os1-64 --methods rows-64 --stamps '{0}/stamps.txt' --out "
-      "'{0}/out'",
-      folder.path().string(), simulated_drive("--sensor os1-64 --scans 4"));
-  const Trajectory found = read_tum(run_file(folder.file("out"), "bin", "rows-64"));
-  REQUIRE(found.size() == 4);
-  CHECK(found[2].stamp_s == doctest::Approx(0.15));
-  CHECK(found[3].stamp_s == doctest::Approx(0.2));
 }
 
 TEST_CASE("networks that others published are rows of a table") {

@@ -86,9 +86,6 @@ TEST_CASE("compare puts interpolation and networks side by side, inspect shows t
   CHECK(table["methods"][1]["mae_all_m"] > 0.0);
   CHECK(table["methods"][4]["good_lost_share"] >= 0.0);
 
-  const ProgramResult filters = succeeds("compare '{}' --weights '{}' --filters", drive, weights);
-  CHECK(holds(filters.out, "\n1           10      20 "));
-
   const ProgramResult layers = succeeds("compare '{}' --weights '{}' --layers", drive, weights);
   CHECK(missing(layers.out, {"\nlinear ", "\nlayer 1: H ", "\nlayer 1: Y ", "\nlayer 2: Z "}) ==
         "");
@@ -111,6 +108,31 @@ TEST_CASE("compare puts interpolation and networks side by side, inspect shows t
                    folder.file("none.html"))
             .status == 2);
   CHECK_FALSE(fs::exists(folder.file("none.html")));
+}
+
+TEST_CASE("weights for any sensor go on with a recorded drive, and stay where that is no better") {
+  const TemporaryDirectory folder;
+  SensorModel sensor = sensor_preset("vlp-16");
+  sensor.columns = 256;
+  write_sensor_json(sensor, folder.file("sensor.json"));
+  const std::string drive =
+      simulated_drive("--sensor '" + folder.file("sensor.json") + "' --scans 110 --seed 9");
+  const std::string weights = folder.file("any.npz");
+  nn::write_weights(weights, untrained_weights(sensor_preset("os1-64"), "du-mix", "any_beams"));
+  const ProgramResult trained =
+      succeeds("train --from-recording '{}' --start-from '{}' --steps 40 --out '{}'", drive,
+               weights, folder.file("own"));
+  CHECK(holds(trained.out, "scans held out: of the pixels between their rows"));
+  const nn::Weights own = nn::read_weights(folder.file("own/weights.npz"));
+  CHECK_NOTHROW(nn::SuperResolver::checked(own, "own"));
+  const bool is_new = holds(trained.out, ": the new weights");
+  CHECK((own.parameters == nn::read_weights(weights).parameters) == !is_new);
+  CHECK(is_new);  // nobody has trained the old ones
+  const ProgramResult few = run_hqslam("train --from-recording '{}' --start-from '{}' --out '{}'",
+                                       simulated_drive("--sensor os1-16 --scans 2 --seed 9"),
+                                       weights, folder.file("few"));
+  CHECK(few.status == 2);
+  CHECK(holds(few.error, "expected at least 100 scans"));
 }
 
 TEST_CASE("a scan without a return costs a comparison that scan and no more") {

@@ -12,13 +12,14 @@
 namespace hqslam::test {
 
 /// A small network that nobody has trained, for scans of `sensor` of which every fourth row is
-/// measured: its ranges are poor, but it runs at once. scan_memory: of du-mix.
+/// measured: its ranges are poor, but it runs at once. feature: of du-mix, "scan_memory" or
+/// "any_beams".
 inline nn::Weights untrained_weights(const SensorModel& sensor, const std::string& kind,
-                                     bool scan_memory = false) {
+                                     const std::string& feature = "") {
   const std::string size = kind == "du-mix"
-                               ? fmt::format(R"("denoiser": {{"scan_memory": {}, "layers":
+                               ? fmt::format(R"("denoiser": {{{} "layers":
               [{{"channels": 8, "lower_channels": 8, "residual_blocks": 1}}]}})",
-                                             scan_memory)
+                                             feature.empty() ? "" : '"' + feature + "\": true,")
                                : R"("layers": 2, "denoiser": {"channels": [8, 8], "memory": 1})";
   nn::Weights weights;
   weights.description = nn::network_from_json(

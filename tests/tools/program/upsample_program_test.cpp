@@ -1,6 +1,5 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
-#include <signal.h>
 
 #include <filesystem>
 #include <vector>
@@ -9,7 +8,6 @@
 #include "hqslam/core/point_fields.h"
 #include "hqslam/core/trajectory.h"
 #include "hqslam/recordings/recording.h"
-#include "tools/program/child.h"
 #include "tools/program/program.h"
 #include "tools/program/untrained_weights.h"
 
@@ -119,7 +117,7 @@ TEST_CASE("where the poses are known a network with a memory recalls the scans a
   const Material& files = material();
   const TemporaryDirectory folder;
   const std::string weights = folder.file("memory.npz");
-  write_weights(weights, untrained_weights(sensor_preset("os1-64"), "du-mix", true));
+  write_weights(weights, untrained_weights(sensor_preset("os1-64"), "du-mix", "scan_memory"));
   const auto upsampled = [&](const std::string& poses, const std::string& out) {
     succeeds("upsample '{}' --weights '{}' {} --confidence 0 --out '{}'", files.drive, weights,
              poses, folder.file(out));
@@ -178,24 +176,6 @@ TEST_CASE("a upsampled recording says whether it was corrected for motion, as it
              out.path().string());
     CHECK(read_sensor_json(out.file("sensor.json")).motion_corrected == corrected);
   }
-}
-
-TEST_CASE("Ctrl-C stops upsampling with status 130 and a valid stack") {
-  const TemporaryDirectory folder;
-  fs::create_directory(folder.file("pcd"));
-  for (int i = 0; i < 3000; ++i) {
-    fs::create_symlink(fmt::format("{}/pcd/{:06}.pcd", material().drive, i % 2),
-                       folder.file(fmt::format("pcd/{:06}.pcd", i)));
-  }
-  const std::string input = folder.file("pcd");
-  const std::string out = folder.file("out");
-  Child child(fmt::format("upsample '{}' --sensor os1-64 --method nearest --out '{}'", input, out));
-  CHECK(child.wait_until(
-      [&] { return fs::exists(out + "/scans.npy") && fs::file_size(out + "/scans.npy") > 1000; }));
-  CHECK(child.end(SIGINT) == 130);
-  const std::int64_t images = NpyStackReader(out + "/scans.npy").images();
-  CHECK(images >= 1);
-  CHECK(images < 3000);
 }
 
 }  // namespace hqslam::test

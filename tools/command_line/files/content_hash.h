@@ -10,7 +10,7 @@ namespace hqslam::tools {
 class ContentHash {
  public:
   void add(std::string_view bytes);
-  /// Of all that was added: 16 hexadecimal digits.
+  /// The hash of all that was added: 16 hexadecimal digits.
   std::string digits() const;
 
  private:
@@ -18,11 +18,11 @@ class ContentHash {
 };
 
 /// FNV-1a, 64 bits, of a file's bytes as 16 hexadecimal digits: tells whether a file is the one
-/// that it was, not whether somebody forged it. Throws Error if it cannot be read.
+/// that it was, not whether it was forged. Throws Error if it cannot be read.
 std::string content_hash(const std::string& path);
-/// The same of all files in a folder and below it, their names included.
+/// The hash of all files in a folder and below it, their names included.
 std::string folder_hash(const std::string& folder);
-/// The same of a text.
+/// The hash of a text.
 std::string text_hash(std::string_view text);
 
 }  // namespace hqslam::tools

@@ -33,7 +33,7 @@ constexpr std::array<const char*, 10> kDriveFiles = {
 constexpr std::array<const char*, 2> kScanFolders = {"bin", "pcd"};
 constexpr ScanFolder kDrive{kDriveFiles, kScanFolders, "drive.json"};
 
-/// The file that says what the drive is comes first: it marks the folder however little else is
+/// The file that describes the drive comes first: it marks the folder however little else is
 /// there, because a disk was full or the program was killed.
 bool written_by_simulate(const fs::path& folder) {
   return scans_of_simulated_drive((folder / "drive.json").string()).has_value();

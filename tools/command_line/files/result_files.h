@@ -15,7 +15,7 @@
 namespace hqslam::tools {
 
 // One guard for every writer: no command replaces what it did not write. Each function is called
-// before the work, touches nothing, and throws Error, which says what is in the way.
+// before the work, touches nothing, and throws Error, which names the obstacle.
 
 using Paths = std::vector<std::string>;
 
@@ -23,17 +23,17 @@ using Paths = std::vector<std::string>;
 /// what is one of the command's own inputs.
 void refuse_to_replace(const std::filesystem::path& file, const Paths& inputs);
 
-/// The same for files of a command's folder of results, of which none is replaced either unless
+/// refuse_to_replace for files of a command's folder of results, none of which is replaced unless
 /// `is_own` holds: the folder has the mark of the command. `but`: why not.
 void guard_results(const std::filesystem::path& folder, std::span<const char* const> names,
                    bool is_own, const std::string& but, const Paths& inputs = {});
 
-/// The same for a single file, which may only replace one that `is_own` knows; its folder must be
-/// there and take files.
+/// refuse_to_replace for a single file, which may only replace one for which `is_own` holds; its
+/// folder must exist and take files.
 void guard_output_file(const std::string& path, const Paths& inputs,
                        const std::function<bool(const std::string&)>& is_own);
 
-/// The same of one that has a marker: has_marker.
+/// guard_output_file where has_marker identifies own files.
 void guard_output_file(const std::string& path, const Paths& inputs, const std::string& marker);
 
 /// Whether there is a file at `path` that holds `marker` among its first 4096 bytes: the command
@@ -54,7 +54,7 @@ void require_writable(const std::filesystem::path& folder);
 /// program, however that ends.
 class FileLock {
  public:
-  enum class State { kHeld, kTakenByAnother, kUnknown /* the file system knows no locks */ };
+  enum class State { kHeld, kTakenByAnother, kUnknown /* the file system has no locks */ };
   explicit FileLock(const std::filesystem::path& path);
 
   State state() const { return state_; }

@@ -11,7 +11,7 @@ class Command;
 void declare_open(Command& command, bool& open, const std::vector<const char*>& needs = {});
 
 /// Shows a file or an address in the user's browser, which outlives the program: by xdg-open (on
-/// macOS open), without a shell. What fails is said in one line on stderr and ends nothing.
+/// macOS open), without a shell. A failure is one line on stderr and ends nothing.
 void open_page(const std::string& page);
 
 }  // namespace hqslam::tools

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kBitsPerCode = 21;  ///< and axis: 3 x 21 bits fill 64
 constexpr int kAxes = 3;
-/// Voxels have at least so many steps where points are thinned: their places are hardly rounded.
+/// Where points are thinned, voxels have at least this many steps: positions are hardly rounded.
 constexpr int kLevelOfThinning = 2;
 
 /// The lowest 21 bits, two zeros after each.
@@ -52,7 +52,7 @@ Eigen::AlignedBox3d box_of(const std::vector<Eigen::Vector3f>& points_m) {
   return box;
 }
 
-/// In so many steps of 1; what is not a number counts as none.
+/// A value of 0 to 1 as a number of steps; NaN gives 0.
 std::uint8_t steps_of_one(float value, unsigned steps) {
   return static_cast<std::uint8_t>(
       std::lround((value > 0.0F ? std::min(value, 1.0F) : 0.0F) * static_cast<float>(steps)));
@@ -74,7 +74,7 @@ std::vector<CodedPoint> coded(const std::vector<Eigen::Vector3f>& points_m,
     if (!brightness.empty()) point.brightness = steps_of_one(brightness[i], 255);
     result.push_back(point);
   }
-  // Of points in one place the surest comes first, and the others go.
+  // The point with the highest share comes first of those in one place; the others are removed.
   std::ranges::sort(result, [](const CodedPoint& a, const CodedPoint& b) {
     return std::tuple(a.code, b.share, b.brightness) < std::tuple(b.code, a.share, a.brightness);
   });

@@ -18,19 +18,6 @@ std::string markdown_of(const TextTable& table) {
   return text;
 }
 
-std::string aligned_text(const TextTable& table) {
-  std::string text;
-  const auto add = [&](const std::vector<std::string>& cells) {
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      text += i == 0 ? fmt::format("{:<18}", cells[i]) : fmt::format(" {:>13}", cells[i]);
-    }
-    text += "\n";
-  };
-  add(table.columns);
-  for (const std::vector<std::string>& row : table.rows) add(row);
-  return text;
-}
-
 std::string figure_text(const std::optional<double>& value, int decimals) {
   return value ? fmt::format("{:.{}f}", *value, decimals) : kNoFigure;
 }

@@ -18,8 +18,6 @@ struct TextTable {
 
 /// As Markdown, without its title.
 std::string markdown_of(const TextTable& table);
-/// In columns of one width, for a terminal.
-std::string aligned_text(const TextTable& table);
 /// As pages take it: {title, columns, rows, links}.
 nlohmann::ordered_json json_of(const TextTable& table);
 
@@ -32,7 +30,7 @@ struct Figure {
   const char* column;  ///< its title in tables; nullptr: not in them
   const char* key;     ///< its name in files; nullptr: not in them
   int decimals = 3;    ///< in tables
-  double scale = 1.0;  ///< from what files say to what tables say
+  double scale = 1.0;  ///< from the value in files to that in tables
   std::function<std::optional<double>(const Row&)> of;
 };
 

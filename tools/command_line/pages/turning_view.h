@@ -59,7 +59,7 @@ inline constexpr std::size_t kMostCloudPoints = 1'200'000;
 inline constexpr std::size_t kMostScanPoints = 700'000;
 
 /// What a page may have of an occupancy grid: cells of twice, three times, ... the side, so that
-/// there are at most so many. A cell is occupied if one of its own is, else free if one is.
+/// there are at most `most_cells`. A cell is occupied if one of its own is, else free if one is.
 slam::OccupancyMap thinned(const slam::OccupancyMap& map, std::size_t most_cells = 4'000'000);
 
 /// What tools/web/cloud.js shows as a cloud that is turned, moved and zoomed, with the scans one

@@ -1,6 +1,5 @@
 #include "program/help_formatter.h"
 
-#include <algorithm>
 #include <sstream>
 
 namespace hqslam::tools {
@@ -47,60 +46,25 @@ std::string spaced(const std::string& list) {
   return result;
 }
 
-/// Lines that belong together: a text, or a name and its explanation, whose further lines are
-/// indented deeper.
-class Paragraph {
- public:
-  void begin(std::size_t indent, const std::string& line) {
-    is_open_ = true;
-    indent_ = indent;
-    text_ = line.substr(indent);
-    const std::size_t gap = text_.find("  ");  // between a name and its explanation
-    hang_ = indent + (gap == std::string::npos ? 0 : text_.find_first_not_of(' ', gap));
-  }
-  bool is_continued_by(std::size_t indent, const std::string& line) const {
-    if (!is_open_ || line.empty() || text_.empty()) return false;
-    return indent_ == 0 ? indent == 0 : indent > indent_;
-  }
-  void add(std::size_t indent, const std::string& line) {
-    hang_ = indent;
-    text_ += ' ' + line.substr(indent);
-  }
-  /// It, in lines, and nothing left of it.
-  std::string taken(std::size_t width) {
-    if (!is_open_) return "";
-    is_open_ = false;
-    if (indent_ + text_.size() <= width) return std::string(indent_, ' ') + text_ + '\n';
-    // The name stays apart from its explanation by as many spaces as it was.
-    const std::size_t name = hang_ - indent_;
-    const bool has_name = name > 0 && name < text_.size() && text_[name - 1] == ' ';
-    const std::string left = std::string(indent_, ' ') + (has_name ? text_.substr(0, name) : "");
-    return left + broken(has_name ? text_.substr(name) : text_, hang_, left.size(), width) + '\n';
-  }
-
- private:
-  bool is_open_ = false;
-  std::size_t indent_ = 0;
-  std::size_t hang_ = 0;  ///< of its further lines
-  std::string text_;
-};
-
 }  // namespace
 
-std::string filled(const std::string& text, std::size_t width) {
+std::string filled(const std::string& text) {
   std::istringstream lines(text);
-  std::string result;
-  Paragraph paragraph;
+  std::string result, paragraph;
+  const auto end_paragraph = [&] {
+    if (!paragraph.empty()) result += broken(paragraph, 0, 0, HelpFormatter::kWidth) + '\n';
+    paragraph.clear();
+  };
   for (std::string line; std::getline(lines, line);) {
-    const std::size_t indent = std::min(line.find_first_not_of(' '), line.size());
-    if (!paragraph.is_continued_by(indent, line)) {
-      result += paragraph.taken(width);
-      paragraph.begin(indent, line);
+    if (!line.empty() && line.front() != ' ') {
+      paragraph += line + ' ';
       continue;
     }
-    paragraph.add(indent, line);
+    end_paragraph();
+    result += line + '\n';
   }
-  return result + paragraph.taken(width);
+  end_paragraph();
+  return result;
 }
 
 std::string HelpFormatter::make_option(const CLI::Option* option, bool is_positional) const {

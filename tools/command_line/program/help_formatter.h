@@ -17,9 +17,8 @@ class HelpFormatter : public CLI::Formatter {
   std::string make_footer(const CLI::App* app) const override;
 };
 
-/// Text in lines of at most `width` columns. Lines that begin at the margin are one paragraph; a
-/// line that is indented begins an entry, which lines that are indented deeper continue, below its
-/// explanation.
-std::string filled(const std::string& text, std::size_t width = HelpFormatter::kWidth);
+/// Lines that begin at the margin are one paragraph, broken at kWidth; indented lines and empty
+/// ones stay as they are.
+std::string filled(const std::string& text);
 
 }  // namespace hqslam::tools

@@ -10,8 +10,9 @@ std::string& kept() {
   return invocation;
 }
 
-/// A word of a command line, in quotes where a shell would read anything into it.
-std::string quoted(const std::string& word) {
+}  // namespace
+
+std::string shell_word(const std::string& word) {
   constexpr std::string_view kPlain =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./,:=+@%";
   if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
@@ -20,11 +21,9 @@ std::string quoted(const std::string& word) {
   return result + '\'';
 }
 
-}  // namespace
-
 void keep_invocation(const std::string& program, int argc, const char* const* argv) {
   kept() = program;
-  for (int i = 1; i < argc; ++i) kept() += ' ' + quoted(argv[i]);
+  for (int i = 1; i < argc; ++i) kept() += ' ' + shell_word(argv[i]);
 }
 
 const std::string& invocation() { return kept(); }

@@ -77,7 +77,7 @@ void declare_program(CLI::App& app, const ProgramText& text) {
   app.formatter(std::make_shared<HelpFormatter>());
   app.require_subcommand(1);
   app.footer(
-      "Exit status: 0 done, 2 wrong input (one line on stderr says what and how to mend it),\n"
+      "Exit status: 0 done, 2 wrong input (one line on stderr: what is wrong, how to mend it),\n"
       "130 interrupted, 1 anything else.");
 }
 

@@ -116,7 +116,7 @@ void declare_upsampling_method(Command& command, UpsamplingChoice& choice) {
       .option("--upsample", &choice.upsample,
               fmt::format("Fill the rows between the measured ones first: a weights file (.npz), "
                           "weights that come with hqslam and are chosen by the sensor ({}), or an "
-                          "interpolation ({}); {} if it is the last option or another one follows",
+                          "interpolation ({}); without a value: {}",
                           fmt::join(weights, ", "), fmt::join(nn::interpolation_names(), ", "),
                           kUsualWeights),
               {.given = Given::kFile, .one_of = methods, .if_bare = kUsualWeights});
@@ -154,14 +154,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Of a simulated drive that may have been stopped; 0 where a folder is none.
+/// Scans that a simulated drive was to have (it may have been stopped); 0 for other folders.
 std::int64_t planned_scans(const std::string& input) {
   const std::string drive = file_of_drive(input, "drive.json");
   if (drive.empty() || file_of_drive(input, "scans.npy").empty()) return 0;
   return scans_of_simulated_drive(drive).value_or(0);
 }
 
-/// Of a recording that hqslam upsample began to upsample and did not finish; 0 where it did.
+/// Scans of a recording that hqslam upsample did not finish; 0 where it did.
 std::int64_t scans_to_upsample(const std::string& input) {
   const std::string origin = file_of_drive(input, "upsample.json");
   if (origin.empty()) return 0;

@@ -21,7 +21,7 @@ struct InputChoice {
   std::string row_order = "highest-first";
   bool motion_corrected = false;
   std::string capture = {};  ///< "rolling": points without a time have that of their azimuth
-  std::string stamps = {};   ///< a file, or "names"; empty: what the recording says
+  std::string stamps = {};   ///< a file, or "names"; empty: the recording's own
   std::string imu = {};      ///< a file of inertial data; empty: what the recording has
   std::string scans = {};    ///< "FROM..TO", indices from 0; empty: all
 };
@@ -35,7 +35,7 @@ void declare_reading(Command& command, InputChoice& choice);
 void declare_imu(Command& command, InputChoice& choice);
 /// --scans alone.
 void declare_scans(Command& command, InputChoice& choice);
-/// Those of --scans. Throws Error.
+/// The scans of --scans. Throws Error.
 ScanRange wanted_scans(const InputChoice& choice);
 /// --return alone, and what it means.
 void declare_return(Command& command, std::string& kept_return);
@@ -51,13 +51,13 @@ struct UpsamplingChoice {
 };
 /// --rows and --upsample.
 void declare_upsampling_method(Command& command, UpsamplingChoice& choice);
-/// These and what declare_confidence declares.
+/// --rows, --upsample and what declare_confidence declares.
 void declare_upsampling(Command& command, UpsamplingChoice& choice);
 /// --confidence and --tolerance. needs: options without which they have no effect.
 void declare_confidence(Command& command, UpsamplingChoice& choice,
                         const std::vector<const char*>& needs = {});
 
-/// Of scans, rows and the like: at least one.
+/// Bounds of a number of scans, rows and the like.
 inline constexpr std::pair kAnyCount(1, 1000000000);
 inline constexpr std::pair kTolerance_m(0.001, 999.0);
 /// --threads; 0: what OpenMP chooses.

@@ -17,8 +17,8 @@ using pipeline::kMaxStampDifference_s;
 /// none, pose i gets the stamp of pose i of `other`. Throws Error where those are not as many.
 Trajectory with_stamps_of(const TrajectoryFile& file, const Trajectory& other);
 
-/// The same where `file` has a pose for every scan of a recording and `other` only for some:
-/// scan_of_pose says which scan each of its poses is of, counted from 0 in the recording.
+/// with_stamps_of where `file` has a pose for every scan of a recording and `other` only for some:
+/// scan_of_pose has the scan of each of its poses, counted from 0 in the recording.
 Trajectory with_stamps_of_scans(const TrajectoryFile& file, const Trajectory& other,
                                 const std::vector<std::int64_t>& scan_of_pose);
 

@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <map>
 
-// Apart from command_line.cpp the only file that knows CLI11, which takes seconds to compile.
+// Apart from command_line.cpp the only file that includes CLI11, which takes seconds to compile.
 
 namespace hqslam::tools {
 namespace {

@@ -21,10 +21,10 @@ using OptionTarget =
                  std::optional<float>*, std::optional<std::int64_t>*, std::optional<std::uint64_t>*,
                  std::optional<std::uint16_t>*>;
 
-/// What is there already, or may be said at all.
+/// What an option accepts: what exists already, or which numbers.
 enum class Given { kAnything, kFile, kFolder, kFileOrFolder, kNotNegative };
 
-/// What may be said, and beside what.
+/// The values that an option accepts, and the options it needs or excludes.
 struct OptionRules {
   bool required = false;
   bool shows_default = false;  ///< in --help
@@ -35,7 +35,7 @@ struct OptionRules {
   /// What is wrong with a text; empty where nothing is.
   std::function<std::string(const std::string&)> complaint = {};
   char delimiter = 0;          ///< of a list in one text
-  int values = 0;              ///< how many it takes; 0: as its type says
+  int values = 0;              ///< how many it takes; 0: as its type has it
   bool one_at_a_time = false;  ///< a list that grows by one value each time that it is given
   std::string if_bare = {};    ///< its value where it is given without one; empty: it needs one
   std::vector<const char*> needs = {};     ///< options of the same command, declared by now

@@ -21,7 +21,7 @@ struct ProgressState {
 
 /// "run 64x1024 [#####.....]  50 %  40/80 scans  31.2 scans/s  1.3 s left"
 std::string progress_bar(const ProgressState& state);
-/// The same without the bar.
+/// progress_bar without the bar.
 std::string progress_line(const ProgressState& state);
 
 /// Shows progress on a stream: a bar that is drawn over on a terminal, otherwise a plain line now

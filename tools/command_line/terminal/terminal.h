@@ -11,7 +11,7 @@ namespace hqslam::tools {
 enum ExitStatus : int {
   kOk = 0,
   kFailure = 1,       ///< anything that is not the input's fault
-  kWrongInput = 2,    ///< a file or an option; one line on stderr says which
+  kWrongInput = 2,    ///< a file or an option; one line on stderr names it
   kInterrupted = 130  ///< Ctrl-C; what was written up to then is valid
 };
 
@@ -37,7 +37,7 @@ void to_stderr(fmt::format_string<Arguments...> format, Arguments&&... arguments
 /// goes away does not end the program.
 void prepare_standard_streams();
 
-/// Whether stdout took everything; says on stderr if it did not, unless its reader went away.
+/// Whether stdout took everything; if not, prints so on stderr, unless its reader went away.
 bool all_printed();
 
 /// While it lives, the first SIGINT, SIGTERM or SIGHUP (the terminal was closed) only asks for a

@@ -12,6 +12,7 @@
 #include "hqslam/pipeline/pipeline.h"
 #include "pages/open_page.h"
 #include "pages/page.h"
+#include "pages/printed_table.h"
 #include "recording/reading.h"
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
@@ -126,7 +127,7 @@ int run(const CalibrateOptions& options) {
   const CalibrationReport report{options.input, pipeline.sensor(), beams.path_m(),
                                  std::ssize(scans), found};
   write_text_file(calibration_html(report), page);
-  to_stdout("{}\n{}", aligned_text(beam_table(report)), calibration_summary(report));
+  to_stdout("{}\n{}", printed_table(beam_table(report)), calibration_summary(report));
   to_stdout("results: {}, {}\n", options.out, page);
   if (options.open) open_page(page);
   return exit_status_of(reading, std::ssize(scans), std::nullopt);

@@ -137,29 +137,30 @@ int evaluate_stacks(const EvaluateOptions& options) {
 
 constexpr const char* kDefinitions =
     R"(Definitions
-  APE     absolute pose error: per pair of poses the distance and the angle of
-          E = T_reference^-1 T_estimate, after the alignment that is named beside it: se3
-          (least squares of all positions, Umeyama 1991, no scale), first (first poses made
-          equal) or none. Pairs: nearest stamps, at most 0.02 s apart; a KITTI file has no
-          stamps, its pose i is pose i of the other file, which must have as many. As in evo
-          (evo_ape).
-  RPE     relative pose error: the same for the motion over each stretch of 10, 100 and
-          800 m of path along the reference. Needs no alignment. Position in percent of the
-          stretch, rotation in degrees per 100 m (Geiger et al., KITTI, CVPR 2012). The mean
-          over stretches of 100 m is the drift of hqslam-lab table --seeds.
-  slips   places where the motion over ten scans is wrong by more than 0.3 m or 0.3 degrees;
-          scans that follow one another are one slip.
-  MAE     mean |range - true range| in metres; over all pixels (no return counts as 0 m), and
-          over the pixels where both have a return.
-  Chamfer mean squared distance to the nearest point, estimate to reference plus reference
-          to estimate, m^2.
-  IoU, F1 on the voxels of 0.1 m that hold a point: both / either; harmonic mean of precision
-          (both / estimate) and recall (both / reference).
-  outlier points: share of the estimate's points farther than 0.5 m from the nearest true one.
-MAE over all pixels, Chamfer, IoU and F1 follow the evaluation code of TULIP (Yang et al.,
-CVPR 2024) with two differences: MAE is in metres, not in units of the sensor's range, and
-pixels without a return make no points there instead of points at the sensor. For two stacks
-the 3-D errors are means over the images and need --sensor.)";
+  APE      absolute pose error: distance and angle of E = T_reference^-1
+           T_estimate for each pair of poses, as in evo (evo_ape), after an
+           alignment: se3 (least squares of all positions, Umeyama 1991, no
+           scale), first (the first poses made equal) or none. Pairs are the
+           stamps at most 0.02 s apart. KITTI files have none: pose i is that of
+           the other file, which must have as many poses.
+  RPE      relative pose error: the same of the motion over stretches of 10, 100
+           and 800 m along the reference, without alignment: translation in
+           percent, rotation in degrees per 100 m (Geiger et al., KITTI, CVPR
+           2012). The mean over 100 m is the drift of hqslam-lab table --seeds.
+  slips    places where the motion over ten scans is wrong by more than 0.3 m or
+           0.3 degrees; consecutive scans are one slip
+  MAE      mean |range - true range|, metres, over all pixels (no return counts
+           as 0 m) and over those where both have a return
+  Chamfer  mean squared distance to the nearest point, estimate to reference
+           plus reference to estimate, m^2
+  IoU, F1  of the voxels of 0.1 m that hold a point: both / either; harmonic
+           mean of precision (both / estimate) and recall (both / reference)
+  outlier points  share of the estimate's points farther than 0.5 m from the
+           nearest true one
+MAE over all pixels, Chamfer, IoU and F1 are those of TULIP's evaluation code (Yang et al.,
+CVPR 2024), but MAE is in metres, not in units of the sensor's range, and pixels without a
+return give no points, where TULIP puts them at the sensor. For two stacks the 3-D errors are
+means over the images and need --sensor.)";
 
 enum class Kind { kTrajectory, kCloud, kStack };
 
@@ -169,7 +170,7 @@ Kind kind_of(const std::string& path) {
   return std::ranges::count(kBinaryPoints, ending) > 0 ? Kind::kCloud : Kind::kTrajectory;
 }
 
-/// Of both files. Throws Error where they are of two.
+/// The kind of both files. Throws Error where they differ.
 Kind kind_of(const EvaluateOptions& options) {
   const Kind kind = kind_of(options.estimate);
   if (kind == kind_of(options.reference)) return kind;
@@ -188,8 +189,8 @@ void declare(CLI::App& app, EvaluateOptions& options) {
       .option("ESTIMATE", &options.estimate,
               "Trajectory (TUM or KITTI), cloud (.pcd, .ply, .bin) or .npy stack of range images",
               read)
-      .option("REFERENCE", &options.reference, "What it should be, in the same kind of file", read)
-      .option("--align", &options.alignment, "Alignment of a trajectory before its APE is taken",
+      .option("REFERENCE", &options.reference, "Reference: the same kind of file", read)
+      .option("--align", &options.alignment, "Alignment of a trajectory before its APE is computed",
               {.shows_default = true, .one_of = {"se3", "first", "none"}})
       .option("--sensor", &options.sensor,
               "Sensor of two .npy stacks (name or .json file): adds the errors in 3-D");
@@ -199,7 +200,7 @@ int run(const EvaluateOptions& options) {
   const Kind kind = kind_of(options);
   if (kind == Kind::kStack) return evaluate_stacks(options);
   if (!options.sensor.empty()) {
-    throw Error("--sensor {}: is looked at with two .npy stacks, found {}; leave it out",
+    throw Error("--sensor {}: expected two .npy stacks, found {}; leave --sensor out",
                 options.sensor, options.estimate);
   }
   if (kind == Kind::kCloud) return evaluate_clouds(options);

@@ -88,7 +88,7 @@ CaptureCheck check_capture(const std::string& input, const SensorModel& sensor) 
   const double variance = sum_of_squares / check.scans - mean * mean;
   const bool is_clear = std::abs(mean) > kClear * std::sqrt(variance / check.scans);
   if (check.scans >= kFewestScans && is_clear) {
-    check.told = mean < 0.0 ? CaptureTime::kRolling : CaptureTime::kMotionCorrected;
+    check.verdict = mean < 0.0 ? CaptureTime::kRolling : CaptureTime::kMotionCorrected;
   }
   return check;
 }

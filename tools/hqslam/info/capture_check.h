@@ -13,10 +13,10 @@ struct CaptureCheck {
   int scans = 0;             ///< that were compared: those in which the sensor moved
   double rolling_m = 0.0;    ///< median distance of features from their surfaces, mean over scans
   double corrected_m = 0.0;  ///< the same
-  std::optional<CaptureTime> told;  ///< nothing where both fit alike
+  std::optional<CaptureTime> verdict;  ///< nothing where both fit alike
 };
 
-/// Points without times do not say which of the two they are, and where it is taken wrongly the
+/// Points without times do not determine which of the two they are; if it is assumed wrongly, the
 /// path of a car is off by decimetres. The scans tell: up to 100 of them go through SLAM both ways.
 /// With d_i the median distance of what is not ground from its line or plane in the map, of scan i,
 /// the mean of log(d_i rolling / d_i corrected) over scans in which the sensor moved must differ

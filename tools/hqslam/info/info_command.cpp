@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <utility>
 
@@ -12,6 +11,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/recordings/recording.h"
 #include "info/capture_check.h"
+#include "program/invocation.h"
 #include "recording/recording_choice.h"
 #include "terminal/command_options.h"
 #include "terminal/terminal.h"
@@ -26,7 +26,7 @@ void print_line(const char* what, const std::string& text) { to_stdout("{:<12}{}
 std::string sensor_line(const recordings::RecordingInfo& info) {
   const SensorModel& sensor = info.sensor;
   return fmt::format("{}{}: {} rows x {} columns, {:.4g} turns a second", sensor.name,
-                     info.sensor_known ? "" : " (as you say)", sensor.rows(), sensor.columns,
+                     info.sensor_known ? "" : " (as stated)", sensor.rows(), sensor.columns,
                      1.0 / sensor.scan_period_s);
 }
 
@@ -69,19 +69,7 @@ std::string what_is_in(const recordings::Stream& stream) {
              : "packets";
 }
 
-/// In quotation marks if the shell would take it apart.
-std::string for_shell(const std::string& word) {
-  const bool plain = std::ranges::all_of(word, [](unsigned char c) {
-    return std::isalnum(c) != 0 ||
-           std::string("/._-+:[]@%,=").find(static_cast<char>(c)) != std::string::npos;
-  });
-  if (plain && !word.empty()) return word;
-  std::string quoted = "'";
-  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
-
-/// Of points without times, and of images, which may have been corrected.
+/// Whether points without times, or images, were corrected for motion.
 std::string capture_line(const CaptureCheck& check) {
   const std::string fit = fmt::format(
       "{} scans that moved fit each other within {:.1f} mm as captured while the sensor "
@@ -89,27 +77,27 @@ std::string capture_line(const CaptureCheck& check) {
       check.scans, 1e3 * check.rolling_m, 1e3 * check.corrected_m);
   if (check.scans == 0)
     return "too few scans that moved to tell whether they are corrected for motion";
-  return check.told ? fit : fit + ": too near to tell";
+  return check.verdict ? fit : fit + ": too near to tell";
 }
 
 /// Where the points are not what they are taken for.
-std::string capture_option(const std::optional<CaptureTime>& told, bool is_stack) {
-  if (is_stack) return told == CaptureTime::kMotionCorrected ? " --motion-corrected" : "";
-  return told == CaptureTime::kRolling ? " --capture rolling" : "";
+std::string capture_option(const std::optional<CaptureTime>& verdict, bool is_stack) {
+  if (is_stack) return verdict == CaptureTime::kMotionCorrected ? " --motion-corrected" : "";
+  return verdict == CaptureTime::kRolling ? " --capture rolling" : "";
 }
 
 std::string command_for(const InfoOptions& options, const std::string& capture) {
-  std::string command = fmt::format("hqslam run {}", for_shell(options.input));
-  if (!options.sensor.empty()) command += fmt::format(" --sensor {}", for_shell(options.sensor));
-  if (!options.stream.empty()) command += fmt::format(" --stream {}", for_shell(options.stream));
+  std::string command = fmt::format("hqslam run {}", shell_word(options.input));
+  if (!options.sensor.empty()) command += fmt::format(" --sensor {}", shell_word(options.sensor));
+  if (!options.stream.empty()) command += fmt::format(" --stream {}", shell_word(options.stream));
   return command + capture + " --out results";
 }
 
 }  // namespace
 
 void declare(CLI::App& app, InfoOptions& options) {
-  add_command(app, "info", "What a recording holds, and which command to run on it",
-              "Captures and bags are read to their end, of other recordings the first 100 scans.")
+  add_command(app, "info", "Describe a recording, and print the command to run on it",
+              "Reads captures and bags to their end, of other recordings the first 100 scans.")
       .option("INPUT", &options.input, "Recording (as for hqslam run)",
               {.required = true, .given = Given::kFileOrFolder})
       .option(
@@ -158,12 +146,12 @@ int run(const InfoOptions& options) {
   print_line("points", info.has_point_times ? "each with its own time: corrected for motion by SLAM"
                                             : "without times: taken as corrected for motion");
   std::string capture;
-  const bool is_untimed = !info.sensor.motion_corrected &&  // else a folder's sensor.json says so
+  const bool is_untimed = !info.sensor.motion_corrected &&  // else a folder's sensor.json states it
                           (is_stack || (info.streams.empty() && !info.has_point_times));
   if (complaint.empty() && is_untimed) {
     const CaptureCheck check = check_capture(options.input, info.sensor);
     print_line("captured", capture_line(check));
-    capture = capture_option(check.told, is_stack);
+    capture = capture_option(check.verdict, is_stack);
   }
   if (!info.streams.empty() || info.imu.used > 0) print_line("inertial", imu_line(info));
   if (info.packets.used > 0) print_line("packets", packets_line(info));

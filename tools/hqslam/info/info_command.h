@@ -8,7 +8,7 @@ namespace hqslam::tools {
 
 struct InfoOptions {
   std::string input;
-  std::string sensor;  ///< empty: what the recording says
+  std::string sensor;  ///< empty: the recording's own
   std::string stream;  ///< empty: the only one with scans
   std::string write_sensor;
 };

@@ -106,7 +106,7 @@ void check_options(const InspectOptions& options) {
     guard_output_file(options.out, {options.input, options.weights}, page_marker("hqslam inspect"));
   }
   if (!options.npz.empty() && (options.npz == options.weights || options.npz == options.input)) {
-    throw Error("inspect: --npz {} is what is read, expected another file", options.npz);
+    throw Error("inspect: --npz {} is the recording, expected another file", options.npz);
   }
 }
 
@@ -169,7 +169,8 @@ int inspect_slam(const InspectOptions& options) {
 
 void declare(CLI::App& app, InspectOptions& options) {
   Command command = add_command(
-      app, "inspect", "Show what each layer of a network, or each stage of SLAM, makes of a scan",
+      app, "inspect",
+      "Show the result of each layer of a network, or of each stage of SLAM, for a scan",
       "Prints what each layer of eq. 10 changes and, if the recording has all rows, its error. "
       "--out writes a page with H, Z, the filter's mask and Y of every layer. With --slam: the "
       "class of every pixel, features with their correspondences in the map, residuals and "
@@ -196,7 +197,7 @@ void declare(CLI::App& app, InspectOptions& options) {
       .option("--pixel", &options.pixel, "Follow this pixel, ROW,COLUMN, through all layers",
               {.delimiter = ',', .values = 2, .excludes = {"--slam"}})
       .option("--what-if", &options.what_if,
-              "Upsample by the network with a changed loop, too: b=NUMBER, layers=N, y=zero, q=z, "
+              "Also upsample with a changed loop: b=NUMBER, layers=N, y=zero, q=z, "
               "no-q, literal, or several with commas (may be repeated)",
               {.excludes = {"--slam"}})
       .option("--npz", &options.npz, "File for all inner tensors by their names, for numpy",
@@ -216,7 +217,8 @@ int run(const InspectOptions& options) {
   }
   check_options(options);
   pipeline::UpsampledRecording input = upsampled_recording(options, {options.weights});
-  const nn::Weights weights = nn::read_weights(options.weights);
+  nn::Weights weights = nn::read_weights(options.weights);
+  weights.description = input.upsampler.method()->network()->description();  // for this sensor
   const SeenScan seen = scan_of(options, input);
   LayersReport report = report_of(options, weights, seen, input.upsampler);
   if (options.list) {

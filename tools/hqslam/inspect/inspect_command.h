@@ -17,7 +17,7 @@ struct InspectOptions : InputChoice {  ///< sensor empty: as for hqslam upsample
   std::string poses;  ///< for networks with a memory; empty: they have none of earlier scans
   std::int64_t scan = 0;
   std::vector<std::string> tensors;  ///< by name
-  bool list = false;                 ///< say their names, write nothing
+  bool list = false;                 ///< print their names, write nothing
   bool reference = false;            ///< compare all of them with the reference
   std::vector<double> pixel;         ///< row and column of one to print, layer by layer; or empty
   std::vector<std::string> what_if;  ///< changes of the loop (what_if.h)

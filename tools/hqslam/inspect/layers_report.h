@@ -48,7 +48,7 @@ struct LayerFigures {
   std::optional<std::int64_t> rejected;  ///< pixels that were rejected, or emptied at the end
   std::optional<double> error_all_m;  ///< mean |range - truth|, measured rows restored, all pixels
   std::optional<double> error_valid_m;  ///< where both have a return
-  /// Of the computed pixels with a return, the share that is off by more than kWrong_m, or where
+  /// Share of the computed pixels with a return that is off by more than kWrong_m, or where
   /// the truth has none.
   std::optional<double> wrong_share;
   std::optional<double> missing_share;  ///< of the truth's returns in computed pixels, the empty

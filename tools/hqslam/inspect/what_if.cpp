@@ -1,6 +1,5 @@
 #include "inspect/what_if.h"
 
-#include <charconv>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -8,6 +7,7 @@
 #include <sstream>
 
 #include "hqslam/core/error.h"
+#include "hqslam/core/words.h"
 #include "hqslam/nn/network_json.h"
 
 namespace hqslam::tools {
@@ -17,13 +17,9 @@ using Json = nlohmann::ordered_json;
 
 template <typename Number>
 Number number_of(const std::string& text, const std::string& change) {
-  Number value{};
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc() || stop != end) {
-    throw Error("--what-if {}: '{}' is no number", change, text);
-  }
-  return value;
+  const auto value = number_from<Number>(text);
+  if (!value) throw Error("--what-if {}: '{}' is no number", change, text);
+  return *value;
 }
 
 /// The value after "NAME=", if that is what the change is.

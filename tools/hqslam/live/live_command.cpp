@@ -135,11 +135,10 @@ int finish(const LiveOptions& options, const live::LiveCounts& counts, const std
 void declare(CLI::App& app, LiveOptions& options) {
   Command command = add_command(
       app, "live", "From a sensor that sends now to a trajectory and a map",
-      "The sensor must be set to send to this computer. A line each second shows the pose, "
-      "located scans a second, the longest latency from the packet that completes a scan to its "
-      "pose, and losses: packets that never came, and whole scans that were dropped for later "
-      "ones because the computer is too slow. Ctrl-C (or SIGTERM) ends it with exit status 0 and "
-      "the results of hqslam run in --out.");
+      "Set the sensor to send to this computer. A line each second shows the pose, located scans "
+      "a second, the longest latency from the packet that completes a scan to its pose, lost "
+      "packets, and scans that were dropped because the computer is too slow. Ctrl-C (or SIGTERM) "
+      "ends the drive with exit status 0 and the results of hqslam run in --out.");
   command
       .option(
           "--sensor", &options.sensor,
@@ -157,14 +156,14 @@ void declare(CLI::App& app, LiveOptions& options) {
       .option("--out", &options.out, "Folder for the results; made if it does not exist",
               {.required = true})
       .option("--record", &options.record,
-              "Also keep the packets in this .pcap file, with an Ouster's metadata beside it")
+              "Also record the packets in this .pcap file, with an Ouster's metadata beside it")
       .option("--view", &options.view,
-              fmt::format("Show path and map on a page as they grow, on this port ({} if none is "
-                          "given, 0: any free one)",
+              fmt::format("Serve a page with the growing path and map on this port (without a "
+                          "value: {}; 0: any free port)",
                           kViewPort),
               {.within = std::pair(0, 65535), .if_bare = std::to_string(kViewPort)})
       .option("--view-address", &options.view_address,
-              "Address at which the page of --view is served; default: to this computer alone",
+              "Address at which --view serves its page; the default serves this computer alone",
               {.shows_default = true, .needs = {"--view"}});
   declare_open(command, options.open, {"--view"});
   declare_threads(command, options.threads);

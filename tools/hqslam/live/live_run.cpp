@@ -80,7 +80,7 @@ class LiveProgress {
 
   void set_results_failure(const std::string& failure) {
     if (!failure.empty() && status_.results_failure.empty()) {
-      to_stderr("hqslam: {}; driving on, it is tried again\n", failure);
+      to_stderr("hqslam: {}; the drive continues, the next attempt follows\n", failure);
     }
     status_.results_failure = failure;
   }
@@ -160,15 +160,15 @@ std::string status_line(const LiveStatus& status) {
   const live::LiveCounts& counts = status.counts;
   line +=
       fmt::format("  {} packets lost  {} scans dropped", counts.packets.lost, counts.dropped_scans);
-  const auto say = [&](std::int64_t count, const char* what) {
+  const auto add = [&](std::int64_t count, const char* what) {
     if (count > 0) line += fmt::format("  {} {}", count, what);
   };
-  say(counts.lost_scans, "turns lost");
-  say(counts.left_out_scans, "scans not understood");
-  say(counts.packets.late, "packets late or twice");
-  say(counts.packets.foreign, "packets of another kind");
-  say(counts.other_senders, "packets of other senders");
-  say(counts.senders_changed, "times another address");
+  add(counts.lost_scans, "turns lost");
+  add(counts.left_out_scans, "scans not understood");
+  add(counts.packets.late, "packets late or twice");
+  add(counts.packets.foreign, "packets of another kind");
+  add(counts.other_senders, "packets of other senders");
+  add(counts.senders_changed, "times another address");
   if (status.submaps > 1) line += fmt::format("  {} submaps, not joined", status.submaps);
   if (!counts.trouble.empty()) line += "  " + counts.trouble;
   if (!counts.recording_failure.empty()) line += "  NOT RECORDED ANY MORE";
@@ -177,11 +177,11 @@ std::string status_line(const LiveStatus& status) {
 }
 
 bool wait_for_sensor(live::LiveSensor& sensor, const InterruptGuard& interrupt) {
-  auto told = SteadyClock::now();
+  auto last_printed = SteadyClock::now();
   while (!interrupt.stop_requested()) {
     if (sensor.recognise(kWait_s)) return true;
-    if (seconds_since(told) < kStatusInterval_s) continue;
-    told = SteadyClock::now();
+    if (seconds_since(last_printed) < kStatusInterval_s) continue;
+    last_printed = SteadyClock::now();
     const std::int64_t seen = sensor.packets_seen();
     if (const std::string complaint = sensor.complaint(); !complaint.empty()) {
       to_stderr("hqslam: {}; waiting for the sensor\n", complaint);

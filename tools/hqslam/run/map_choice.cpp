@@ -32,7 +32,7 @@ Pose start_on_path(const std::vector<slam::SavedPlace>& places, const std::vecto
 void declare_maps(Command& command, MapChoice& choice, const std::vector<const char*>& needs) {
   command
       .option("--save-map", &choice.save_map,
-              "Also write saved_map.npz, in which later drives can be located",
+              "Also write saved_map.npz, a map for locating later drives",
               {.excludes = {"--no-loop-closing"}})
       .option("--map", &choice.map_file,
               "Locate the drive in this saved_map.npz of an earlier drive instead of making a map; "

@@ -21,7 +21,7 @@ struct MapReading : Reading {
 
 /// A recording of which a map is made: it is read several times, with the poses that are known when
 /// the drive is over, and none of its scans is kept. A network is asked for all points that it
-/// believes in at all, and how sure it is that they lie within a voxel of the truth: the map
+/// keeps, with the probability that they are within a voxel of the truth: the map
 /// decides, not the network's operating point.
 class MapInput {
  public:

@@ -13,7 +13,7 @@
 
 namespace hqslam::tools {
 
-/// What a user may say about an occupancy grid.
+/// A user's options of an occupancy grid.
 struct OccupancyGridChoice {
   double resolution_m = slam::OccupancyGridOptions().resolution_m;
   std::vector<double> band_m = {slam::OccupancyGridOptions().lowest_obstacle_m,

@@ -146,8 +146,8 @@ Paths inputs_of(const RunOptions& options) {
 void declare(CLI::App& app, RunOptions& options) {
   Command command = add_command(
       app, "run", "From a recorded drive to a trajectory and a map",
-      "Writes into --out, in the frame of the first scan turned level (see mounting\n"
-      "in hqslam slam-options), or in that of --map:\n"
+      "Writes into --out, in the level frame of the first scan (mounting in hqslam\n"
+      "slam-options), or in that of --map:\n"
       "  trajectory.tum    stamp x y z qx qy qz qw per scan\n"
       "  trajectory.kitti  3x4 matrix per scan, row-major\n"
       "  covariances.csv   per scan the status of mapping, the submap, and the 6x6\n"
@@ -156,19 +156,18 @@ void declare(CLI::App& app, RunOptions& options) {
       "                    recording has them\n"
       "  saved_map.npz     with --save-map: map and places for later drives\n"
       "  timings.json      time per stage and status of every scan\n"
-      "  corrected_sensor.json   the sensor with corrected beams, for --sensor, where\n"
-      "                    the run found that they have errors (hqslam calibrate)\n"
+      "  corrected_sensor.json  the sensor with corrected beams, for --sensor, where\n"
+      "                    the run found errors of the beams (hqslam calibrate)\n"
       "  report.html       map, path, scans, error and times on one page\n"
       "and with --dense-map:\n"
       "  dense_map.pcd, dense_map.ply   x y z, intensity where the recording has it,\n"
       "                                 confidence, times_seen per voxel, binary\n"
       "and with --occupancy-grid, with cells along the frame's x and y:\n"
       "  map.pgm, map.yaml              where a robot can drive, for Nav2\n"
-      "The results of an earlier run in --out are replaced from the first scan on.\n"
-      "Ctrl-C stops the run; what is written up to then is valid. The status of\n"
-      "mapping is ok, degenerate (some direction of motion is not determined), too few\n"
-      "features, not converged, after a gap, or, with --map, not recognized: the pose\n"
-      "is then the last known one.");
+      "The first scan replaces the results of an earlier run in --out. Ctrl-C stops the\n"
+      "run; the results up to then are valid. The status of mapping is ok, degenerate (a\n"
+      "direction of motion is not determined), too few features, not converged, after a\n"
+      "gap, or, with --map, not recognized, with the last known pose.");
   declare_input(command, options);
   declare_scans(command, options);
   declare_imu(command, options);

@@ -49,7 +49,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr double kCheckpointInterval_s = 5.0;
-/// Of the time between checkpoints what one may take: a long drive's are large.
+/// Largest share of the time that checkpoints may take: those of long drives are large.
 constexpr double kCheckpointShare = 0.01;
 constexpr std::array<const char*, 3> kResultsSoFar = {"trajectory.tum", "trajectory.kitti",
                                                       "timings.json"};

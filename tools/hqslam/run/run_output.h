@@ -13,7 +13,7 @@
 namespace hqslam::tools {
 
 /// covariances.csv: a line per scan, its stamp in seconds, how the mapping located it, and the 6x6
-/// covariance of its pose, row after row; before them two lines that say what it is and name the
+/// covariance of its pose, row after row; before them two lines that describe it and name the
 /// columns.
 std::string covariances_csv(const SlamRun& run);
 

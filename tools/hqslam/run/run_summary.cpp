@@ -58,7 +58,7 @@ std::string mounting_summary(const SlamRun& run) {
                      how);
 }
 
-/// The median share of a scan's returns that lie on the ground; 1 where nothing was seen.
+/// The median share of a scan's returns on the ground; 1 without returns.
 double median_ground_share(const SlamRun& run) {
   std::vector<double> shares;
   for (const ScanRecord& scan : run.scans) {
@@ -69,16 +69,16 @@ double median_ground_share(const SlamRun& run) {
 }
 
 /// Sensors on the road, on robots and in hands see a third of their returns and more on the ground,
-/// one that hangs upside down and of which that was not said 5 to 9 %, rooms 5 %.
+/// one that hangs upside down without being stated 5 to 9 %, rooms 5 %.
 constexpr double kLittleGround = 0.1;
 
-/// What a user may have forgotten to say; empty where enough ground was seen.
+/// A mounting that the user may have forgotten; empty where enough ground was seen.
 std::string ground_summary(const SlamRun& run) {
   const double share = median_ground_share(run);
   if (share >= kLittleGround) return "";
   return fmt::format(
-      "ground: only {:.0f} % of what was seen; usual in rooms, elsewhere the sensor may lean or "
-      "hang upside down: say so (mounting in hqslam slam-options)\n",
+      "ground: only {:.0f} % of the returns; usual in rooms, elsewhere the sensor may lean or "
+      "hang upside down: state it (mounting in hqslam slam-options)\n",
       100.0 * share);
 }
 
@@ -90,7 +90,7 @@ std::string scattered_summary(const SlamRun& run) {
   return fmt::format("fog, dust or snow: near echoes left out of {} scans\n", scans);
 }
 
-/// Of which submap the maps are, if there are several.
+/// The submap of the maps, if there are several.
 std::string map_summary(const SlamRun& run) {
   const std::map<std::size_t, std::int64_t> submaps = scans_of_submaps(run);
   if (submaps.size() < 2) return "";

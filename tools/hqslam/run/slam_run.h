@@ -27,12 +27,12 @@ struct ScanRecord {
   /// Filling the missing rows and making points of them, with what a memory recalls and keeps.
   double upsampling_s = 0.0;
   std::int64_t invalid_points = 0;
-  /// Of a sensor that sends now: from the packet that completed the scan to its pose.
+  /// For a sensor that sends now: from the packet that completed the scan to its pose.
   std::optional<double> latency_s;
 };
 
 /// Errors of beams that the beginning of a run's path determined. A run of a recording corrects
-/// them, a live one says what to do.
+/// them, a live one prints what to do.
 struct BeamsOfRun {
   SensorModel sensor;  ///< of the recording, with corrections
   double path_m = 0.0;
@@ -87,10 +87,10 @@ struct ScanTimes {
 };
 ScanTimes scan_times(const SlamRun& run, std::string_view name,
                      const std::function<double(const ScanRecord&)>& seconds);
-/// Of the stages in the order in which they run: "reading", "upsampling" if there was any, and
+/// Times of the stages in their order: "reading", "upsampling" if there was any, and
 /// SLAM's.
 std::vector<ScanTimes> stage_times(const SlamRun& run);
-/// Of all of SLAM.
+/// Times of all of SLAM.
 ScanTimes slam_times(const SlamRun& run);
 
 /// How many scans a stage ended with each status: all statuses, kOk first.
@@ -104,7 +104,7 @@ std::int64_t loops_closed(const SlamRun& run);
 /// and the sensor was not carried in between, also where its submaps were joined later.
 bool is_motion_known(const SlamRun& run, std::size_t scan);
 
-/// Of which scan of the recording each pose of the trajectory is (ScanRecord::scan).
+/// The scan of the recording of each pose of the trajectory (ScanRecord::scan).
 std::vector<std::int64_t> scan_of_pose(const SlamRun& run);
 
 /// The path as far as it is known, in metres.

@@ -2,13 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string_view>
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/json_fields.h"
 #include "hqslam/core/whole_file.h"
+#include "hqslam/core/words.h"
 
 namespace hqslam::tools {
 
@@ -44,17 +45,16 @@ void set_from_file(slam::SlamOptions& options, const std::string& path) {
 /// "mapping.max_iterations=12"
 void set_from_text(slam::SlamOptions& options, const std::string& text) {
   const std::size_t equals = text.find('=');
-  const std::string_view number =
-      equals == std::string::npos ? std::string_view() : std::string_view(text).substr(equals + 1);
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
-  if (error != std::errc() || end != number.data() + number.size()) {
+  const auto value = equals == std::string::npos
+                         ? std::nullopt
+                         : number_from<double>(std::string_view(text).substr(equals + 1));
+  if (!value) {
     throw Error(
         "--set {}: expected NAME=NUMBER, as in mapping.max_iterations=12; hqslam slam-options "
         "lists the names",
         text);
   }
-  slam::set_option(options, text.substr(0, equals), value);
+  slam::set_option(options, text.substr(0, equals), *value);
 }
 
 }  // namespace

@@ -106,17 +106,16 @@ void print_summary(const UpsampleRun& run, const nn::Upsampler& upsampler,
     const bool there = std::filesystem::exists(std::filesystem::path(options.out) / name);
     return there ? fmt::format(", {}", name) : "";
   };
-  to_stdout("results: {}/scans.npy{}{}, sensor.json, upsample.json{}{}{}\n", options.out,
+  to_stdout("results: {}/scans.npy{}{}, sensor.json, upsample.json{}{}\n", options.out,
             if_there("confidence.npy"), if_there("intensity.npy"),
-            options.formats.kitti_bin ? ", bin" : "", options.formats.pcd ? ", pcd" : "",
-            options.formats.png ? ", png" : "");
+            options.formats.kitti_bin ? ", bin" : "", options.formats.pcd ? ", pcd" : "");
 }
 
 }  // namespace
 
 void declare(CLI::App& app, UpsampleOptions& options) {
   Command command =
-      add_command(app, "upsample", "Fill the rows between those of a LiDAR with few beams",
+      add_command(app, "upsample", "Compute the rows between those of a LiDAR with few beams",
                   "Writes into --out, which hqslam run reads as it is:\n"
                   "  scans.npy          N x rows x columns, float32 metres\n"
                   "  confidence.npy     0 to 1 per pixel, of a network that gives a confidence\n"
@@ -144,8 +143,7 @@ void declare(CLI::App& app, UpsampleOptions& options) {
   command.option("--poses", &options.poses, kMemoryPosesHelp, {.given = Given::kFile});
   declare_threads(command, options.threads);
   command.option("--bin", &options.formats.kitti_bin, "Also write KITTI .bin files")
-      .option("--pcd", &options.formats.pcd, "Also write .pcd files")
-      .option("--png", &options.formats.png, "Also write pictures of the range images");
+      .option("--pcd", &options.formats.pcd, "Also write .pcd files");
 }
 
 int run(const UpsampleOptions& options) {

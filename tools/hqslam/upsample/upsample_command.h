@@ -7,7 +7,7 @@
 
 namespace hqslam::tools {
 
-/// sensor empty: as upsampled_input says
+/// sensor empty: as upsampled_input has it
 struct UpsampleOptions : InputChoice, UpsamplingChoice {
   std::string poses;  ///< for networks with a memory; empty: they have none of earlier scans
   std::string out;

@@ -13,7 +13,6 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/projection.h"
-#include "hqslam/evaluation/png.h"
 #include "recording/recording_choice.h"
 
 namespace hqslam::tools {
@@ -31,7 +30,7 @@ constexpr std::array<const char*, 10> kFiles = {
     "scans.npy",   "confidence.npy", "intensity.npy", kStampsFile,   kFirstColumnsFile,
     "sensor.json", "upsample.json",  "truth.tum",     "truth.kitti", "imu.csv"};
 constexpr std::array<const char*, 3> kFilesOfDrive = {"truth.tum", "truth.kitti", "imu.csv"};
-constexpr std::array<const char*, 3> kScanFolders = {"bin", "pcd", "png"};
+constexpr std::array<const char*, 2> kScanFolders = {"bin", "pcd"};
 constexpr ScanFolder kUpsampled{kFiles, kScanFolders, kMarkerFile};
 
 bool same_file(const fs::path& a, const fs::path& b) {
@@ -70,7 +69,7 @@ void write_origin(const fs::path& folder, const UpsampleOrigin& origin, bool com
 }
 
 /// `folder`, made empty of earlier results: the members that open files in it start with this. The
-/// file that says where the results came from is first: it marks the folder as ours however little
+/// file with the origin of the results is first: it marks the folder as ours however little
 /// else is there, because a disk was full or the program was killed.
 fs::path prepared(const fs::path& folder, const UpsampleOrigin& origin) {
   guard_scan_folder(folder, kUpsampled, has_marker((folder / kMarkerFile).string(), kMarker),
@@ -97,17 +96,15 @@ UpsampleOutput::UpsampleOutput(const std::string& folder, UpsampleOrigin origin,
       fs::copy_file(known, folder_ / file);
     }
   }
-  const std::array<bool, 3> wanted = {formats.kitti_bin, formats.pcd, formats.png};
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
-    if (wanted[i]) make_result_folder(folder_ / kScanFolders[i]);
-  }
+  if (formats.kitti_bin) make_result_folder(folder_ / "bin");
+  if (formats.pcd) make_result_folder(folder_ / "pcd");
 }
 
 void UpsampleOutput::append(const RangeImage& image, const OrganizedCloud& cloud, double stamp_s) {
   // A stack may have fewer images than there are stamps, a folder of scans may not: its files get
   // their names when all else is there, so that a program that is killed leaves what can be read.
   PartFiles parts;
-  write_formats(image, cloud, stamp_s, parts);
+  write_formats(cloud, stamp_s, parts);
   append_line(stamps_, kStampsFile, fmt::format("{:.9f}\n", stamp_s));
   append_first_column(first_column(cloud, sensor_));
   append_beside(confidence_, "confidence.npy", cloud.confidence);
@@ -154,12 +151,11 @@ void UpsampleOutput::finish(std::int64_t scans) {
   write_origin(folder_, origin_, true);
 }
 
-void UpsampleOutput::write_formats(const RangeImage& image, const OrganizedCloud& cloud,
-                                   double stamp_s, PartFiles& parts) const {
+void UpsampleOutput::write_formats(const OrganizedCloud& cloud, double stamp_s,
+                                   PartFiles& parts) const {
   const auto part = [&](const char* kind) {
     return parts.add(folder_ / kind / fmt::format("{:06}.{}", scans_, kind));
   };
-  if (formats_.png) write_png(color_by_range(image, sensor_.max_range_m), part("png"));
   if (!formats_.kitti_bin && !formats_.pcd) return;
   Scan scan = returns_of(cloud);
   scan.stamp_s = stamp_s;

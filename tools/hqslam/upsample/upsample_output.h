@@ -19,7 +19,6 @@ namespace hqslam::tools {
 struct UpsampledFormats {
   bool kitti_bin = false;  ///< bin/000000.bin, ...
   bool pcd = false;        ///< pcd/000000.pcd, ...
-  bool png = false;        ///< png/000000.png, ...: the range image in colours
 };
 
 /// Where the scans of a folder come from.
@@ -27,13 +26,13 @@ struct UpsampleOrigin {
   std::string input;
   std::string method;
   std::optional<std::int64_t> scans = {};  ///< of the recording; nothing: not known yet
-  std::string poses = {};                  ///< the file that says what is recalled where; or empty
+  std::string poses = {};                  ///< the file of poses for recall; or empty
 };
 
 /// The folder that `hqslam upsample` writes into, scan by scan; what is there is valid whenever
 /// writing stops:
 ///   scans.npy      N x rows x columns, float32 metres, 0 = no return, row 0 the highest beam
-///   confidence.npy  N x rows x columns, float32, 0 to 1, if the method says how sure it is
+///   confidence.npy  N x rows x columns, float32, 0 to 1, if the method gives a confidence
 ///   intensity.npy  the same shape, float32, if the recording has intensities; not a number where
 ///                  that of a return is not known
 ///   timestamps.txt  the stamp of each scan, seconds
@@ -51,7 +50,7 @@ class UpsampleOutput {
 
   /// cloud: the same scan as points. Throws Error.
   void append(const RangeImage& image, const OrganizedCloud& cloud, double stamp_s);
-  /// Says in upsample.json that all scans of the recording were taken, and how many they are.
+  /// Marks upsample.json as complete, with the number of scans of the recording.
   /// Throws Error.
   void finish(std::int64_t scans);
 
@@ -60,8 +59,7 @@ class UpsampleOutput {
   void append_first_column(int column);
   void append_beside(std::optional<NpyStackWriter>& stack, const char* name,
                      const std::vector<float>& values) const;
-  void write_formats(const RangeImage& image, const OrganizedCloud& cloud, double stamp_s,
-                     PartFiles& parts) const;
+  void write_formats(const OrganizedCloud& cloud, double stamp_s, PartFiles& parts) const;
 
   std::filesystem::path folder_;
   FolderLock lock_;

@@ -10,7 +10,7 @@ namespace hqslam::tools {
 
 struct ViewOptions {
   std::vector<std::string> files;
-  std::string sensor;     ///< of recordings; empty: what they say
+  std::string sensor;     ///< of recordings; empty: their own
   std::int64_t scan = 0;  ///< of recordings
   std::string out;
   bool open = false;

@@ -20,7 +20,6 @@
 #include "hqslam/nn/compare/compared_networks.h"
 #include "hqslam/nn/instruction_set.h"
 #include "hqslam/nn/weights_file.h"
-#include "hqslam/sim/drive.h"
 #include "recording/recording_choice.h"
 #include "simulate/simulate_command.h"
 #include "terminal/command_options.h"
@@ -32,6 +31,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+constexpr const char* kDrive = "block";
+constexpr const char* kSensor = "os1-64";
 constexpr std::array<int, 2> kRowCounts = {64, 16};
 constexpr int kMostThreads = 2;
 constexpr std::size_t kImages = 20;  ///< that networks upsample
@@ -91,21 +92,13 @@ void measure_networks(const std::vector<std::string>& paths, const std::vector<R
   }
 }
 
-/// The recording as SLAM is to see it: with kRowCounts of its rows, those to which they can be
-/// thinned evenly, then upsampled by the networks of this sensor that are quick enough to stand
-/// before SLAM.
-std::vector<pipeline::UpsamplingOptions> slam_inputs(const SensorModel& sensor,
-                                                     const std::vector<std::string>& paths) {
+/// What SLAM is measured with: kRowCounts of the sensor's rows, then all rows by the networks of
+/// this sensor that are quick enough to stand before SLAM.
+std::vector<pipeline::UpsamplingOptions> slam_inputs(const std::vector<std::string>& paths) {
   constexpr std::int64_t kMostMultiplyAdds = 5'000'000'000;
+  const SensorModel sensor = sensor_preset(kSensor);
   std::vector<pipeline::UpsamplingOptions> inputs;
-  for (const int rows : kRowCounts) {
-    if (sensor.rows() % rows == 0) {
-      inputs.push_back({.rows = rows});
-    } else {
-      to_stderr("slam, {} rows: left out, they do not divide the sensor's {}\n", rows,
-                sensor.rows());
-    }
-  }
+  for (const int rows : kRowCounts) inputs.push_back({.rows = rows});
   for (const std::string& path : paths) {
     const nn::SuperResolver network =
         nn::SuperResolver::load(path, {.architectures = nn::all_architectures()});
@@ -117,9 +110,9 @@ std::vector<pipeline::UpsamplingOptions> slam_inputs(const SensorModel& sensor,
   return inputs;
 }
 
-Json measure_slam(const InputChoice& recording, const pipeline::UpsamplingOptions& upsampling,
+Json measure_slam(const std::string& drive, const pipeline::UpsamplingOptions& upsampling,
                   int threads, const InterruptGuard& interrupt) {
-  auto input = pipeline::open_upsampled(recording.input, open_options(recording), upsampling);
+  auto input = pipeline::open_upsampled(drive, {}, upsampling);
   const nn::Upsampler* method = input.upsampler.method();
   to_stderr("slam, {} rows{}, {} thread{} ...\n", input.upsampler.measured_sensor().rows(),
             method != nullptr ? fmt::format(" upsampled by {}", method->name()) : "", threads,
@@ -127,22 +120,24 @@ Json measure_slam(const InputChoice& recording, const pipeline::UpsamplingOption
   return time_slam(std::move(input), threads, interrupt);
 }
 
-/// What --json prints; title: of the input.
-Json measure(const InputChoice& input, const std::string& title,
-             const std::vector<std::string>& weights, const InterruptGuard& interrupt) {
-  const SensorModel sensor = recordings::Recording::open(input.input, open_options(input)).sensor();
-  Json measured = {
-      {"input", title},        {"sensor", sensor.name},  {"cores", omp_get_num_procs()},
-      {"slam", Json::array()}, {"peaks", Json::array()}, {"networks", Json::array()}};
-  const std::vector<pipeline::UpsamplingOptions> inputs = slam_inputs(sensor, weights);
+/// What --json prints. drive: the folder of a simulated drive with `scans` scans.
+Json measure(const std::string& drive, std::int64_t scans, const std::vector<std::string>& weights,
+             const InterruptGuard& interrupt) {
+  Json measured = {{"input", fmt::format("simulated {}, {} scans", kDrive, scans)},
+                   {"sensor", kSensor},
+                   {"cores", omp_get_num_procs()},
+                   {"slam", Json::array()},
+                   {"peaks", Json::array()},
+                   {"networks", Json::array()}};
+  const std::vector<pipeline::UpsamplingOptions> inputs = slam_inputs(weights);
   for (int threads = 1; threads <= kMostThreads; ++threads) {
     for (const pipeline::UpsamplingOptions& upsampling : inputs) {
       if (interrupt.stop_requested()) return measured;
-      measured["slam"].push_back(measure_slam(input, upsampling, threads, interrupt));
+      measured["slam"].push_back(measure_slam(drive, upsampling, threads, interrupt));
     }
   }
-  auto source = recordings::Recording::open(input.input, open_options(input));
-  const std::vector<RangeImage> images = sample_images(source, scans_in(input, source));
+  auto source = recordings::Recording::open(drive);
+  const std::vector<RangeImage> images = sample_images(source, scans);
   measure_networks(weights, images, interrupt, measured);
   return measured;
 }
@@ -171,18 +166,8 @@ void declare(CLI::App& app, BenchOptions& options) {
   Command command = add_command(
       app, "bench", "Measure the times of SLAM's stages and of networks, with one thread and two");
   command
-      .option("--input", &options.recording.input,
-              "Recording to measure on, as for hqslam run (default: a simulated drive)",
-              {.given = Given::kFileOrFolder})
-      .option("--sensor", &options.recording.sensor,
-              "Sensor of a recording that has no sensor.json (name or .json file)",
-              {.needs = {"--input"}});
-  declare_reading(command, options.recording);
-  command
-      .option("--drive", &options.drive, "Simulated drive to measure on",
-              {.shows_default = true, .one_of = sim::drive_preset_names(), .excludes = {"--input"}})
-      .option("--scans", &options.scans, "Length of the simulated drive",
-              {.shows_default = true, .within = kAnyCount, .excludes = {"--input"}})
+      .option("--scans", &options.scans, "Length of the simulated drive to measure on",
+              {.shows_default = true, .within = kAnyCount})
       .option("--weights", &options.weights,
               "Trained network to measure (.npz), may be repeated (default: the networks that come "
               "with hqslam)",
@@ -201,21 +186,14 @@ int run(const BenchOptions& options) {
   const InterruptGuard interrupt;
   const std::vector<std::string> weights = weights_of(options);
   nn::chosen_instruction_set();  // an unknown one is refused before the work
-  std::optional<RemovedAtEnd> drive;
-  InputChoice input = options.recording;
-  if (input.input.empty()) {
-    drive.emplace(temporary_folder());
-    SimulateOptions simulate;
-    simulate.drive = options.drive;
-    simulate.sensor = "os1-64";
-    simulate.scans = options.scans;
-    simulate.out = drive->path.string();
-    simulate_drive(simulate, interrupt);
-    input.input = simulate.out;
-  }
-  const std::string title =
-      drive ? fmt::format("simulated {}, {} scans", options.drive, options.scans) : input.input;
-  const Json measured = measure(input, title, weights, interrupt);
+  const RemovedAtEnd folder(temporary_folder());
+  SimulateOptions drive;
+  drive.drive = kDrive;
+  drive.sensor = kSensor;
+  drive.scans = options.scans;
+  drive.out = folder.path.string();
+  simulate_drive(drive, interrupt);
+  const Json measured = measure(drive.out, options.scans, weights, interrupt);
   if (interrupt.stop_requested()) {
     to_stderr("hqslam-lab: interrupted\n");
     return kInterrupted;

@@ -4,8 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "recording/recording_choice.h"
-
 namespace CLI {
 class App;
 }
@@ -13,9 +11,7 @@ class App;
 namespace hqslam::tools {
 
 struct BenchOptions {
-  InputChoice recording;  ///< its input empty: a simulated drive
-  std::string drive = "block";
-  std::int64_t scans = 200;
+  std::int64_t scans = 200;          ///< of a simulated drive
   std::vector<std::string> weights;  ///< empty: those that come with the program
   bool json = false;
   bool cpu = false;  ///< print only which instruction set is in use

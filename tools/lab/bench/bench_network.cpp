@@ -26,7 +26,7 @@ std::vector<RangeImage> measured_rows_of(const nn::Weights& weights,
   return measured;
 }
 
-/// Of the same instruction set and number of threads as a run; 0 where none was measured.
+/// The peak of a run's instruction set and number of threads; 0 where none was measured.
 double peak_of(const Json& peaks, const Json& run) {
   for (const Json& peak : peaks) {
     if (peak["instruction_set"] == run["instruction_set"] && peak["threads"] == run["threads"]) {
@@ -100,7 +100,7 @@ Json time_steps(const nn::Weights& weights, const RangeImage& measured,
   return {{"threads", threads}, {"steps", std::move(steps)}};
 }
 
-/// Of the first step that is there twice; null if none is.
+/// Times of the first step that has a reference; null if none has.
 Json time_reference(const nn::Weights& weights, const RangeImage& measured,
                     nn::InstructionSet instruction_set) {
   const auto network = network_of(weights, instruction_set, 1);

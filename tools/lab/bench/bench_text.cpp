@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "printing/printed_table.h"
+#include "pages/printed_table.h"
 
 namespace hqslam::tools {
 namespace {

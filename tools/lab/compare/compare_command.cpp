@@ -23,8 +23,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kMeasuredRows = 16;
-
 /// In every file that --json writes: tells it from others.
 constexpr const char* kJsonMarker = R"("written_by": "hqslam-lab compare")";
 
@@ -36,18 +34,21 @@ void guard_outputs(const CompareOptions& options) {
 
 /// There must be rows between the measured ones.
 void require_rows_to_compute(const CompareOptions& options, const SensorModel& sensor) {
-  if (sensor.rows() > kMeasuredRows) return;
+  if (sensor.rows() > options.rows) return;
   throw Error(
       "{}: expected a recording with more than the {} measured rows, found sensor '{}' with {}; "
       "give a recording with all rows",
-      options.input, kMeasuredRows, sensor.name, sensor.rows());
+      options.input, options.rows, sensor.name, sensor.rows());
 }
 
 /// The network of a weights file, if it is for scans such as the sensor's.
-nn::SuperResolver network_of(const std::string& weights, const SensorModel& sensor,
+nn::SuperResolver network_of(const std::string& weights, const SensorModel& sensor, int rows,
                              nn::SuperResolverOptions options = {}) {
   options.architectures = nn::all_architectures();
   nn::SuperResolver network = nn::SuperResolver::load(weights, options);
+  if (fits_any_sensor(network.description())) {
+    network = network.for_sensor(sensor, selection_for(sensor.rows(), rows));
+  }
   const SensorModel& made_for = network.sensor();
   if (sensor.columns != made_for.columns || !have_same_beams(sensor, made_for)) {
     throw Error(
@@ -61,19 +62,19 @@ nn::SuperResolver network_of(const std::string& weights, const SensorModel& sens
 }
 
 /// The network without the filter at its end.
-nn::Upsampler without_last_filter(const std::string& weights, const SensorModel& sensor) {
-  return {network_of(weights, sensor, {.filter_result = false}), sensor};
+nn::Upsampler without_last_filter(const std::string& weights, const SensorModel& sensor, int rows) {
+  return {network_of(weights, sensor, rows, {.filter_result = false}), sensor};
 }
 
 std::vector<ComparedMethod> methods_of(const CompareOptions& options, const SensorModel& sensor) {
-  const RowSelection rows = selection_for(sensor.rows(), kMeasuredRows);
+  const RowSelection rows = selection_for(sensor.rows(), options.rows);
   std::vector<ComparedMethod> methods;
   for (const std::string& name : nn::interpolation_names()) {
     methods.push_back({name, {nn::interpolation_from_name(name), sensor, rows}});
   }
   std::vector<nn::Upsampler> networks;
   for (const std::string& weights : options.weights) {
-    networks.emplace_back(network_of(weights, sensor), sensor);
+    networks.emplace_back(network_of(weights, sensor, options.rows), sensor);
   }
   std::vector<std::string> kinds;
   for (const nn::Upsampler& network : networks) kinds.push_back(network.name());
@@ -83,8 +84,10 @@ std::vector<ComparedMethod> methods_of(const CompareOptions& options, const Sens
     const bool is_alone = std::ranges::count(kinds, kinds[i]) == 1;
     const std::string name = is_alone ? kinds[i] : short_name(weights, options.weights);
     if (last_filter(network.network()->description())) {
-      methods.push_back({name + ", unfiltered", without_last_filter(weights, sensor)});
-      methods.push_back({name, std::move(network), without_last_filter(weights, sensor)});
+      methods.push_back(
+          {name + ", unfiltered", without_last_filter(weights, sensor, options.rows)});
+      methods.push_back(
+          {name, std::move(network), without_last_filter(weights, sensor, options.rows)});
     } else {
       methods.push_back({name, std::move(network)});
     }
@@ -104,7 +107,7 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
         recordings::Recording::open(options.input, open_options(options)));
   });
   const auto measured_of = [&](const OrganizedCloud& truth) {
-    return select_rows(truth, selection_for(truth.rows, kMeasuredRows));
+    return select_rows(truth, selection_for(truth.rows, options.rows));
   };
   pipeline::LookAheadMemory memory(upsampler, poses, !options.no_look_ahead);
   const auto insert = [&](const ReadScan& read) {
@@ -144,7 +147,7 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
 
 void declare(CLI::App& app, CompareOptions& options) {
   Command command = add_command(
-      app, "compare", "Compare methods that upsample 16 rows with a recording that has all rows",
+      app, "compare", "Compare methods of upsampling with a recording that has all rows",
       "Methods: nearest, linear and inverse interpolation (linear in 1/range, by the beams'\n"
       "elevations), and each network, named by its kind or, where several are of that kind, by\n"
       "its file. A network with a filter at its end is also compared without that one\n"
@@ -156,18 +159,16 @@ void declare(CLI::App& app, CompareOptions& options) {
       .option("--no-look-ahead", &options.no_look_ahead,
               "Give the memory only the scans before each, as run and live do while they read",
               {.needs = {"--poses"}})
+      .option("--rows", &options.rows, "Number of measured rows, evenly spread",
+              {.shows_default = true, .within = kAnyCount})
       .option("--every", &options.every, "Compare every n-th scan (default: all)",
               {.within = kAnyCount})
-      .option("--filters", &options.filters,
-              "Instead of methods, compare settings of the outlier filter at the end, on the "
-              "results of the first weights",
-              {})
       .option("--layers", &options.layers,
               "Instead of methods, compare the steps of the first weights' layers (H: data step, "
               "Z: denoiser, Y: filter), as if the network ended there",
-              {.excludes = {"--filters"}})
+              {.needs = {"--weights"}})
       .option("--json", &options.json, "Also write the figures into this file",
-              {.excludes = {"--filters", "--layers"}});
+              {.excludes = {"--layers"}});
   declare_threads(command, options.threads);
 }
 
@@ -180,16 +181,8 @@ int run(const CompareOptions& options) {
   require_rows_to_compute(options, sensor);
   Json json;
   std::int64_t used = 0;
-  if ((options.filters || options.layers) && options.weights.empty()) {
-    throw Error("compare: {} needs --weights", options.filters ? "--filters" : "--layers");
-  }
-  if (options.filters) {
-    FilterComparison comparison(without_last_filter(options.weights.front(), sensor));
-    used = for_each_scan(options, sensor, interrupt,
-                         [&](const OrganizedCloud& scan, const auto&) { comparison.add(scan); });
-    to_stdout("{}", trials_text(comparison.trials()));
-  } else if (options.layers) {
-    LayerComparison comparison(network_of(options.weights.front(), sensor), sensor);
+  if (options.layers) {
+    LayerComparison comparison(network_of(options.weights.front(), sensor, options.rows), sensor);
     used = for_each_scan(options, sensor, interrupt,
                          [&](const OrganizedCloud& scan, const auto&) { comparison.add(scan); });
     to_stdout("{}", scores_text(comparison.scores()));

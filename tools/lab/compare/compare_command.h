@@ -16,9 +16,9 @@ struct CompareOptions : InputChoice {
   std::vector<std::string> weights;
   std::string poses;  ///< for networks with a memory; empty: they have none of other scans
   bool no_look_ahead = false;
+  int rows = 16;  ///< that are measured
   std::int64_t every = 1;
   std::string json;  ///< file to write; empty: none
-  bool filters = false;
   bool layers = false;
   int threads = 0;  ///< 0: what OpenMP chooses
 };

@@ -5,20 +5,18 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "printing/printed_table.h"
+#include "pages/printed_table.h"
 
 namespace hqslam::tools {
 namespace {
 
-/// A table of figures of `Row`, with what its columns mean.
-template <typename Row>
-struct DefinedTable {
-  std::vector<Figure<Row>> figures;
+using S = UpsamplingScore;
+
+/// A table of figures, with the definitions of its columns.
+struct ScoreTable {
+  std::vector<Figure<S>> figures;
   std::vector<ColumnDefinition> definitions;
 };
-
-using ScoreTable = DefinedTable<UpsamplingScore>;
-using S = UpsamplingScore;
 
 /// The score that others are divided by: linear's, or the first where linear is not there.
 UpsamplingScore linear_of(const std::vector<UpsamplingScore>& scores) {
@@ -76,20 +74,15 @@ ScoreTable voxel_table() {
            {"F1 computed", "F1 without the measured rows"}}};
 }
 
-template <typename Row, typename Name>
-std::string text_of(const DefinedTable<Row>& table, const std::vector<Row>& rows, const char* names,
-                    const Name& name) {
-  return printed_table(table_of(rows, names, table.figures, name)) + "\n" +
-         printed_definitions(table.definitions) + "\n";
-}
-
 }  // namespace
 
 std::string scores_text(const std::vector<UpsamplingScore>& scores) {
   const UpsamplingScore linear = linear_of(scores);
   std::string text;
   const auto add = [&](const char* names, const ScoreTable& table) {
-    text += text_of(table, scores, names, [](const S& score) { return score.method; });
+    const auto method = [](const S& score) { return score.method; };
+    text += printed_table(table_of(scores, names, table.figures, method)) + "\n" +
+            printed_definitions(table.definitions) + "\n";
   };
   add("Ranges", range_table(linear));
   add("Points", point_table(linear));
@@ -106,31 +99,6 @@ nlohmann::ordered_json scores_json(const std::vector<UpsamplingScore>& scores) {
     }
   }
   return json;
-}
-
-std::string trials_text(const std::vector<FilterTrial>& trials) {
-  using T = FilterTrial;
-  const auto share = [](std::int64_t part, std::int64_t whole) {
-    return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
-  };
-  const DefinedTable<T> table = {
-      {{"angle", nullptr, 0, 1.0, &T::min_angle_deg},
-       {"pixels", nullptr, 0, 1.0, &T::min_pixels},
-       {"bad removed", nullptr, 1, 100.0, [=](const T& t) { return share(t.bad_removed, t.bad); }},
-       {"good lost", nullptr, 2, 100.0, [=](const T& t) { return share(t.good_lost, t.good); }},
-       {"outliers left", nullptr, 2, 100.0,
-        [=](const T& t) { return share(t.bad - t.bad_removed, t.points_left); }},
-       {"MAE all", nullptr, 3, 1.0,
-        [](const T& t) { return t.mae_sum_m / static_cast<double>(t.scans); }}},
-      {{"support", "%, difference to a measured range beside it up to which any pixel is kept"},
-       {"angle", "degrees, angle above which two pixels are connected"},
-       {"pixels", "minimum cluster size"},
-       {"bad removed", "%, removed of the computed points farther than 0.5 m from the true cloud"},
-       {"good lost", "%, removed of the computed points within 0.2 m of it"},
-       {"outliers left", "%, points farther than 0.5 m from the true cloud, of those left"},
-       {"MAE all", "m, mean |range - true range| of all pixels; no return counts as 0"}}};
-  return text_of(table, trials, "support",
-                 [](const T& t) { return fmt::format("{:.0f}", 100.0 * t.support_share); });
 }
 
 }  // namespace hqslam::tools

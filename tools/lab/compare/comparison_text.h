@@ -14,7 +14,4 @@ std::string scores_text(const std::vector<UpsamplingScore>& scores);
 /// Per method the figures of all three tables.
 nlohmann::ordered_json scores_json(const std::vector<UpsamplingScore>& scores);
 
-/// A table with a row for each choice of the filter's settings, and its definitions.
-std::string trials_text(const std::vector<FilterTrial>& trials);
-
 }  // namespace hqslam::tools

@@ -7,8 +7,6 @@
 #include <filesystem>
 #include <utility>
 
-#include "hqslam/core/angles.h"
-#include "hqslam/nn/hqs/outlier_removal.h"
 #include "hqslam/nn/trace.h"
 #include "hqslam/nn/upsampled_cloud.h"
 #include "timing/timing.h"
@@ -173,51 +171,6 @@ std::vector<UpsamplingScore> UpsamplingComparison::scores() const {
     scores.push_back(score);
   }
   return scores;
-}
-
-FilterComparison::FilterComparison(nn::Upsampler unfiltered) : unfiltered_(std::move(unfiltered)) {
-  for (const double share : {0.0, 0.01}) {
-    for (const double angle_deg : {5.0, 10.0, 15.0, 20.0, 30.0, 60.0}) {
-      for (const int pixels : {5, 10, 20, 50, 100}) {
-        trials_.push_back(
-            {.min_angle_deg = angle_deg, .min_pixels = pixels, .support_share = share});
-      }
-    }
-  }
-}
-
-void FilterComparison::add(const OrganizedCloud& truth) {
-  const RowSelection rows = unfiltered_.measured_rows();
-  const OrganizedCloud measured = select_rows(truth, rows);
-  const nn::UpsampledImage upsampled = unfiltered_.run(range_image(measured));
-  const RangeImage& image = upsampled.image;
-  const RangeImage true_image = range_image(truth);
-  const OrganizedCloud cloud = nn::upsampled_cloud(upsampled, measured, rows, unfiltered_.sensor());
-  const std::vector<float> distances_m = nearest_distances_m(points_of(cloud), points_of(truth));
-  std::vector<std::uint8_t> rejected(image.range_m.size());
-  for (FilterTrial& trial : trials_) {
-    nn::OutlierRemoval filter(
-        unfiltered_.sensor(), rows,
-        {radians(trial.min_angle_deg), trial.min_pixels, static_cast<float>(trial.support_share)},
-        image.columns);
-    filter.find(image.range_m.data(), rejected.data());
-    RangeImage filtered = image;
-    for (std::size_t i = 0; i < rejected.size(); ++i) {
-      if (rejected[i] != 0) filtered.range_m[i] = 0.0F;
-      if (filtered.range_m[i] > 0.0F) ++trial.points_left;
-    }
-    for_each_computed(cloud, rows, distances_m, [&](std::size_t pixel, float distance_m) {
-      if (distance_m > kOutlierDistance_m) {
-        ++trial.bad;
-        trial.bad_removed += rejected[pixel];
-      } else if (distance_m < kGoodDistance_m) {
-        ++trial.good;
-        trial.good_lost += rejected[pixel];
-      }
-    });
-    trial.mae_sum_m += image_error(filtered, true_image).mae_all_m;
-    ++trial.scans;
-  }
 }
 
 LayerComparison::LayerComparison(nn::SuperResolver network, const SensorModel& sensor)

@@ -81,33 +81,6 @@ class UpsamplingComparison {
   std::int64_t scans_ = 0;
 };
 
-/// Effects of the filter with one choice of its settings on a method's results, sums over the
-/// scans.
-struct FilterTrial {
-  double min_angle_deg = 0.0;
-  int min_pixels = 0;
-  double support_share = 0.0;
-  std::int64_t bad = 0;  ///< computed points farther than 0.5 m from the true cloud
-  std::int64_t bad_removed = 0;
-  std::int64_t good = 0;  ///< computed points nearer than 0.2 m
-  std::int64_t good_lost = 0;
-  std::int64_t points_left = 0;  ///< of all rows
-  double mae_sum_m = 0.0;        ///< over all pixels
-  std::int64_t scans = 0;
-};
-
-/// Compares settings of the filter at the end on the same results.
-class FilterComparison {
- public:
-  explicit FilterComparison(nn::Upsampler unfiltered);
-  void add(const OrganizedCloud& truth);
-  const std::vector<FilterTrial>& trials() const { return trials_; }
-
- private:
-  nn::Upsampler unfiltered_;
-  std::vector<FilterTrial> trials_;
-};
-
 /// The scores of every step of an unrolled network, as if the network ended there: with the
 /// measured rows restored, and ranges that the sensor cannot measure taken as no return.
 ///

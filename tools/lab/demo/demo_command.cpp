@@ -20,7 +20,7 @@
 #include "hqslam/core/point_fields.h"
 #include "pages/open_page.h"
 #include "pages/page.h"
-#include "pages/text_table.h"
+#include "pages/printed_table.h"
 #include "pages/turning_view.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
@@ -238,7 +238,7 @@ int run(const DemoOptions& options) {
             *rows.front().run.scans_in_recording, simulate.sensor);
   const TextTable table = table_of(rows);
   const std::vector<std::string> notes = notes_of(rows);
-  to_stdout("{}{}\n\n", aligned_text(table), fmt::join(notes, "\n"));
+  to_stdout("{}{}\n\n", printed_table(table), fmt::join(notes, "\n"));
   if (!weights) {
     to_stdout("DU-Mix was left out: its weights, weights/{}, were not found.\n\n", kWeights);
   }

@@ -167,28 +167,28 @@ void evaluate_grids(const std::vector<std::string>& paths, const TrueDrive& driv
 
 constexpr const char* kMapDefinitions =
     R"(Definitions
-  true surface  standing things of the simulated city, and what its windows show along a
-                sensor's line of sight (curtains, rooms, seats); cars and walkers that move
-                have none
-  visible       the points where the beams of the drive's sensor, all its rows, meet the true
-                surface during the drive: without noise, drop-outs and traffic, within range
-                and bright enough, not behind glass; one sample per voxel of 0.1 m
-  accuracy      share of the map's points with a true surface within 0.1 and 0.2 m
-  far           share of the map's points without one within 0.3 m
-  complete      share of the visible samples with a point of the map within 0.1 and 0.2 m
+  true surface  standing things of the simulated city, and what its windows show
+                (curtains, rooms, seats), but no moving cars and walkers
+  visible       the points where the beams of the drive's sensor, all its rows,
+                meet the true surface, without noise, drop-outs and traffic,
+                within range and bright enough; one sample per voxel of 0.1 m
+  accuracy      share of the map's points within 0.1 and 0.2 m of the surface
+  far           share of the map's points farther than 0.3 m from it
+  complete      share of the visible samples within 0.1 and 0.2 m of the map
   F1            harmonic mean of accuracy and completeness at the same distance
                 (Knapitsch et al., Tanks and Temples, 2017)
-A map in whose folder there is a trajectory.tum is aligned first, by the rotation and the
-translation that on average bring the poses of that file to the true ones.
-An occupancy grid is compared in cells within 20 m of the sensor, with things 0.25 to 2 m high:
-  empty         cells of visible ground above which nothing stands: shares called free and
-                occupied
-  standing      cells in which a visible surface stands: shares called occupied, with an
-                occupied cell within one cell, and called free
-  moved         empty cells where a scan has a point farther than 0.3 m from a true surface
-                (cars, walkers, and pixels between two surfaces): share called occupied
-  free, occ.    share of the grid's free cells (every eighth) where something stands, and of
-                its occupied cells without a standing thing within one and a half cells)";
+A map with a trajectory.tum in its folder is aligned first: by the mean rotation and
+translation from the poses of that file to the true ones.
+Occupancy grids are compared within 20 m of the sensor, with things 0.25 to 2 m high:
+  empty         cells of visible ground on which nothing stands: shares called
+                free and occupied
+  standing      cells in which a visible surface stands: shares called occupied,
+                with an occupied cell within one cell, and called free
+  moved         empty cells where a scan has a point farther than 0.3 m from the
+                surface (cars, walkers, mixed pixels): share called occupied
+  free, occ.    share of the grid's free cells (every eighth) where something
+                stands; share of its occupied cells without a standing thing
+                within one and a half cells)";
 
 }  // namespace
 

@@ -49,7 +49,7 @@ class ThinnedPoints {
     }
     return centres_m;
   }
-  /// Of the cell that a point is in, whatever its height.
+  /// Key of the cell that contains a point, whatever its height.
   std::uint64_t flat_key_of(const Eigen::Vector3f& point_m) const {
     return voxel_key({point_m.x(), point_m.y(), 0.0F}, cell_m_);
   }

@@ -14,7 +14,7 @@ constexpr std::size_t kResamples = 10000;
 constexpr double kBelow = 0.025;
 constexpr std::uint64_t kSeed = 20251122;
 
-/// The value below which a share of the sorted values lies, between the two next to it.
+/// The quantile of the sorted values, interpolated between its neighbours.
 double percentile(const std::vector<double>& sorted, double share) {
   const double position = share * static_cast<double>(sorted.size() - 1);
   const auto below = static_cast<std::size_t>(position);

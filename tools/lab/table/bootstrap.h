@@ -23,7 +23,7 @@ using SampleFigure = std::function<double(const std::vector<std::size_t>& member
 
 /// The figure of members 0 to n - 1, with its 95 % bootstrap interval by percentiles (Efron &
 /// Tibshirani, 1993, chapter 13): n members are drawn with replacement 10,000 times, and 2.5 % of
-/// the figures lie below, 2.5 % above. Draws that have no figure are left out; if most have none,
+/// the figures are below, 2.5 % above. Draws that have no figure are left out; if most have none,
 /// or n is 1 or less, the interval is (NaN, NaN). The draws are the same in every run and on every
 /// machine.
 Estimate bootstrap(std::size_t n, const SampleFigure& figure);

@@ -60,9 +60,11 @@ void declare(CLI::App& app, TableOptions& options) {
                   "Compare SLAM with 16 rows, with 16 upsampled to 64 by every method, and with 64",
                   variants_help() +
                       R"(Writes into --out:
-  table.md, table.json, table.html   drift, slips and position errors; the page has maps of them
-  results/DRIVE/METHOD-KEY.tum       trajectories of finished runs, for hqslam evaluate
-  drives/NAME                        simulated drives, 320 MB for 1,000 scans
+  table.md, table.json, table.html  drift, slips and position errors; the page
+                                    has maps of them
+  results/DRIVE/METHOD-KEY.tum      trajectories of finished runs, for hqslam
+                                    evaluate
+  drives/NAME                       simulated drives, 320 MB for 1,000 scans
 SLAM runs without loop closing; as many runs as there are threads share them. By default the
 command takes hours and 3 GB: the drives have 12,000 scans, and Simple DU takes about a second for
 each. Ctrl-C keeps finished runs; the same command then continues. A run is repeated for other

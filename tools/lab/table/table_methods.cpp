@@ -25,7 +25,7 @@ std::string names_of(const std::vector<Named>& all, const char* before = "") {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-/// Without a variant.
+/// The method of a name without a variant.
 TableMethod plain_method(const std::string& name, const char* option) {
   if (fs::path(name).extension() == ".npz") {
     const std::string stem = fs::path(name).stem().string();
@@ -47,7 +47,7 @@ const std::vector<SlamVariant>& slam_variants() {
       {"as-published", "LeGO-LOAM as published",
        [](S& s) { s.options.slam = pipeline::SlamKind::kLegoLoam; }},
       {"computed-rows", "computed rows matched too", [](S& s) { s.sensor.measured_rows.reset(); }},
-      // Of rows-64: what an upsampling without any error would give, used as the others are.
+      // For rows-64: the result of an upsampling without errors, used as the others are.
       {"16-rows", "16 rows of it matched",
        [](S& s) { s.sensor.measured_rows = selection_for(s.sensor.rows(), kTableMeasuredRows); }},
       {"whole-map", "the whole map matched", [](S& s) { mapping_of(s).recent_path_m = kNoLimit; }},

@@ -10,7 +10,7 @@
 namespace hqslam::tools {
 namespace {
 
-/// Of all methods; nothing where one of them has none.
+/// Errors of all methods; nothing where one of them has none.
 std::optional<DriveErrors> errors_of(const FinishedDrive& finished, const Trajectory& reference) {
   const TableDrive& drive = finished.drive;
   DriveErrors errors{.kind = drive.name, .scans = finished.scans};

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "printing/printed_table.h"
+#include "pages/printed_table.h"
 
 namespace hqslam::tools {
 namespace {

@@ -23,7 +23,7 @@ struct DriveRuns {
   /// of the recording and how it is read.
   std::vector<std::string> paths;
 };
-/// Of all drives of the plan. Throws Error.
+/// The runs of all drives of the plan. Throws Error.
 std::vector<DriveRuns> runs_of(const TablePlan& plan);
 
 /// Does the runs that are not finished: upsampling and SLAM without loop closing, as many runs side

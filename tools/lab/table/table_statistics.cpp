@@ -27,10 +27,6 @@ const auto drifts_percent = per_drive([](const DriveErrors& drive, std::size_t m
   return drift_of(drive.methods[method], &Drift::translation_percent);
 });
 
-const auto rotations_deg_per_100m = per_drive([](const DriveErrors& drive, std::size_t method) {
-  return drift_of(drive.methods[method], &Drift::rotation_deg_per_100m);
-});
-
 const auto apes_m = per_drive(
     [](const DriveErrors& drive, std::size_t method) { return drive.methods[method].ape_rmse_m; });
 
@@ -70,15 +66,6 @@ Estimate ratio(const std::vector<double>& numerators, const std::vector<double>&
 
 Estimate mean(const std::vector<double>& values) {
   return ratio(values, std::vector<double>(values.size(), 1.0));
-}
-
-/// Per 100 km of the path of all drives together.
-Estimate per_100_km(const std::vector<double>& values, const TableSample& sample) {
-  constexpr double kMetres = 100e3;
-  std::vector<double> paths_m;
-  for (const DriveErrors& drive : sample.drives) paths_m.push_back(drive.path_m());
-  const Estimate per_metre = ratio(values, paths_m);
-  return {kMetres * per_metre.value, kMetres * per_metre.low, kMetres * per_metre.high};
 }
 
 /// (LiDAR-16's - the method's) / (LiDAR-16's - LiDAR-64's), sums of drift over drives: 0 is
@@ -127,16 +114,12 @@ const std::vector<StatisticsColumn>& summary_columns() {
   static const std::vector<StatisticsColumn> columns = {
       {"drift, %", "drift_percent", 4, false,
        [](const S& s, Method m) { return mean(drifts_percent(s, m)); }},
-      {"drift, deg/100 m", "drift_deg_per_100m", 4, false,
-       [](const S& s, Method m) { return mean(rotations_deg_per_100m(s, m)); }},
       {"drift where it does not slip, %", "drift_percent_no_slip", 4, false,
        [](const S& s, Method m) { return mean(drifts_without_slips_percent(s, m, m)); }},
       {"slips", "slips", 0, false,
        [](const S& s, Method m) {
          return Estimate{sum_of(slip_counts(s, m)), kNoEstimate, kNoEstimate};
        }},
-      {"slips per 100 km", "slips_per_100_km", 0, false,
-       [](const S& s, Method m) { return per_100_km(slip_counts(s, m), s); }},
       {"APE, m", "ape_m", 3, false, [](const S& s, Method m) { return mean(apes_m(s, m)); }}};
   return columns;
 }
@@ -155,10 +138,6 @@ const std::vector<StatisticsColumn>& pair_columns() {
        [](const S& s, Method m) {
          return ratio(drifts_without_slips_percent(s, m, s.against),
                       drifts_without_slips_percent(s, s.against, m));
-       }},
-      {"slips per 100 km, difference", "slips_difference_per_100_km", 0, true,
-       [](const S& s, Method m) {
-         return per_100_km(minus(slip_counts(s, m), slip_counts(s, s.against)), s);
        }},
       {"share of LiDAR-16's gap to LiDAR-64 closed", "gap_closed", 2, false, gap_closed}};
   return columns;

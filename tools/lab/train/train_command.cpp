@@ -17,6 +17,7 @@
 #include "hqslam/nn/compare/compared_networks.h"
 #include "hqslam/nn/network.h"
 #include "hqslam/nn/training/checkpoint.h"
+#include "hqslam/nn/training/drawn_beams.h"
 #include "hqslam/nn/training/starting_parameters.h"
 #include "hqslam/nn/training/training_configuration.h"
 #include "hqslam/nn/weights_file.h"
@@ -25,6 +26,7 @@
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
 #include "timing/timing.h"
+#include "train/train_on_recording.h"
 #include "train/training_scans.h"
 
 namespace hqslam::tools {
@@ -126,7 +128,11 @@ void write_results(const Training& training, const nn::TrainingState& state) {
         static_cast<float>(std::pow(v.least_confidence, v.confidence_exponent));
     network.confidence_exponent = static_cast<float>(v.confidence_exponent);
   }
-  const RangeImage sample = select_rows(training.validation.front().truth, network.measured_rows);
+  nn::TrainingScan scan = training.validation.front();
+  if (const auto& all = training.configuration.plan.drawn_from) {
+    scan = nn::seen_by(nn::beams_like(*all, network.sensor, network.measured_rows), scan);
+  }
+  const RangeImage sample = select_rows(scan.truth, network.measured_rows);
   const auto trained =
       nn::make_network(network, network.sensor.columns, nn::chosen_instruction_set(), 1);
   trained->set_parameters(state.average);
@@ -140,13 +146,14 @@ void write_results(const Training& training, const nn::TrainingState& state) {
 std::unique_ptr<const nn::TrainingScans> load_scans(Training& training, const DriveStore& store,
                                                     const InterruptGuard& interrupt) {
   const nn::TrainingConfiguration& c = training.configuration;
-  const auto validation =
-      stored_scans(c.validation, c.network, store, "validation scans", interrupt);
+  nn::NetworkDescription scanned = c.network;
+  if (c.plan.drawn_from) scanned.sensor = *c.plan.drawn_from;
+  const auto validation = stored_scans(c.validation, scanned, store, "validation scans", interrupt);
   if (validation == nullptr) return nullptr;
   for (std::int64_t i = 0; i < validation->size(); ++i) {
     training.validation.push_back(validation->read(i));
   }
-  auto scans = stored_scans(c.training, c.network, store, "training scans", interrupt);
+  auto scans = stored_scans(c.training, scanned, store, "training scans", interrupt);
   if (scans != nullptr) training.training_scans = scans->size();
   return scans;
 }
@@ -219,8 +226,21 @@ The drives of the recipe are simulated once into --drives (0.26 MB for a scan of
 and read from there scan by scan.
 Ctrl-C stops after the current step; the same command then continues exactly there. The
 recipes of the weights that come with hqslam are weights/*.json.)");
+  Command what = command.alternatives("What to train", "what to train");
+  what.option("--config", &options.config, "Network, data and recipe (.json)")
+      .option("--from-recording", &options.recording.input,
+              "A recording on which weights are trained further: what other scans "
+              "measured is the truth between the rows of each; its last fifth is held out",
+              {.given = Given::kFileOrFolder});
   command
-      .option("--config", &options.config, "Network, data and recipe (.json)", {.required = true})
+      .option("--start-from", &options.start_from, "Weights to train on with a recording",
+              {.given = Given::kFile, .needs = {"--from-recording"}})
+      .option("--steps", &options.steps, "Steps with a recording",
+              {.shows_default = true, .needs = {"--from-recording"}})
+      .option("--sensor", &options.recording.sensor, "Sensor of the recording, as for hqslam run",
+              {.needs = {"--from-recording"}});
+  declare_reading(command, options.recording);
+  command
       .option("--out", &options.out,
               "Folder for results; a training whose checkpoint is in it is continued",
               {.required = true})
@@ -231,6 +251,12 @@ recipes of the weights that come with hqslam are weights/*.json.)");
 }
 
 int run(const TrainOptions& options) {
+  const int all_threads = options.threads > 0 ? options.threads : omp_get_max_threads();
+  if (!options.recording.input.empty()) {
+    if (options.start_from.empty()) throw Error("train: --from-recording needs --start-from");
+    return train_on_recording(
+        {options.recording, options.start_from, options.out, options.steps, all_threads});
+  }
   const InterruptGuard interrupt;
   Training training;
   training.configuration_path = options.config;
@@ -244,15 +270,14 @@ int run(const TrainOptions& options) {
   const FolderLock lock(training.out);
   nn::TrainingState state = starting_state(training);
   const nn::TrainingConfiguration& c = training.configuration;
-  const int threads = options.threads > 0 ? options.threads : omp_get_max_threads();
   std::optional<nn::Trainer> prepared;
   try {
     const DriveStore store{
         options.drives.empty() ? training.out / "drives" : std::filesystem::path(options.drives),
-        threads};
+        all_threads};
     auto scans = load_scans(training, store, interrupt);
     if (scans == nullptr) return kInterrupted;
-    prepared.emplace(c.network, c.plan, std::move(scans), std::move(state), threads);
+    prepared.emplace(c.network, c.plan, std::move(scans), std::move(state), all_threads);
   } catch (const Error& error) {
     throw Error("{}: {}", options.config, error.what());
   }

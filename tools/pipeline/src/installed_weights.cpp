@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The shared object that this function is in, a Python module say, or the program.
+/// The shared object that contains this function (a Python module), or the program.
 fs::path own_file() {
   Dl_info info{};
   if (dladdr(reinterpret_cast<const void*>(&own_file), &info) == 0) return {};

@@ -1,5 +1,6 @@
 #include "hqslam/pipeline/upsampler.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "hqslam/core/error.h"
@@ -12,8 +13,6 @@ namespace {
 /// An interpolation of all rows takes every fourth as measured, of sensors with at least 64 rows.
 constexpr int kInterpolationFactor = 4;
 constexpr int kFewestRowsToThin = 64;
-/// Sensors do not keep their rate to the percent.
-constexpr double kFewestColumnsShare = 0.9;
 
 /// In an image of more columns than a turn has, a network would take the gaps for no return.
 void check_columns(const UpsamplingOptions& options, const std::string& source, int found,
@@ -36,6 +35,22 @@ void check_columns(const UpsamplingOptions& options, const std::string& source, 
       method, full.name, full.rows(), full.columns, measured_rows.offset,
       measured_rows.offset + measured_rows.stride, measured.rows(), measured.columns,
       kBeamTolerance_deg, source, found.name, found.rows(), found.columns);
+}
+
+/// A network on tiles takes images whose columns are a multiple of this.
+constexpr int kColumnMultiple = 8;
+/// Sensors with fewer rows get as many in all.
+constexpr int kUsualRows = 64;
+
+/// The network for any sensor, made for this one: with `rows` of its rows, or, with all of them,
+/// for the rows between.
+nn::SuperResolver fitted(const nn::SuperResolver& network, SensorModel recorded, int rows) {
+  recorded.columns -= recorded.columns % kColumnMultiple;
+  if (rows > 0 && rows < recorded.rows()) {
+    return network.for_sensor(recorded, selection_for(recorded.rows(), rows));
+  }
+  const int factor = std::max(2, kUsualRows / recorded.rows());
+  return network.for_sensor(with_rows_between(recorded, factor), {factor - 1, factor});
 }
 
 /// The sensor that the weights were made for, its measured rows alone.
@@ -77,6 +92,7 @@ Upsampler::Upsampler(const SensorModel& recorded, UpsamplingMethod method,
 
 void Upsampler::fit_network(nn::SuperResolver network, const UpsamplingOptions& options,
                             const std::string& source) {
+  if (fits_any_sensor(network.description())) network = fitted(network, recorded_, options.rows);
   SensorModel full = network.sensor();
   const RowSelection measured_rows = network.description().measured_rows;
   const SensorModel measured = select_rows(full, measured_rows);

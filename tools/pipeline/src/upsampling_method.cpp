@@ -16,15 +16,26 @@ bool takes(const SensorModel& recorded, const SensorModel& full, RowSelection me
          have_same_beams(recorded, select_rows(full, measured_rows));
 }
 
-/// Of the weights of a name the file that was made for a sensor.
+/// The file of the weights of this name that was made for the sensor.
 std::string weights_for(const std::string& name, const std::optional<SensorModel>& recorded) {
   const std::vector<std::string> files = installed_weights_files(name);
   std::vector<std::string> made_for;
+  std::optional<std::string> for_any;
+  std::optional<std::string> for_more_columns;
   for (const std::string& file : files) {
     const nn::NetworkDescription network = nn::read_weights(file).description;
-    if (recorded && takes(*recorded, network.sensor, network.measured_rows)) return file;
+    if (nn::fits_any_sensor(network)) {
+      for_any = file;
+      continue;
+    }
+    if (recorded && takes(*recorded, network.sensor, network.measured_rows)) {
+      if (recorded->columns >= kFewestColumnsShare * network.sensor.columns) return file;
+      for_more_columns = file;
+    }
     made_for.push_back(network.sensor.name);
   }
+  if (for_any) return *for_any;
+  if (for_more_columns) return *for_more_columns;
   if (!recorded) {
     throw Error(
         "{}: expected a recording whose sensor is known, to choose between weights for {}; name "
@@ -55,7 +66,7 @@ UpsamplingMethod load_method(const UpsamplingOptions& options,
 
 std::optional<SensorModel> sensor_of(const UpsamplingMethod& method) {
   const auto* network = std::get_if<nn::SuperResolver>(&method);
-  if (network == nullptr) return std::nullopt;
+  if (network == nullptr || nn::fits_any_sensor(network->description())) return std::nullopt;
   SensorModel sensor = network->sensor();
   sensor.measured_rows = network->description().measured_rows;
   return sensor;

@@ -58,7 +58,7 @@ Shown owned(std::vector<T> values, std::initializer_list<std::size_t> shape) {
   kept.release();
   return Shown(data, shape, owner);
 }
-/// Of a property that gives such an array; others look at the object that they are of.
+/// Policy of a property that returns such an array; other arrays are views of their object.
 inline constexpr auto kOwned = nb::rv_policy::reference;
 
 using Matrix4 = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;

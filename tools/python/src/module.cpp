@@ -10,7 +10,7 @@ NB_MODULE(_hqslam, module) {
   module.doc() = "LiDAR super-resolution and SLAM on plain CPUs.";
 
   const nb::exception<hqslam::Error> error(module, "Error", PyExc_ValueError);
-  error.doc() = "Wrong input; one line that says what was expected, found, and how to mend it.";
+  error.doc() = "Wrong input; one line: what was expected, what was found, how to mend it.";
   const nb::exception<hqslam::ScanError> scan_error(module, "ScanError", error);
   scan_error.doc() = "One scan that cannot be understood; the next one can be asked for.";
 

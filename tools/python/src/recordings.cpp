@@ -69,7 +69,8 @@ void add_recordings(nb::module_& module) {
       .def("__init__", &open, "path"_a, "sensor"_a = "", "stream"_a = "", "columns"_a = 0,
            "times_from_azimuth"_a = false,
            "path: a capture, a bag, a folder of clouds, a stack of range images. sensor: a "
-           "preset's name or a .json file, where the recording does not say. stream: a topic, or "
+           "preset's name or a .json file, where the recording does not determine it. stream: a "
+           "topic, or "
            "a port. columns: of the images that packets are put into. times_from_azimuth: points "
            "of files without times were captured while the sensor turned. Raises Error.");
   module.attr("open_recording") = module.attr("Recording");

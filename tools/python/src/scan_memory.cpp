@@ -65,7 +65,7 @@ void add_scan_memory(nb::module_& module) {
           },
           "range_m"_a, "T_world_sensor"_a, "itself_s"_a = nb::none(),
           "What is remembered, as Upsampler takes it, seen from a scan of which range_m, "
-          "(measured rows, columns), metres, says what has moved on since. itself_s: its stamp, "
+          "(measured rows, columns), metres, shows what has moved since. itself_s: its stamp, "
           "where it is remembered already; it does not recall itself. Raises Error.")
       .def(
           "insert",

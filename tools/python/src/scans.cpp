@@ -65,7 +65,7 @@ void add_scans(nb::module_& module) {
           "intensity", [](OrganizedCloud& c) { return optional_view(c, c.intensity); },
           "(rows, columns) float32, in the recording's unit, of computed points between the "
           "measured "
-          "ones; nan where it is not known. None: the recording does not say.");
+          "ones; nan where it is not known. None: the recording has none.");
 
   module.def(
       "project",

@@ -23,7 +23,7 @@ using RowsInput = std::optional<Input<std::uint16_t, -1>>;
 using TimesInput = std::optional<Input<float, -1>>;
 /// Points of a driver.
 Scan scan_of(const PointsInput& points_m, const RowsInput& row, const TimesInput& time_offset_s);
-/// The same in the pixels of their sensor. Throws Error.
+/// scan_of in the pixels of a sensor. Throws Error.
 OrganizedCloud cloud_of(const PointsInput& points_m, const SensorModel& sensor,
                         const RowsInput& row, const TimesInput& time_offset_s);
 

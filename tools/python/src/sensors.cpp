@@ -76,7 +76,7 @@ void add_sensors(nb::module_& module) {
                std::to_string(s.columns) + ")";
       });
 
-  module.def("sensor_preset_names", &sensor_preset_names, "The sensors that load_sensor knows.");
+  module.def("sensor_preset_names", &sensor_preset_names, "The names that load_sensor accepts.");
   module.def(
       "load_sensor",
       [](const std::filesystem::path& preset_or_path) {

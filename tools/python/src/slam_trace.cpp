@@ -11,7 +11,7 @@ namespace {
 
 using slam::TracedFeature;
 
-/// Each field of all features, where it lies among the others.
+/// Each field of all features, at its offset.
 class FeatureArrays {
  public:
   explicit FeatureArrays(TraceArrays<slam::ScanTrace>& shown) : shown_(shown) {}

@@ -80,7 +80,7 @@ void add_super_resolver(nb::module_& module) {
           },
           "(rows, columns) float32: the probability that there is a return within 0.5 m of "
           "range_m; "
-          "None: the method does not say.");
+          "None: the method gives none.");
 
   nb::class_<Resolver>(module, "SuperResolver", "A network that upsamples range images.")
       .def(

@@ -26,7 +26,7 @@ Matrix6 transformed(const Matrix6& change, const Matrix6& covariance) {
   return covariance.allFinite() ? Matrix6(change * covariance * change.transpose()) : covariance;
 }
 
-/// Of e in T exp(e), T = T_frame_lidar, to that of base in the frame's axes.
+/// From the covariance of e in T exp(e), T = T_frame_lidar, to that of base in the frame's axes.
 Matrix6 in_axes_of_frame(const Matrix6& covariance, const Pose& T_base_lidar,
                          const Pose& T_frame_base) {
   const Pose turn(T_frame_base.linear());

@@ -23,11 +23,11 @@ struct RobotState {
   Matrix6 velocity_covariance = Matrix6::Zero();
 };
 
-/// From what SLAM says of the LiDAR to the frames of a robot that carries it.
+/// From SLAM's poses of the LiDAR to the frames of a robot that carries it.
 ///
 /// map: that of a given map; otherwise base where the first scan was taken, turned level. odom:
 /// base there. From scan to scan odom moves as the corrected path does where both scans were found
-/// in the map, and otherwise as the odometry says; so closed loops, and places found again, are in
+/// in the map, and otherwise by the odometry; so closed loops, and places found again, are in
 /// map -> odom alone. Its covariance grows as that in the map does, but loops take nothing from it.
 class RobotFrames {
  public:

@@ -1,5 +1,5 @@
 // The node: points of a LiDAR in; where the robot is, the map and upsampled points out. README.md
-// says what it subscribes to and publishes, config/hqslam.yaml what its parameters mean.
+// lists what it subscribes to and publishes, config/hqslam.yaml what its parameters mean.
 //
 // Here, where there is no ROS, it is built and tested with stand-ins for what it includes of it
 // (tests/ros2).

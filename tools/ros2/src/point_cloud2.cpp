@@ -55,7 +55,7 @@ double number_at(const PointCloud2& message, const PointField& field, std::size_
   }
 }
 
-/// Where each point of a message begins. Throws Error where the message is shorter than it says.
+/// Where each point of a message begins. Throws Error for a message shorter than its header states.
 std::vector<std::size_t> beginnings_of(const PointCloud2& message) {
   const std::size_t width = message.width;
   const std::size_t used = width * message.point_step;

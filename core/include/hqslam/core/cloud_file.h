@@ -16,7 +16,7 @@ namespace hqslam {
 /// empty. Throws Error, also for more than 33 million points.
 Scan read_cloud(const std::string& path);
 
-/// The same with rows from a field of rings (ring, channel, line or the like), where there is one.
+/// read_cloud with rows from a field of rings (ring, channel, line or the like), if there is one.
 /// Throws Error, also for a ring that the sensor does not have.
 Scan read_cloud(const std::string& path, const SensorModel& sensor);
 

@@ -40,7 +40,7 @@ class ComponentLabeler {
   /// Throws Error unless 0 < min_angle < pi/2.
   ComponentLabeler(const SensorModel& sensor, const ConnectedComponentsOptions& options);
 
-  /// `excluded`, if not empty, holds one value per pixel; non-zero pixels (ground, say) are left
+  /// `excluded`, if not empty, holds one value per pixel; non-zero pixels (such as ground) are left
   /// out. Throws Error if a shape differs from the sensor's. The result is valid until the next
   /// call.
   const ConnectedComponents& label(const RangeImage& image,

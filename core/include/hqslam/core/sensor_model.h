@@ -81,8 +81,13 @@ inline constexpr double kBeamTolerance_deg = 0.25;
 /// Whether two sensors have the same number of rows and beams within kBeamTolerance_deg.
 bool have_same_beams(const SensorModel& a, const SensorModel& b);
 
-/// The sensor that has only the selected rows. Its name says so ("os1-64/3:4").
+/// The sensor that has only the selected rows. Its name has the selection ("os1-64/3:4").
 SensorModel select_rows(const SensorModel& sensor, RowSelection rows);
+
+/// The sensor with `factor` times as many rows, of which its own are the measured ones: the last of
+/// every group, the others evenly between it and the beam above. Throws Error unless it has two
+/// beams and factor is 2 or more.
+SensorModel with_rows_between(const SensorModel& sensor, int factor);
 
 /// os1-64, os1-16, hdl-64e, hdl-32e, vlp-16, vlp-32c, vls-128. Throws Error for any other.
 SensorModel sensor_preset(std::string_view name);
@@ -92,7 +97,7 @@ std::vector<std::string> sensor_preset_names();
 /// files (beam_altitude_angles, beam_azimuth_angles, lidar_mode or data_format). Throws Error.
 SensorModel read_sensor_json(const std::string& path);
 void write_sensor_json(const SensorModel& sensor, const std::string& path);
-/// The same for text; `source` stands for the file in messages.
+/// read_sensor_json of a text; `source` stands for the file in messages.
 SensorModel sensor_from_json(const std::string& text, const std::string& source);
 std::string sensor_json(const SensorModel& sensor);
 

@@ -19,7 +19,7 @@ inline std::vector<double> radians(std::vector<double> angles_deg) {
 }
 constexpr double degrees(double angle_rad) { return angle_rad * 180.0 / std::numbers::pi; }
 
-/// Of length 1, in a sensor's frame (x forward, y left, z up).
+/// Unit vector in a sensor's frame (x forward, y left, z up).
 inline Eigen::Vector3d direction_of(double azimuth_rad, double elevation_rad) {
   return {std::cos(elevation_rad) * std::cos(azimuth_rad),
           std::cos(elevation_rad) * std::sin(azimuth_rad), std::sin(elevation_rad)};

@@ -6,7 +6,7 @@
 
 namespace hqslam {
 
-/// Owns a POSIX file descriptor, a socket's say; closes it at the end.
+/// Owns a POSIX file descriptor, such as a socket's, and closes it.
 class FileDescriptor {
  public:
   FileDescriptor() = default;

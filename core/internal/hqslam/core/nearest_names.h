@@ -6,7 +6,7 @@
 
 namespace hqslam {
 
-/// Of `names` those that a mistyped name may stand for, at most three, the nearest first: names
+/// The `names` that a mistyped name may stand for, at most three, the nearest first: names
 /// that hold it, or, if there is none, those that few edits make of it (Levenshtein's distance, a
 /// third of its letters at most). Empty: none is near.
 std::vector<std::string> nearest_names(std::string_view mistyped,

@@ -141,7 +141,7 @@ void LiveSensor::Impl::start(int columns) {
   thread_ = std::thread([this] { run(); });
 }
 
-/// A port that is in use ends no drive: it goes on without inertial data.
+/// If the port is in use, the drive continues without inertial data.
 void LiveSensor::Impl::listen_for_imu() {
   const std::uint16_t port = stream_.imu_port();
   if (port == 0 || port == socket_.port()) return;

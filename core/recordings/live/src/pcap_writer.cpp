@@ -86,7 +86,7 @@ void put_udp(Frame& frame, const Packet& packet) {
   put_big_endian(frame, header + 6, checksum == 0 ? 0xFFFF : checksum);  // 0 would be: none
 }
 
-/// Of the file: microseconds are nanoseconds, version 2.4, raw IP.
+/// The file's header: nanoseconds, version 2.4, raw IP.
 constexpr std::array<std::uint32_t, 6> kFileHeader = {0xA1B23C4D, 0x00040002, 0, 0, kMaxFrame, 101};
 
 }  // namespace
@@ -138,7 +138,7 @@ void PcapWriter::add(const Packet& packet) {
 
 void PcapWriter::write(const void* bytes, std::size_t count) {
   if (std::fwrite(bytes, 1, count, file_.get()) == count) return;
-  throw Error("{}: cannot be written on; is the disk full?", path_);
+  throw Error("{}: cannot be written; is the disk full?", path_);
 }
 
 }  // namespace hqslam::live

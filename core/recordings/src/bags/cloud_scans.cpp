@@ -84,7 +84,7 @@ class CloudScans : public StreamScans {
     try {
       if (MessageReader(message).header().time_ns != 0) return;
     } catch (const Error&) {
-      return;  // said with its scan
+      return;  // reported with its scan
     }
     info_.warnings.push_back(
         fmt::format("{}: clouds without stamps are stamped by the time at which they were recorded",

@@ -24,7 +24,7 @@ struct Layout {
   std::size_t height = 0, width = 0, point_step = 0, row_step = 0;
   std::vector<PointField> fields;
   Bytes data;
-  bool big_endian = false;  ///< as the message says, which some writers of little-endian ones do
+  bool big_endian = false;  ///< the message's flag, which some writers set for little-endian data
 };
 
 Layout read_layout(MessageReader& reader) {

@@ -238,8 +238,8 @@ class FileScanSource : public ScanSource {
   void warn_of_missing_times() {
     if (std::exchange(is_warned_, true) || paths_.size() == 1) return;
     warnings_.push_back(fmt::format(
-        "{}: points without times are taken as corrected for motion; 'hqslam info' tells whether "
-        "they are, and --capture says it",
+        "{}: points without times are taken as corrected for motion; 'hqslam info' tests whether "
+        "they are, --capture states it",
         paths_.front()));
   }
 

@@ -240,7 +240,7 @@ std::unique_ptr<ScanSource> open_scan_files(const std::string& path,
   if (extension == ".npy") {
     if (!sensor) {
       throw Error(
-          "{}: images do not say which sensor they were recorded with; give --sensor NAME or "
+          "{}: expected a sensor, which images do not determine; give --sensor NAME or "
           "--sensor FILE.json",
           path);
     }

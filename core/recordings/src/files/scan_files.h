@@ -16,7 +16,7 @@ namespace hqslam::recordings {
 using ChooseSensor = std::function<FoundSensor(const std::function<FoundSensor()>& find)>;
 
 /// Opens a recording of `sensor`; without one, of that of its sensor.json or that which its points
-/// determine, and a warning says which that is:
+/// determine, with a warning:
 /// - a folder of KITTI .bin files (motion-corrected; rows from the rings where the points are
 ///   stored ring after ring, from the elevation otherwise), or a KITTI drive with them in
 ///   `velodyne` or `velodyne_points/data`;
@@ -25,8 +25,8 @@ using ChooseSensor = std::function<FoundSensor(const std::function<FoundSensor()
 /// - an .npy stack of range images (N x H x W or N x H x W x 1, float32 metres; `options` apply);
 /// - a folder written by `hqslam-lab simulate` or `hqslam upsample` (scans.npy, sensor.json;
 ///   `options` apply), with confidence and intensity of its pixels if there is a confidence.npy or
-///   an intensity.npy (float32, or bytes): what its sensor.json says of measured rows and of the
-///   correction for motion holds, whatever `sensor` says.
+///   an intensity.npy (float32, or bytes): the measured rows and the correction for motion of
+///   its sensor.json take precedence over those of `sensor`.
 /// Files are taken in the natural order of their names. The stamp of a scan is what options.stamps
 /// says, else that of a timestamps.txt in the folder or, beside files, the one above it (KITTI's
 /// drives), else the middle of its points' times where those are a clock's or as
@@ -40,7 +40,7 @@ std::unique_ptr<ScanSource> open_scan_files(const std::string& path,
                                             const std::optional<SensorModel>& sensor,
                                             const RecordingOptions& options = {});
 
-/// The same with the sensor of points chosen by what is found in them; `sensor`: that of images.
+/// open_scan_files that chooses the sensor of points by `choose`; `sensor`: that of images.
 std::unique_ptr<ScanSource> open_scan_files(const std::string& path,
                                             const std::optional<SensorModel>& sensor,
                                             const ChooseSensor& choose,

@@ -42,24 +42,24 @@ std::optional<HesaiPacket> hesai_packet(Bytes payload) {
       payload[2] != 6 || payload[7] != kHesaiBlocks) {
     return std::nullopt;
   }
-  HesaiPacket said;
-  said.lasers = payload[6];
-  if (said.lasers != 16 && said.lasers != 32) return std::nullopt;
+  HesaiPacket header;
+  header.lasers = payload[6];
+  if (header.lasers != 16 && header.lasers != 32) return std::nullopt;
   const bool has_number = (payload[11] & 1U) != 0;
-  const std::size_t tail = tail_at(said.lasers);
+  const std::size_t tail = tail_at(header.lasers);
   if (payload.size() != tail + kTailBytes + (has_number ? kNumberBytes : 0)) return std::nullopt;
   for (int block = 0; block < kHesaiBlocks; ++block) {
-    if (azimuth_of(payload, said.lasers, block) > kTurn) return std::nullopt;
+    if (azimuth_of(payload, header.lasers, block) > kTurn) return std::nullopt;
   }
   const auto date = date_ns(1900 + payload[tail + kDateAt], payload.subspan(tail + kDateAt + 1, 5));
   const auto microseconds = little_endian<std::uint32_t>(payload, tail + kMicrosecondsAt);
   if (!date || microseconds > 1'000'000) return std::nullopt;
-  said.time_ns = *date + 1000 * std::int64_t{microseconds};
+  header.time_ns = *date + 1000 * std::int64_t{microseconds};
   const int mode = payload[tail + kReturnModeAt];
-  said.dual_return = mode == 0x39 || mode == 0x3B || mode == 0x3C;
-  said.scan_period_s = period_at(little_endian<std::uint16_t>(payload, tail + kTurnsPerMinuteAt));
-  if (has_number) said.number = little_endian<std::uint32_t>(payload, tail + kTailBytes);
-  return said;
+  header.dual_return = mode == 0x39 || mode == 0x3B || mode == 0x3C;
+  header.scan_period_s = period_at(little_endian<std::uint16_t>(payload, tail + kTurnsPerMinuteAt));
+  if (has_number) header.number = little_endian<std::uint32_t>(payload, tail + kTailBytes);
+  return header;
 }
 
 HesaiDecoder::HesaiDecoder(const SensorModel& sensor, const DecoderOptions& options,
@@ -80,27 +80,27 @@ HesaiDecoder::HesaiDecoder(const SensorModel& sensor, const DecoderOptions& opti
 }
 
 void HesaiDecoder::add(const Packet& packet) {
-  const auto said = hesai_packet(packet.payload);
-  if (!said || said->lasers != static_cast<int>(lasers_.size())) {
+  const auto header = hesai_packet(packet.payload);
+  if (!header || header->lasers != static_cast<int>(lasers_.size())) {
     ++counts_.foreign;
     return;
   }
-  if (!take_time(said->time_ns, packet.capture_time_ns, said->scan_period_s)) return;
-  if (said->number && last_number_) {
-    const std::uint32_t missing = *said->number - *last_number_ - 1;
+  if (!take_time(header->time_ns, packet.capture_time_ns, header->scan_period_s)) return;
+  if (header->number && last_number_) {
+    const std::uint32_t missing = *header->number - *last_number_ - 1;
     if (missing < kMostLost) counts_.lost += missing;
   }
-  last_number_ = said->number;
+  last_number_ = header->number;
   ++counts_.used;
-  const std::int64_t packet_ns = recorded_ns(said->time_ns, packet.capture_time_ns);
-  const int step = said->dual_return ? 2 : 1;
+  const std::int64_t packet_ns = recorded_ns(header->time_ns, packet.capture_time_ns);
+  const int step = header->dual_return ? 2 : 1;
   for (int block = 0; block < kHesaiBlocks; block += step) {
     const int later = (kHesaiBlocks - 1 - block) / step;
     const std::int64_t block_ns =
         packet_ns + std::llround(1e3 * (kFirstFiring_us - kBlock_us * later));
-    const int azimuth = azimuth_of(packet.payload, said->lasers, block);
+    const int azimuth = azimuth_of(packet.payload, header->lasers, block);
     const double start_s = fire(azimuth % kTurn, block_ns);
-    if (options_.with_points) add_points(packet.payload, block, said->dual_return, start_s);
+    if (options_.with_points) add_points(packet.payload, block, header->dual_return, start_s);
   }
 }
 

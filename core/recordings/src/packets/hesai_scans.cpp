@@ -44,12 +44,12 @@ std::string angles_beside(const std::string& path) {
   return "";
 }
 
-SensorModel sensor_of(const HesaiPacket& said, const OpenOptions& options, const std::string& path,
-                      std::vector<std::string>& warnings) {
+SensorModel sensor_of(const HesaiPacket& header, const OpenOptions& options,
+                      const std::string& path, std::vector<std::string>& warnings) {
   const std::string wanted = options.sensor.empty() ? angles_beside(path) : options.sensor;
   SensorModel sensor;
   if (wanted.empty()) {
-    sensor = nominal_hesai(said.lasers);
+    sensor = nominal_hesai(header.lasers);
     warnings.push_back(fmt::format(
         "{}: no angle file of this unit beside it; read with the manual's angles, which may be "
         "tenths of a degree off. Name the unit's .csv as the sensor",
@@ -57,14 +57,14 @@ SensorModel sensor_of(const HesaiPacket& said, const OpenOptions& options, const
   } else {
     sensor = wanted.ends_with(kAnglesExtension) ? read_hesai_angles(wanted) : load_sensor(wanted);
   }
-  if (sensor.rows() != said.lasers) {
+  if (sensor.rows() != header.lasers) {
     throw Error(
         "{}: expected a sensor of {} rows for packets of an {}, found '{}' with {}; name "
         "the angle file of the sensor that recorded them",
-        path, said.lasers, name_of(said.lasers), sensor.name, sensor.rows());
+        path, header.lasers, name_of(header.lasers), sensor.name, sensor.rows());
   }
-  warn_of_other_beams(sensor, nominal_hesai(said.lasers), path, warnings);
-  sensor.scan_period_s = said.scan_period_s;
+  warn_of_other_beams(sensor, nominal_hesai(header.lasers), path, warnings);
+  sensor.scan_period_s = header.scan_period_s;
   set_columns(sensor, options.columns, !wanted.ends_with(".json"));
   validate(sensor);
   return sensor;
@@ -116,12 +116,12 @@ SensorModel read_hesai_angles(const std::string& path) {
 std::unique_ptr<StreamScans> open_hesai(StreamReader reader, const OpenOptions& options,
                                         bool with_points) {
   const std::string path = reader.path();
-  const HesaiPacket said = first_packet(reader, "a Hesai XT16 or XT32", hesai_packet);
+  const HesaiPacket header = first_packet(reader, "a Hesai XT16 or XT32", hesai_packet);
   RecordingInfo info;
-  info.sensor = sensor_of(said, options, path, info.warnings);
+  info.sensor = sensor_of(header, options, path, info.warnings);
   info.sensor_known = options.sensor.empty();
-  info.format = fmt::format("Hesai XT{} packets, {} return", said.lasers,
-                            said.dual_return ? "dual" : "single");
+  info.format = fmt::format("Hesai XT{} packets, {} return", header.lasers,
+                            header.dual_return ? "dual" : "single");
   const DecoderOptions decoding = {options.kept_return, with_points};
   return packet_scans(std::move(reader), std::move(info), [=](const SensorModel& sensor) {
     return std::make_unique<HesaiDecoder>(sensor, decoding, path);

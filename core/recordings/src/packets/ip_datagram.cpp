@@ -61,7 +61,7 @@ std::optional<Packet> IpDatagrams::add_ipv4(Bytes packet) {
     return damaged_packet();  // cut off when it was recorded, or never whole
   const Bytes header = packet.first(header_bytes);
   // Old firmware of the VLP-16 gives its packets of positions the length of its packets of points:
-  // what UDP says of the length decides whether anything is missing.
+  // the length in the UDP header decides whether anything is missing.
   const Bytes data = packet.subspan(header_bytes, std::min(total, packet.size()) - header_bytes);
   return fragment ? add_fragment(header, data) : udp(data, ipv4_sender(header));
 }

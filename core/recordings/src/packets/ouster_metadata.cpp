@@ -40,14 +40,14 @@ std::string words(JsonFields& fields, const std::string& field) {
 
 OusterProfile profile_of(JsonFields& format) {
   constexpr const char* kField = "udp_profile_lidar";
-  // Firmware before there were profiles does not say it.
+  // Firmware older than the profiles does not write it.
   if (words(format, kField).empty()) return OusterProfile::kLegacy;
   std::vector<std::string> names;
   for (const Profile& profile : kProfiles) names.emplace_back(profile.name);
   return static_cast<OusterProfile>(format.choice(kField, names));
 }
 
-/// Where the file does not say: the value of the product line.
+/// Where the file does not have it: the value of the product line.
 double usual_beam_origin_mm(const std::string& product) {
   if (product.starts_with("OS-0-")) return 27.67;
   if (product.starts_with("OS-1-")) return 15.806;
@@ -82,14 +82,14 @@ void set_window(OusterMetadata& metadata, JsonFields& format) {
   metadata.last_column = window[1];
 }
 
-/// 0 where the file does not say.
+/// 0 where the file does not have it.
 std::uint16_t port(JsonFields config, const std::string& field) {
   double number = 0.0;
   config.optional(field, number);
   return number >= 0.0 && number <= 65535.0 ? static_cast<std::uint16_t>(number) : 0;
 }
 
-/// The rotation of a 4 x 4 transform, row-major; `usual` where the file does not say.
+/// The rotation of a 4 x 4 transform, row-major; `usual` where the file does not have it.
 Eigen::Matrix3d rotation(JsonFields fields, const std::string& field,
                          const Eigen::Matrix3d& usual) {
   if (!fields.has(field)) return usual;
@@ -128,7 +128,7 @@ const OusterLayout& layout(OusterProfile profile) { return facts(profile).layout
 
 std::uint32_t frame_id(Bytes packet, OusterProfile profile) {
   switch (profile) {
-    case OusterProfile::kLegacy:  // each column says it; all of a packet are of one turn
+    case OusterProfile::kLegacy:  // in each column; all of a packet are of one turn
       return little_endian<std::uint16_t>(packet, 10);
     case OusterProfile::kFusaDual:
       return little_endian<std::uint32_t>(packet, 4);

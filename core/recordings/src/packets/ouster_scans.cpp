@@ -61,7 +61,7 @@ std::map<std::uint64_t, int> serial_numbers(StreamReader& reader, OusterProfile 
   return found;
 }
 
-/// Of "/rear/lidar_packets": "/rear".
+/// The namespace of a topic: "/rear" of "/rear/lidar_packets".
 std::string namespace_of(const std::string& topic) {
   const std::size_t last = topic.rfind('/');
   return last == std::string::npos ? "" : topic.substr(0, last);
@@ -78,7 +78,7 @@ std::string text_of(const std::vector<TopicText>& texts, const Stream& stream) {
   return of_another;
 }
 
-/// What a bag says later than its packets began: it is searched to its end.
+/// Metadata that a bag holds behind its first packets: it is searched to its end.
 std::vector<TopicText> later_metadata(const std::string& path) {
   std::vector<TopicText> texts;
   const auto file = open_recording_file(path);

@@ -50,7 +50,7 @@ Bytes ip_packet(Bytes frame, int link_type) {
     case DLT_NULL:
     case DLT_LOOP:
       return frame.size() < 4 ? Bytes{} : frame.subspan(4);
-    default:  // raw IP: the constructor lets nothing else through
+    default:  // raw IP: the constructor refuses all others
       return frame;
   }
 }
@@ -163,7 +163,7 @@ constexpr std::uint16_t kVelodynePositionPort = 8308;
 /// A capture of more senders and ports than this is of a whole network.
 constexpr std::size_t kMaxStreams = 1000;
 
-/// What a packet is by its bytes alone; kOther where these do not say it.
+/// The kind of a packet by its bytes alone; kOther where they do not determine it.
 StreamKind kind_of(Bytes payload) {
   if (is_velodyne_packet(payload)) return StreamKind::kVelodynePackets;
   if (hesai_packet(payload)) return StreamKind::kHesaiPackets;

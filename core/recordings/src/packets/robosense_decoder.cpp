@@ -15,7 +15,7 @@ namespace {
 constexpr std::array<std::uint8_t, 8> kRs16Begin = {0x55, 0xAA, 0x05, 0x0A, 0x5A, 0xA5, 0x50, 0xA0};
 constexpr std::array<std::uint8_t, 4> kHeliosBegin = {0x55, 0xAA, 0x05, 0x5A};
 
-// Of a packet of measurements.
+// A packet of measurements.
 constexpr std::size_t kClockAt = 20;
 constexpr std::size_t kBlocksAt = 42;
 constexpr int kBlocksOfPacket = 12;
@@ -23,7 +23,7 @@ constexpr std::size_t kBlockBytes = 100;
 constexpr std::size_t kReturnBytes = 3;
 constexpr std::uint16_t kBlockBegin = 0xFFEE;
 
-// Of a packet of settings.
+// A packet of settings.
 constexpr std::array<std::uint8_t, 8> kSettingsBegin = {0xA5, 0xFF, 0x00, 0x5A,
                                                         0x11, 0x11, 0x55, 0x55};
 constexpr std::size_t kSpeedAt = 8;
@@ -139,14 +139,14 @@ Angles helios_angles(Bytes settings) {
 
 std::optional<RobosensePacket> robosense_packet(Bytes payload) {
   if (payload.size() != kRobosenseBytes) return std::nullopt;
-  RobosensePacket said;
-  said.helios = begins_with(payload, kHeliosBegin);
-  if (!said.helios && !begins_with(payload, kRs16Begin)) return std::nullopt;
+  RobosensePacket header;
+  header.helios = begins_with(payload, kHeliosBegin);
+  if (!header.helios && !begins_with(payload, kRs16Begin)) return std::nullopt;
   if (!has_blocks(payload)) return std::nullopt;
-  const auto time_ns = time_of(payload, said.helios);
+  const auto time_ns = time_of(payload, header.helios);
   if (!time_ns) return std::nullopt;
-  said.time_ns = *time_ns;
-  return said;
+  header.time_ns = *time_ns;
+  return header;
 }
 
 bool is_settings(Bytes payload) {
@@ -204,18 +204,18 @@ RobosenseDecoder::RobosenseDecoder(const RobosenseUnit& unit, const SensorModel&
 }
 
 void RobosenseDecoder::add(const Packet& packet) {
-  const auto said = robosense_packet(packet.payload);
-  if (!said || said->helios != unit_.helios) {
+  const auto header = robosense_packet(packet.payload);
+  if (!header || header->helios != unit_.helios) {
     ++counts_.foreign;
     return;
   }
-  if (!take_time(said->time_ns, packet.capture_time_ns, unit_.sensor.scan_period_s)) return;
+  if (!take_time(header->time_ns, packet.capture_time_ns, unit_.sensor.scan_period_s)) return;
   ++counts_.used;
   const std::vector<Firing> firings = firings_of(packet.payload);
   const double packet_s =
       1e-6 * timing_of(unit_.helios).firing_us * static_cast<double>(firings.size());
   if (passed_s_ > 0.0) counts_.lost += std::max(0LL, std::llround(passed_s_ / packet_s) - 1);
-  const std::int64_t packet_ns = recorded_ns(said->time_ns, packet.capture_time_ns);
+  const std::int64_t packet_ns = recorded_ns(header->time_ns, packet.capture_time_ns);
   for (const Firing& firing : firings) {
     const std::int64_t firing_ns = packet_ns + std::llround(1e3 * firing.time_us);
     const double start_s = fire(static_cast<int>(std::lround(firing.azimuth)) % kTurn, firing_ns);

@@ -10,7 +10,7 @@
 
 namespace hqslam::recordings {
 
-/// Of packets of measurements (MSOP) and of settings (DIFOP).
+/// Bytes of a packet of measurements (MSOP) or of settings (DIFOP).
 inline constexpr std::size_t kRobosenseBytes = 1248;
 
 /// The header of a packet of measurements.

@@ -26,14 +26,14 @@ SensorModel sensor_of(const RobosenseUnit& unit, const OpenOptions& options,
 std::unique_ptr<StreamScans> open_robosense(StreamReader reader, const OpenOptions& options,
                                             bool with_points) {
   const std::string path = reader.path();
-  const RobosensePacket said = first_packet(reader, "a RoboSense", robosense_packet);
+  const RobosensePacket header = first_packet(reader, "a RoboSense", robosense_packet);
   if (reader.settings().size() != kRobosenseBytes) {
     throw Error(
         "{}: expected the settings (DIFOP, port 7788) of the RoboSense beside its measurements, "
         "found none in the first seconds; record both ports",
         path);
   }
-  const RobosenseUnit unit = robosense_unit(reader.settings(), said.helios, path);
+  const RobosenseUnit unit = robosense_unit(reader.settings(), header.helios, path);
   RecordingInfo info;
   info.sensor = sensor_of(unit, options, path, info.warnings);
   info.sensor_known = options.sensor.empty();

@@ -8,7 +8,7 @@ namespace hqslam::recordings {
 /// Time of the recording from the even clock of a sensor.
 ///
 /// Purpose: packets are recorded with a jitter of up to milliseconds, but the sensor's own time of
-/// them is exact to a microsecond; its zero is whatever it is, and it runs a little fast or slow.
+/// them is exact to a microsecond; its zero is arbitrary, and it runs a little fast or slow.
 /// In:  a time by the sensor's clock and the time at which the packet was recorded, ns.
 /// Out: the sensor's time + an offset, ns since 1970. The offset is that of the first packet and
 ///      follows the recorder's clock by at most kMaxSlew of the time that passes, so that stamps
@@ -38,7 +38,7 @@ class SensorClock {
   /// A quartz is right to 50 millionths; two may differ by twice as much.
   static constexpr std::int64_t kSlewDivisor = 10'000;
 
-  // Of numbers that may be any.
+  // The numbers may have any value.
   static std::int64_t difference(std::int64_t a, std::int64_t b) {
     return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(b));
   }

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kMostOfAScan = 0.75;
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
-/// Two clocks that tell of the same gap differ by less.
+/// The gaps that two clocks measure differ by less.
 constexpr double kMostApart_s = 0.5;
 
 }  // namespace
@@ -65,7 +65,7 @@ bool TurnDecoder::take_time(std::int64_t sensor_ns, std::int64_t capture_ns, dou
 }
 
 std::int64_t TurnDecoder::recorded_ns(std::int64_t sensor_ns, std::int64_t capture_ns) {
-  constexpr std::int64_t kFarthest_ns = 9'000'000'000 * kSecond_ns;  // a damaged file may say more
+  constexpr std::int64_t kFarthest_ns = 9'000'000'000 * kSecond_ns;  // a damaged file may hold more
   const std::int64_t time_ns =
       clock_.recorded_ns(sensor_ns, std::clamp(capture_ns, -kFarthest_ns, kFarthest_ns));
   if (clock_.was_set()) finish();

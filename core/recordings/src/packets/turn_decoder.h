@@ -27,7 +27,7 @@ struct PulseReturn {
   std::uint16_t distance = 0;  ///< in the sensor's unit; 0: none
   std::uint8_t reflectivity = 0;
 };
-/// Of two returns of a pulse, in either order: sensors can be set to send them in both.
+/// The one of two returns of a pulse that is kept; sensors can send them in either order.
 PulseReturn kept_of(PulseReturn a, PulseReturn b, KeptReturn which);
 
 /// Nanoseconds since 1970 of a year and month, day, hour, minute, second, a byte each; nothing for

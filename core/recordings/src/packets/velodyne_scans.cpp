@@ -32,8 +32,8 @@ VelodyneStream probe(StreamReader& reader, std::optional<VelodyneModel> named) {
   }
   if (!found) {
     throw Error(
-        "{}: expected packets of a VLP-16, HDL-32E, VLP-32C or VLS-128, found some that say "
-        "neither by their spacing nor by their factory byte whose they are; name the sensor",
+        "{}: expected packets of a VLP-16, HDL-32E, VLP-32C or VLS-128, found some whose "
+        "spacing and factory byte determine no model; name the sensor",
         path);
   }
   return *found;
@@ -116,9 +116,10 @@ SensorModel velodyne_sensor(VelodyneStream& stream, const std::string& wanted_se
     preset = !wanted_sensor.ends_with(".json");
     const VelodyneModel wanted = model_for(sensor, stream.model, path);
     if (wanted != stream.model) {
-      warnings.push_back(fmt::format(
-          "{}: the packets look like those of a {}, but are read as a {}'s, as asked for", path,
-          name(stream.model), name(wanted)));
+      warnings.push_back(
+          fmt::format("{}: the packets look like those of a {}, but are read as those of the named "
+                      "sensor, a {}",
+                      path, name(stream.model), name(wanted)));
       stream.model = wanted;
     }
     refuse_hdl64e(stream, path);

@@ -35,8 +35,8 @@ const VelodyneTiming& timing(VelodyneModel model);
 /// When a laser fires after the first one of its firing sequence, microseconds.
 double laser_time_us(VelodyneModel model, int laser);
 
-/// The same as far as the azimuth has moved on by then. A VLP-32C's lasers fire in pairs, but in
-/// its recordings edges of things stand above one another only if the azimuth moves on by one of
+/// The time that moves the azimuth on until the laser fires. A VLP-32C's lasers fire in pairs, but
+/// in its recordings edges of things stand above one another only if the azimuth moves on by one of
 /// its 24 steps per laser (measured: 0.0032 to 0.0045 degrees a laser where pairs would give 0);
 /// other decoders have it so.
 double laser_azimuth_time_us(VelodyneModel model, int laser);
@@ -47,7 +47,7 @@ std::vector<int> laser_rows(VelodyneModel model);
 /// By the manual, degrees: what laser_rows goes by. Not of an HDL-64E.
 std::vector<double> laser_elevations_deg(VelodyneModel model);
 
-/// Those whose lasers stand as their manuals say.
+/// The models whose lasers have the angles of their manuals.
 inline constexpr std::array<VelodyneModel, 4> kVelodyneModels = {
     VelodyneModel::kVlp16, VelodyneModel::kHdl32e, VelodyneModel::kVlp32c, VelodyneModel::kVls128};
 

@@ -19,9 +19,9 @@
 // 0.2 m, or beside the axis, as an Ouster's: it then sees a point at the horizontal distance r
 // under a slope tan e = s + h / r. Both are fitted by least squares, what is off by more than
 // kOutlier times the median deviation left out. The beam's elevation is e where it meets flat
-// ground, as far below the sensor as the lowest quarter of the beams say, but no farther away than
-// kFarthest_m: so it does not depend on what stands around the sensor, and comes near the medians
-// of many scans.
+// ground, as far below the sensor as the lowest quarter of the beams measure, but no farther away
+// than kFarthest_m: so it does not depend on what stands around the sensor, and comes near the
+// medians of many scans.
 
 namespace hqslam::recordings {
 
@@ -83,7 +83,7 @@ Beam beam_of(Sights sights) {
   return beam;
 }
 
-/// Of the sensor over the ground, by the lowest quarter of its beams.
+/// The sensor's height over the ground, from the lowest quarter of its beams.
 double height_over_ground_m(const std::vector<Beam>& beams) {
   std::vector<double> heights_m;
   for (std::size_t i = beams.size() - (beams.size() + 3) / 4; i < beams.size(); ++i) {

@@ -74,12 +74,12 @@ class RowAssignment {
   double elevation_deviation(std::size_t s, int row) const {
     return std::abs(segments_[s].elevation_rad - elevation_rad_[row]) / spacing_rad_[row];
   }
-  /// Without the parallax of lasers above the origin.
+  /// elevation_deviation beyond what the parallax of lasers above the origin explains.
   double deviation_beyond_parallax(std::size_t s, int row) const {
     return std::max(0.0,
                     elevation_deviation(s, row) - segments_[s].parallax_rad / spacing_rad_[row]);
   }
-  /// Of the fall from an earlier segment, in row `from`.
+  /// Deviation of the fall from an earlier segment, in row `from`, in beam spacings.
   double fall_deviation(std::size_t earlier, std::size_t s, int from, int row) const {
     const double fall_rad = segments_[s].height_rad - segments_[earlier].height_rad;
     return std::abs(fall_rad - (elevation_rad_[row] - elevation_rad_[from])) / spacing_rad_[row];

@@ -121,7 +121,7 @@ std::vector<float> angles_from_ring_begin_rad(const Scan& scan, const std::vecto
   return back ? from_back : from_front;
 }
 
-/// Of a turn, which only gaps cut, no more than fit into it.
+/// Only gaps cut a turn, into no more pieces than fit into it.
 std::vector<Piece> cut_into_pieces(const std::vector<float>& angle_rad, float gap_rad) {
   std::vector<Piece> pieces(1);
   float farthest_rad = angle_rad.front();  // of the turn: near things are ahead of far ones
@@ -193,7 +193,7 @@ class HeightTracker {
     return std::ranges::any_of(bins, [&](const BinElevation& b) { return last_[b.bin].sure; });
   }
 
-  /// Of the bins that look at directions seen before: those whose height is sure, if any is.
+  /// Heights from the bins in directions seen before: the sure ones, if there are any.
   std::vector<double> heights_rad(const std::vector<BinElevation>& bins) const {
     const bool sure = is_sure(bins);
     std::vector<double> result;
@@ -256,7 +256,7 @@ class HeightTracker {
       return all;
     };
     for (std::size_t begin = 0; begin < pieces.size();) {
-      // Where the rest of the turn lies lower than what is before it and both are most even.
+      // Where the rest of the turn is lower than what is before it and both are most even.
       std::size_t cut = pieces.size();
       double least_deviation_rad = std::numeric_limits<double>::infinity();
       for (std::size_t i = begin + 1; i < pieces.size(); ++i) {

@@ -25,7 +25,7 @@ struct RingSegment {
 };
 
 /// Cuts a scan into segments at each wrap of the azimuth, and at a large gap of the azimuth (the
-/// only place where a wrap can hide) if all that follows up to the next wrap lies lower. At least
+/// only place where a wrap can hide) if all that follows up to the next wrap is lower. At least
 /// one point.
 std::vector<RingSegment> ring_segments(const Scan& scan, const SensorModel& sensor);
 

@@ -169,7 +169,7 @@ bool has_few_beams(const SensorModel& found, const SensorModel& taken_for) {
   return 2 * std::ssize(found_rad) < between && !std::ranges::all_of(found_rad, is_a_row);
 }
 
-/// Without scans that have numbers of rings where most have none, or the other way round.
+/// The scans that have numbers of rings, or those that have none, whichever are more.
 std::vector<RawPoints> of_one_kind(std::vector<RawPoints> scans) {
   const auto has_rings = [](const RawPoints& raw) { return !raw.ring.empty(); };
   const bool most = 2 * std::ranges::count_if(scans, has_rings) >= std::ssize(scans);
@@ -177,21 +177,21 @@ std::vector<RawPoints> of_one_kind(std::vector<RawPoints> scans) {
   return scans;
 }
 
-/// Nothing where the points do not determine a sensor: `wrong` says why.
+/// Nothing where the points do not determine a sensor: `wrong` has the reason.
 std::optional<FoundSensor> sensor_in(const std::vector<RawPoints>& scans,
                                      std::optional<double> scan_period_s, std::string& wrong) {
   wrong = "found no points";
   for (const Way& way : kWays) {
     if (scans.empty()) break;
-    const Beams told = way.find(scans);
-    wrong = complaint(told, scans.size());
-    const bool has_rings = told.rings >= kFewestBeams;
+    const Beams found_beams = way.find(scans);
+    wrong = complaint(found_beams, scans.size());
+    const bool has_rings = found_beams.rings >= kFewestBeams;
     if (!wrong.empty() && has_rings) break;
     if (!wrong.empty()) continue;
-    const std::vector<Beam>& beams = told.beams;
+    const std::vector<Beam>& beams = found_beams.beams;
     FoundSensor found = sensor_with(beams);
-    if (found.sensor.rows() < told.rings) {
-      wrong = fmt::format("found points of {} of {} rings", beams.size(), told.rings);
+    if (found.sensor.rows() < found_beams.rings) {
+      wrong = fmt::format("found points of {} of {} rings", beams.size(), found_beams.rings);
       break;
     }
     for (const Beam& beam : beams) found.beam_elevation_rad.push_back(beam.elevation_rad);

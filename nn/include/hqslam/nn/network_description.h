@@ -46,6 +46,13 @@ struct NetworkDescription {
 /// "du-or", "simple-du", "du-mix", ...
 std::string_view name(const NetworkDescription& description);
 
+/// Whether the same parameters serve every sensor (for_sensor).
+bool fits_any_sensor(const NetworkDescription& description);
+/// The network for images of another sensor, with the same parameters. sensor: with all rows.
+/// Throws Error for a network that is made for one sensor, and as validate().
+NetworkDescription for_sensor(const NetworkDescription& description, const SensorModel& sensor,
+                              RowSelection measured_rows);
+
 /// Whether the network gives a confidence for each pixel.
 bool has_confidence(const NetworkDescription& description);
 

@@ -48,6 +48,9 @@ class SuperResolver {
   SuperResolver(SuperResolver&&) noexcept;  ///< moved from: only assign or destroy
   SuperResolver& operator=(SuperResolver&&) noexcept;
 
+  /// The same network for another sensor (nn::for_sensor). Throws Error.
+  SuperResolver for_sensor(const SensorModel& sensor, RowSelection measured_rows) const;
+
   const NetworkDescription& description() const;
   /// The sensor of the result.
   const SensorModel& sensor() const { return description().sensor; }

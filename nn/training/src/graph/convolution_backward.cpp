@@ -47,6 +47,10 @@ void ConvolutionBackward::forward_batch(std::span<const LayerPass> batch) {
 
 void ConvolutionBackward::backward(std::span<const BackwardPass> batch,
                                    std::span<float> d_parameters) {
+  if (layer_.options().row_weights) {
+    for (const BackwardPass& pass : batch) backward_by_row(pass, d_parameters);
+    return;
+  }
   const ConvolutionShape& shape = layer_.shape();
   const TensorShape& output = layer_.output_shape();
   const std::span<float> d_weight = take(d_parameters, shape.weights());
@@ -68,6 +72,24 @@ void ConvolutionBackward::backward(std::span<const BackwardPass> batch,
     }
     if (pass.d_second != nullptr) add_channels(*pass.d_output, 0, *pass.d_second);
     backward_input(*pass.d_output, pass.end, *pass.d_input);
+  }
+}
+
+/// Of a layer with weights for each row.
+void ConvolutionBackward::backward_by_row(const BackwardPass& pass, std::span<float> d_parameters) {
+  const TensorShape& output = layer_.output_shape();
+  const std::int64_t weights = layer_.shape().weights();
+  const std::span<float> d_weight = take(d_parameters, weights * output.rows);
+  Tensor d_row(output.channels, 1, output.columns, output.padding, 0);
+  for (int row = 0; row < output.rows; ++row) {
+    for (int channel = 0; channel < output.channels; ++channel) {
+      std::copy_n(pass.d_output->row(channel, row), output.columns, d_row.row(channel, 0));
+      d_row.fill_border(channel, 0);
+    }
+    layer_.strided(row).add_weight_gradient(
+        d_row, row, *pass.input, d_weight.subspan(row * weights, weights), layer_.scratch());
+    add_bias_gradient(d_row, take(d_parameters, output.channels));
+    layer_.strided(row).scatter_rows(d_row, row, pass.end, *pass.d_input);
   }
 }
 

@@ -69,6 +69,7 @@ class ConvolutionBackward final : public LayerBackward {
                      const LayerEnd& end, Tensor& d_input, std::span<float> d_parameters);
 
  private:
+  void backward_by_row(const BackwardPass& pass, std::span<float> d_parameters);
   void backward_input(const Tensor& d_output, const LayerEnd& end, Tensor& d_input);
 
   ConvolutionLayer& layer_;

@@ -7,9 +7,13 @@
 #include "hqs/two_modes_prior.h"
 #include "hqs/u_shaped_prior.h"
 #include "hqslam/core/error.h"
+#include "hqslam/nn/training/augmentation.h"
+#include "kernels/two_modes.h"
 
 namespace hqslam::nn {
 namespace {
+
+static_assert(kLeastTruth_m == kUnknownTruth_m);
 
 /// The share of the likelihood of a range in the loss, beside the cross-entropy of a return.
 constexpr float kRangeShare = 0.3F;
@@ -134,11 +138,18 @@ class TwoModesBackward final : public PriorBackward {
   void backward(const Candidates& /*candidates*/, const PriorState& state, PriorState& gradient,
                 std::span<float> d_parameters) override {
     gradient.output().fill_borders();
-    graph_backward_.backward({&state.values, 1}, {&gradient.values, 1}, d_parameters);
+    const BeamParameters* beams = modes_.beams();
+    if (beams == nullptr) {
+      graph_backward_.backward({&state.values, 1}, {&gradient.values, 1}, d_parameters);
+      return;
+    }
+    std::vector<float> of_graph(elements(modes_.graph().parameter_shapes()), 0.0F);
+    graph_backward_.backward({&state.values, 1}, {&gradient.values, 1}, of_graph);
+    beams->add_gradient(of_graph, d_parameters);
   }
 
  private:
-  const TwoModesPrior& modes_;
+  TwoModesPrior& modes_;
 };
 
 }  // namespace

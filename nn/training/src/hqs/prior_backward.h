@@ -26,7 +26,12 @@ class PriorBackward {
 
   /// The prior's new parameters, which it has already.
   void take_parameters(std::span<const float> parameters) {
-    graph_backward_.set_parameters(parameters);
+    const BeamParameters* beams = prior_.beams();
+    if (beams == nullptr) {
+      graph_backward_.set_parameters(parameters);
+    } else {
+      graph_backward_.set_parameters(beams->of_graph(parameters));
+    }
   }
   /// For `backward` to work in; output() has the memory channels at least.
   virtual PriorState make_gradient() const { return prior_.make_state(); }

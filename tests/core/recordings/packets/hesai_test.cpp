@@ -149,7 +149,7 @@ TEST_CASE(
   CHECK(refused_with([&] { Recording::open(capture, {.sensor = "vlp-16"}); }, "32 rows", "vlp-16"));
   const auto other = Recording::open(capture, {.sensor = "hdl-32e"}).warnings();
   REQUIRE(other.size() == 1);
-  CHECK(other.front().find("'hdl-32e', as asked for, up to 14.7 degrees beside xt32's") !=
+  CHECK(other.front().find("sensor 'hdl-32e', up to 14.7 degrees beside xt32's") !=
         std::string::npos);
   const std::string good = angle_file(32);
   for (const std::string& wrong :

@@ -1,5 +1,3 @@
-#include "pages/text_table.h"
-
 #include <doctest/doctest.h>
 
 #include <map>
@@ -8,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pages/printed_table.h"
 #include "tools/parts_of_text.h"
 
 namespace hqslam::tools {
@@ -26,8 +25,7 @@ TEST_CASE("figures become cells of a table and fields of a file; what a row lack
   CHECK(
       markdown_of(table) ==
       "| row | share, % | lost |\n| --- | ---: | ---: |\n| a | 25.0 | 3.00 |\n| b | 50.0 | - |\n");
-  CHECK(aligned_text(table).starts_with("row                     share, %          lost\na "));
-  CHECK(holds(aligned_text({.columns = {"", "fourteen chars", "fourteen chars"}}), "chars four"));
+  CHECK(printed_table(table) == "row  share, %  lost\na        25.0  3.00\nb        50.0     -\n");
   std::map<std::string, double> fields;
   add_figures(Row{0.5, std::nullopt}, figures, fields);
   CHECK(fields == std::map<std::string, double>{{"share", 0.5}, {"twice", 1.0}});

@@ -23,18 +23,10 @@ TEST_CASE("every command's help fits 80 columns") {
   }
 }
 
-TEST_CASE("paragraphs are filled, lines that begin with a space stay apart") {
-  CHECK(filled("one two\nthree\n  a  b\nfour five", 9) == "one two\nthree\n  a  b\nfour five\n");
-  CHECK(filled("one\ntwo three", 9) == "one two\nthree\n");
-  CHECK(filled("  aaaa bbbb cccc", 9) == "  aaaa\n  bbbb\n  cccc\n");
-}
-
-TEST_CASE("an entry's further lines go on below its explanation, whatever the source's lines are") {
-  CHECK(filled("Words\n  APE   one two\n        three four\n  a, b  five\nend", 18) ==
-        "Words\n  APE   one two\n        three four\n  a, b  five\nend\n");
-  CHECK(filled("  APE   one two three\n        four", 18) ==
-        "  APE   one two\n        three four\n");
-  CHECK(filled("  APE   one two three", 18) == "  APE   one two\n        three\n");
+TEST_CASE("paragraphs are filled, lines that begin with a space stay as they are") {
+  const std::string word(40, 'a');
+  CHECK(filled("one\ntwo " + word + " " + word + "\n  a  b\n\nthree") ==
+        "one two " + word + "\n" + word + "\n  a  b\n\nthree\n");
 }
 
 }  // namespace hqslam::tools

@@ -113,9 +113,4 @@ TEST_CASE("scans that wait for others are not used when Ctrl-C ends the reading"
   CHECK(reading.end == ReadingEnd::kInterrupted);
 }
 
-TEST_CASE("a reading says that it is running until it has ended") {
-  CHECK(name(Reading().end) == "running");
-  CHECK(name(ReadingEnd::kInterrupted) == "interrupted");
-}
-
 }  // namespace hqslam::tools

@@ -49,14 +49,14 @@ TEST_CASE("scans tell whether they were corrected for motion") {
     }
   }
   const auto rolling = tools::check_capture(folder.file("rolling.npy"), sensor);
-  CHECK(rolling.told == CaptureTime::kRolling);
+  CHECK(rolling.verdict == CaptureTime::kRolling);
   CHECK(rolling.scans > 20);
   CHECK(rolling.rolling_m < rolling.corrected_m);
   const auto corrected = tools::check_capture(folder.file("corrected.npy"), sensor);
-  CHECK(corrected.told == CaptureTime::kMotionCorrected);
+  CHECK(corrected.verdict == CaptureTime::kMotionCorrected);
   CHECK(corrected.corrected_m < corrected.rolling_m);
   const auto standing = tools::check_capture(folder.file("standing.npy"), sensor);
-  CHECK_FALSE(standing.told.has_value());
+  CHECK_FALSE(standing.verdict.has_value());
   CHECK(standing.scans == 0);
 }
 

@@ -266,7 +266,7 @@ TEST_CASE(
   CHECK(status_line(status).ends_with("  2 packets of other senders"));
   status.submaps = 2;
   CHECK(status_line(status).ends_with("  2 submaps, not joined"));
-  status.counts.recording_failure = "a.pcap: cannot be written on; is the disk full?";
+  status.counts.recording_failure = "a.pcap: cannot be written; is the disk full?";
   CHECK(status_line(status).ends_with("  NOT RECORDED ANY MORE"));
   status.results_failure = "out: cannot be written; is the disk full?";
   CHECK(status_line(status).ends_with("  RESULTS NOT WRITTEN"));

@@ -40,8 +40,8 @@ TEST_CASE("an upsampled drive is a stack with its sensor, and one file per scan 
   CHECK(stack.read(2).at(3, 7) == 10.0F);
   CHECK(read_sensor_json(folder.file("plain/sensor.json")).rows() == 16);
 
-  write_scans(folder.file("all"), 2, {true, true, true});
-  for (const char* kind : {"bin", "pcd", "png"}) {
+  write_scans(folder.file("all"), 2, {true, true});
+  for (const char* kind : {"bin", "pcd"}) {
     CHECK(names_in(folder.path() / "all" / kind) ==
           std::set<std::string>{std::string("000000.") + kind, std::string("000001.") + kind});
   }
@@ -115,21 +115,20 @@ TEST_CASE("upsample.json does not say how many scans a capture has before it was
 TEST_CASE("an earlier upsampled drive is replaced whole; other files stay") {
   const TemporaryDirectory folder;
   const std::string out = folder.file("out");
-  write_scans(out, 3, {false, true, true});
+  write_scans(out, 3, {false, true});
   write_file(out + "/notes.txt", "mine");
   write_file(out + "/pcd/notes.txt", "mine");
   write_file(out + "/pcd/mine.pcd", "mine");
   write_scans(out, 1);
   CHECK(NpyStackReader(out + "/scans.npy").images() == 1);
   CHECK(names_in(out + "/pcd") == std::set<std::string>{"mine.pcd", "notes.txt"});
-  CHECK(names_in(out + "/png").empty());
   CHECK(file_contents(out + "/notes.txt") == "mine");
 }
 
 TEST_CASE("the input is never overwritten, by whatever path it is named") {
   const TemporaryDirectory folder;
   const std::string out = folder.file("out");
-  write_scans(out, 2, {true, true, false});
+  write_scans(out, 2, {true, true});
   const std::string before = file_contents(out + "/scans.npy");
   fs::create_symlink(out, folder.file("link"));
   const SensorModel sensor = sensor_preset("os1-16");

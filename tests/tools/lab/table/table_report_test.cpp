@@ -27,7 +27,7 @@ TEST_CASE("the texts have a row per method and a part per kind of drive") {
   const TextTable& summary = reports[0].tables[0];
   REQUIRE(summary.rows.size() == 3);
   CHECK(summary.rows[2][1] == "0.7500 [0.5000, 1.0000]");
-  CHECK(summary.rows[0][4] == "1");
+  CHECK(summary.rows[0][3] == "1");
   const TextTable& pairs = reports[0].tables[1];
   CHECK(pairs.title == "Drive by drive against linear");
   CHECK(pairs.rows[1][1] == "-");

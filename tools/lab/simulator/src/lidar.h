@@ -46,7 +46,7 @@ namespace hqslam::sim {
 /// (PulseErrors).
 class Lidar {
  public:
-  /// With the conditions, the sensor's errors and the seed of a drive.
+  /// A sensor with the conditions, the errors and the seed of a drive.
   Lidar(const SensorModel& sensor, const DriveSpec& drive);
   /// One revolution; `T_world_sensor` at every column of the head. Rows that are not selected have
   /// no returns. intensity: set to the intensities in the order of the pixels, 0 where no return.

@@ -19,15 +19,15 @@ enum class RowOrder { kHighestFirst, kLowestFirst };
 struct RecordingOptions {
   RowOrder row_order = RowOrder::kHighestFirst;
   /// Whether a stack's scans were captured rolling or were corrected for motion already; they are
-  /// taken as corrected too if the sensor's model says so.
+  /// taken as corrected too if the sensor's model is marked so.
   CaptureTime capture_time = CaptureTime::kRolling;
   /// How points of files that have no times were captured: rolling gives each the time of its
   /// azimuth, for points in the order of their firing or ring after ring, and a scan without a
   /// stamp the middle of these as its stamp, counted on from scan to scan. Nothing: they are taken
-  /// as corrected for motion, and a warning says so.
+  /// as corrected for motion, with a warning.
   std::optional<CaptureTime> without_times = std::nullopt;
   /// A file with the stamp of each scan (seconds, or dates as in KITTI's timestamps.txt), or
-  /// kStampsFromNames for the number in each file's name. Empty: what the recording says.
+  /// kStampsFromNames for the number in each file's name. Empty: the recording's own.
   std::string stamps = {};
 };
 
@@ -57,10 +57,10 @@ struct Stream {
   /// packets.
   std::size_t packet_bytes = 0;
   Endpoint endpoint = {};  ///< of a capture's stream
-  std::string frame = {};  ///< of a topic's first message; empty if it does not say
+  std::string frame = {};  ///< of a topic's first message; empty if it has none
 };
 
-/// What a user states about a recording. What is stated here wins over what the recording says.
+/// What a user states about a recording; it takes precedence over the recording's own data.
 struct OpenOptions {
   /// A preset's name or a .json file (for packets of an Ouster its metadata; of a Hesai its .csv of
   /// angles); empty: the recording's own.

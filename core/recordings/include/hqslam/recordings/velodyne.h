@@ -27,7 +27,7 @@ enum class KeptReturn { kStrongest, kLast };
 
 inline constexpr std::size_t kVelodynePacketBytes = 1206;
 
-/// What the packets of a stream say of their sensor.
+/// The sensor of a stream of packets, as they describe it.
 struct VelodyneStream {
   VelodyneModel model = VelodyneModel::kVlp16;
   bool dual_return = false;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
 #include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"
@@ -9,10 +10,23 @@
 
 namespace hqslam::nn {
 
+/// Whose scan it is, and which of its rows are measured.
+struct ScanSensor {
+  SensorModel sensor;  ///< with all rows
+  RowSelection measured_rows;
+};
+
+/// The truth of a pixel of which nothing is known.
+inline constexpr float kUnknownTruth_m = -1e6F;
+
 /// A scan to learn from.
 struct TrainingScan {
-  RangeImage truth;             ///< all rows
+  /// All rows. Minus a range where it is known how far the surface is, because other scans measured
+  /// it, but not whether this beam would have a return.
+  RangeImage truth;
   RecalledImage recalled = {};  ///< of the scans before it; may be empty
+  /// For networks that fit any sensor: its own; null: the network's.
+  std::shared_ptr<const ScanSensor> sensor = nullptr;
 };
 
 /// The random changes that make many samples of one scan.

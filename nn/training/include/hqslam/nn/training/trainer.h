@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "hqslam/core/range_image.h"
@@ -25,6 +26,9 @@ struct TrainingPlan {
       0.1;                            ///< of the loss in the network's own unit (L1: range_scale_m)
   std::int64_t average_steps = 1000;  ///< of the mean of the parameters that is kept
   Augmentation augmentation;
+  /// For a network that fits any sensor: the sensor of the scans, with many rows, of which each
+  /// sample gets some (draw_beams). Nothing: the scans are the network's sensor's.
+  std::optional<SensorModel> drawn_from = std::nullopt;
   std::uint64_t seed = 1;
 };
 /// Throws Error with field, value and constraint.

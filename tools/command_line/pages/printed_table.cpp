@@ -1,4 +1,4 @@
-#include "printing/printed_table.h"
+#include "pages/printed_table.h"
 
 #include <fmt/format.h>
 

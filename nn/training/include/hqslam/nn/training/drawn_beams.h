@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "hqslam/core/sensor_model.h"
+#include "hqslam/nn/training/augmentation.h"
+
+namespace hqslam::nn {
+
+/// A sensor whose beams are some rows of another one with many.
+struct DrawnBeams {
+  ScanSensor seen;
+  std::vector<int> rows;  ///< of the other sensor, from top to bottom
+  int column_step = 1;    ///< of its columns, every such one
+};
+
+/// A sensor with 8 to 64 measured rows and twice or four times as many in all: evenly spaced, with
+/// gaps that change smoothly, or with the table of a preset; some see less far than others. Every
+/// other one has half of the columns.
+DrawnBeams draw_beams(const SensorModel& all, std::uint64_t seed);
+/// The beams of `all` that are nearest to those of a sensor, and as many columns as it has or
+/// more.
+DrawnBeams beams_like(const SensorModel& all, const SensorModel& sensor,
+                      RowSelection measured_rows);
+
+/// What the drawn sensor would have seen of a scan of all rows.
+TrainingScan seen_by(const DrawnBeams& beams, const TrainingScan& scan);
+
+}  // namespace hqslam::nn

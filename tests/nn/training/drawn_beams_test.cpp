@@ -1,0 +1,73 @@
+#include "hqslam/nn/training/drawn_beams.h"
+
+#include <set>
+
+#include "hqslam/core/angles.h"
+#include "testing.h"
+
+namespace hqslam::nn {
+namespace {
+
+/// 272 rows, a quarter of a degree apart.
+SensorModel many_rows() {
+  SensorModel sensor;
+  sensor.name = "many rows";
+  sensor.columns = 64;
+  for (int row = 0; row < 272; ++row) {
+    sensor.beam_elevation_rad.push_back(radians(34.0 - 0.25 * row));
+  }
+  sensor.beam_azimuth_offset_rad.assign(272, 0.0);
+  return sensor;
+}
+
+}  // namespace
+
+TEST_CASE("drawn sensors are valid ones of many kinds, the same for the same seed") {
+  std::set<int> measured;
+  std::set<int> columns;
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    CAPTURE(seed);
+    const DrawnBeams beams = draw_beams(many_rows(), seed);
+    validate(beams.seen.sensor);
+    REQUIRE(beams.seen.sensor.rows() == std::ssize(beams.rows));
+    const int rows = beams.seen.sensor.rows() / beams.seen.measured_rows.stride;
+    CHECK(rows * beams.seen.measured_rows.stride == beams.seen.sensor.rows());
+    measured.insert(rows);
+    columns.insert(beams.seen.sensor.columns);
+    CHECK(draw_beams(many_rows(), seed).rows == beams.rows);
+  }
+  CHECK(measured == std::set<int>{8, 16, 32, 64});
+  CHECK(columns == std::set<int>{32, 64});
+}
+
+TEST_CASE("a drawn sensor sees its rows and columns of a scan, up to its range") {
+  DrawnBeams beams = draw_beams(many_rows(), 3);
+  beams.seen.sensor.max_range_m = 100.0;
+  TrainingScan scan{RangeImage(272, 64)};
+  for (int row = 0; row < 272; ++row) {
+    for (int column = 0; column < 64; ++column) {
+      scan.truth.at(row, column) = static_cast<float>(row) + 0.01F * static_cast<float>(column);
+    }
+  }
+  const TrainingScan seen = seen_by(beams, scan);
+  REQUIRE(seen.sensor != nullptr);
+  CHECK(seen.truth.columns == 64 / beams.column_step);
+  for (int row = 0; row < seen.truth.rows; ++row) {
+    const float range_m = scan.truth.at(beams.rows[row], beams.column_step);
+    CHECK(seen.truth.at(row, 1) == (range_m <= 100.0F ? range_m : 0.0F));
+  }
+}
+
+TEST_CASE("the beams like a sensor's are the nearest ones") {
+  const SensorModel like = sensor_preset("vlp-16");
+  SensorModel sensor = like;
+  sensor.columns = 32;
+  const DrawnBeams beams = beams_like(many_rows(), sensor, {0, 1});
+  for (int row = 0; row < 16; ++row) {
+    CHECK(beams.seen.sensor.beam_elevation_rad[row] ==
+          doctest::Approx(like.beam_elevation_rad[row]).epsilon(1e-9));
+  }
+  CHECK(beams.column_step == 2);
+}
+
+}  // namespace hqslam::nn

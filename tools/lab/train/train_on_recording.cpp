@@ -1,0 +1,186 @@
+#include "train/train_on_recording.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "files/result_files.h"
+#include "hqslam/core/error.h"
+#include "hqslam/nn/network.h"
+#include "hqslam/nn/training/trainer.h"
+#include "hqslam/nn/weights_file.h"
+#include "terminal/progress.h"
+#include "terminal/terminal.h"
+#include "train/recorded_drive.h"
+
+namespace hqslam::tools {
+namespace {
+
+/// The end of the drive that shows whether the training helped; scans between it and the rest would
+/// show what was trained on.
+constexpr double kHeldOutShare = 0.2;
+constexpr std::int64_t kScansBetween = 40;
+constexpr std::int64_t kFewestScans = 100;
+/// Scans beside each other show nearly the same: what they say counts by blocks.
+constexpr std::size_t kBlockScans = 10;
+constexpr float kRight_m = 0.1F;
+
+class ScansInMemory final : public nn::TrainingScans {
+ public:
+  explicit ScansInMemory(std::vector<nn::TrainingScan> scans) : scans_(std::move(scans)) {}
+  std::int64_t size() const override { return std::ssize(scans_); }
+  int rows() const override { return scans_.front().truth.rows; }
+  int columns() const override { return scans_.front().truth.columns; }
+  nn::TrainingScan read(std::int64_t i) const override { return scans_[i]; }
+
+ private:
+  std::vector<nn::TrainingScan> scans_;
+};
+
+/// Of the computed pixels that other scans measured, the share within kRight_m, scan by scan.
+std::vector<double> right_shares(const nn::NetworkDescription& network,
+                                 const std::vector<float>& parameters,
+                                 const std::vector<nn::TrainingScan>& scans) {
+  const auto own =
+      nn::make_network(network, network.sensor.columns, nn::chosen_instruction_set(), 1);
+  own->set_parameters(parameters);
+  std::vector<double> shares;
+  for (const nn::TrainingScan& scan : scans) {
+    const RangeImage measured = select_rows(scan.truth, network.measured_rows);
+    const RangeImage& image = own->upsample({measured, {}}, 0.5F).image;
+    std::int64_t known = 0;
+    std::int64_t right = 0;
+    for (std::size_t i = 0; i < image.range_m.size(); ++i) {
+      const float truth_m = scan.truth.range_m[i];
+      if (truth_m >= 0.0F || truth_m <= -network.sensor.max_range_m) continue;
+      ++known;
+      right += std::fabs(image.range_m[i] + truth_m) < kRight_m;
+    }
+    if (known > 0) shares.push_back(static_cast<double>(right) / static_cast<double>(known));
+  }
+  return shares;
+}
+
+struct Gain {
+  double mean = 0.0;
+  double standard_error = 0.0;
+};
+
+Gain gain_of(const std::vector<double>& before, const std::vector<double>& after) {
+  std::vector<double> blocks;
+  for (std::size_t first = 0; first + kBlockScans <= before.size(); first += kBlockScans) {
+    double sum = 0.0;
+    for (std::size_t i = first; i < first + kBlockScans; ++i) sum += after[i] - before[i];
+    blocks.push_back(sum / kBlockScans);
+  }
+  const auto count = static_cast<double>(blocks.size());
+  Gain gain;
+  for (const double block : blocks) gain.mean += block / count;
+  double squares = 0.0;
+  for (const double block : blocks) squares += (block - gain.mean) * (block - gain.mean);
+  gain.standard_error = std::sqrt(squares / std::max(count - 1.0, 1.0) / count);
+  return gain;
+}
+
+double mean_of(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+/// The scans that are trained on and, at the end, those that are held out.
+std::pair<std::vector<nn::TrainingScan>, std::vector<nn::TrainingScan>> split(
+    const RecordedDrive& drive, const std::string& path) {
+  const auto count = std::ssize(drive.scans);
+  if (count < kFewestScans) {
+    throw Error("{}: expected at least {} scans that SLAM locates, found {}; give a longer drive",
+                path, kFewestScans, count);
+  }
+  const auto first_held =
+      static_cast<std::int64_t>((1.0 - kHeldOutShare) * static_cast<double>(count));
+  const std::int64_t trained = first_held - std::min(kScansBetween, first_held / 4);
+  std::vector<nn::TrainingScan> training(drive.scans.begin(), drive.scans.begin() + trained);
+  return {std::move(training), {drive.scans.begin() + first_held, drive.scans.end()}};
+}
+
+nn::TrainingPlan plan_of(std::int64_t steps, const SensorModel& sensor) {
+  nn::TrainingPlan plan;
+  plan.steps = steps;
+  plan.learning_rate = 2e-4F;  // a tenth of what weights are trained with from the start
+  plan.largest_gradient_norm = 1.0;
+  plan.average_steps = std::max<std::int64_t>(steps / 5, 1);
+  plan.augmentation.crop_columns = std::min(512, sensor.columns);
+  return plan;
+}
+
+/// The trained parameters; nothing if interrupted.
+std::optional<std::vector<float>> trained(const nn::NetworkDescription& network,
+                                          std::vector<nn::TrainingScan> scans,
+                                          const RecordingTraining& training,
+                                          std::vector<float> parameters,
+                                          const InterruptGuard& interrupt) {
+  const nn::TrainingPlan plan = plan_of(training.steps, network.sensor);
+  const nn::AdamW optimiser(plan.adamw, parameters.size());
+  nn::Trainer trainer(network, plan, std::make_unique<ScansInMemory>(std::move(scans)),
+                      {parameters, optimiser, parameters}, training.threads);
+  Progress progress("train", plan.steps, stderr, "steps");
+  for (std::int64_t step = 0; step < plan.steps; ++step) {
+    if (interrupt.stop_requested()) return std::nullopt;
+    trainer.step();
+    progress.advance();
+  }
+  progress.finish();
+  return trainer.state().average;
+}
+
+}  // namespace
+
+int train_on_recording(const RecordingTraining& training) {
+  const InterruptGuard interrupt;
+  nn::Weights weights = nn::read_weights(training.start_from);
+  make_result_folder(training.out);
+  RecordedDrive drive = read_recorded_drive(training.recording, training.start_from, interrupt);
+  if (interrupt.stop_requested()) return kInterrupted;
+  nn::NetworkDescription network = weights.description;
+  if (fits_any_sensor(network)) {
+    network = for_sensor(network, drive.sensor, drive.measured_rows);
+  }
+  auto [scans, held_out] = split(drive, training.recording.input);
+  const std::vector<double> before = right_shares(network, weights.parameters, held_out);
+  const auto parameters =
+      trained(network, std::move(scans), training, weights.parameters, interrupt);
+  if (!parameters) return kInterrupted;
+  const std::vector<double> after = right_shares(network, *parameters, held_out);
+  const Gain gain = gain_of(before, after);
+  const bool is_better = gain.mean > 2.0 * gain.standard_error;
+  if (is_better) {
+    nlohmann::ordered_json json = {
+        {"recording", training.recording.input},
+        {"steps", training.steps},
+        {"right_share_before", mean_of(before)},
+        {"right_share", mean_of(after)},
+        {"started_from", nlohmann::ordered_json::parse(weights.training)}};
+    weights.training = json.dump();
+    weights.parameters = *parameters;
+    const nn::NetworkDescription& own = weights.description;
+    const auto made = nn::make_network(own, own.sensor.columns, nn::chosen_instruction_set(), 1);
+    made->set_parameters(*parameters);
+    weights.self_test = nn::make_self_test(*made, weights.self_test.measured);
+  }
+  const std::string path = training.out + "/weights.npz";
+  nn::write_weights(path, weights);
+  to_stdout(
+      "{} scans held out: of the pixels between their rows that other scans measured, {:.1f} % are "
+      "within {} m, {:.1f} % after {} steps ({:+.1f} +- {:.1f}, standard error)\n{}: {}\n",
+      before.size(), 100.0 * mean_of(before), kRight_m, 100.0 * mean_of(after), training.steps,
+      100.0 * gain.mean, 100.0 * gain.standard_error, path,
+      is_better ? "the new weights" : "the old weights, because the new ones are no better");
+  return kOk;
+}
+
+}  // namespace hqslam::tools
