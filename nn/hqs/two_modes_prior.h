@@ -12,9 +12,8 @@ namespace hqslam::nn {
 ///   bottleneck.0   3x3, lower_channels -> as many
 ///   bottleneck.i   3x3 plus its input, i = 1 to residual_blocks
 ///   decoder.0      2x2 transposed, stride 2, lower_channels -> channels, plus encoder.0
-///   head           1x1, channels -> 7 outputs (kernels/two_modes.h) of every computed pixel, 9
-///   with
-///                  a memory
+///   head           1x1, channels -> 7 outputs (kernels/two_modes.h) of every computed pixel,
+///                  9 with a memory
 /// with leaky ReLU after all but the head. For any table of beams the head has weights for each
 /// row, and the input has L of the measured row in the place of H. The input: (H - ln 20) / 2,
 /// where something was measured, and ln above - ln below of the measured rows; with a memory also M

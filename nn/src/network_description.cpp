@@ -54,6 +54,8 @@ NetworkDescription for_sensor(const NetworkDescription& d, const SensorModel& se
   return result;
 }
 
+int column_multiple(const NetworkDescription& d) { return architecture_of(d).column_multiple(); }
+
 bool has_confidence(const NetworkDescription& d) { return architecture_of(d).has_confidence(); }
 
 bool has_scan_memory(const NetworkDescription& d) { return architecture_of(d).has_scan_memory(); }
@@ -92,7 +94,7 @@ void check_memory(std::int64_t values, const NetworkDescription& d) {
 }
 
 void check_columns(const NetworkDescription& d, int columns) {
-  const int multiple = architecture_of(d).column_multiple();
+  const int multiple = column_multiple(d);
   if (columns < 1 || columns > d.sensor.columns || columns % multiple != 0) {
     throw Error("network: images of {} columns, expected 1 to {} and a multiple of {}", columns,
                 d.sensor.columns, multiple);

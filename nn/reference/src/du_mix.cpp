@@ -83,9 +83,9 @@ Image measured_tiles(const Run& run, const Measured& m, int tile_columns) {
 }
 
 /// The input on tiles, 16 + 4 + 4 x 16 x 256 for 4 x 4 tiles and 64 x 1024 pixels: (H - ln 20) / 2;
-/// valid - 1/2 of the tile's measured pixels; ln above - ln below of them, within +-1. For
-/// any beams measured_tiles() in the place of H. With a
-/// memory two channels more for each of the 16 pixels: M - start, within +-1; share - 1/2.
+/// valid - 1/2 of the tile's measured pixels; ln above - ln below of them, within +-1. For any
+/// beams measured_tiles() in the place of H. With a memory two channels more for each of the 16
+/// pixels: M - start, within +-1; share - 1/2.
 Image input_of(const Run& run, const Measured& m, const Image& start, const Recalled& recalled,
                const Image& h, int tile_rows, int tile_columns) {
   const Image centred = (h - std::log(kTypicalRange_m)) * 0.5;
@@ -164,8 +164,9 @@ std::array<double, 22> row_place(const Run& run, int row) {
   const double e = e_deg / 20.0;
   std::array<double, 22> phi{};
   double* half = phi.data() + (above ? 0 : 11);
-  for (int power = 0; power < 4; ++power)
+  for (int power = 0; power < 4; ++power) {
     half[power] = outside && power > 0 ? 0.0 : std::pow(v, power);
+  }
   half[4] = g;
   half[5] = g * v;
   half[6] = e;

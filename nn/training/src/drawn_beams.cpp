@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
 #include <string>
 
 #include "hqslam/core/angles.h"
@@ -99,18 +98,18 @@ int nearest_row(const SensorModel& all, double elevation_deg) {
 
 /// Rows near these elevations, each below the one before it.
 DrawnBeams with_rows(const SensorModel& all, const std::vector<double>& elevation_deg) {
-  DrawnBeams beams{{all, {}}, {}};
+  DrawnBeams beams{all, {}, {}};
   const auto count = static_cast<int>(elevation_deg.size());
   for (int i = 0; i < count; ++i) {
     const int first = beams.rows.empty() ? 0 : beams.rows.back() + 1;
     beams.rows.push_back(
         std::clamp(nearest_row(all, elevation_deg[i]), first, all.rows() - count + i));
   }
-  beams.seen.sensor.beam_elevation_rad.clear();
+  beams.sensor.beam_elevation_rad.clear();
   for (const int row : beams.rows) {
-    beams.seen.sensor.beam_elevation_rad.push_back(all.beam_elevation_rad[row]);
+    beams.sensor.beam_elevation_rad.push_back(all.beam_elevation_rad[row]);
   }
-  beams.seen.sensor.beam_azimuth_offset_rad.assign(beams.rows.size(), 0.0);
+  beams.sensor.beam_azimuth_offset_rad.assign(beams.rows.size(), 0.0);
   return beams;
 }
 
@@ -132,12 +131,12 @@ DrawnBeams draw_beams(const SensorModel& all, std::uint64_t seed) {
   RowSelection rows{count.stride - 1, count.stride};
   if (random.unit() < 0.4) rows.offset = static_cast<int>(random.below(count.stride));
   DrawnBeams beams = with_rows(all, with_rows_between(table, rows));
-  beams.seen.measured_rows = rows;
+  beams.measured_rows = rows;
   beams.column_step = random.unit() < 0.5 ? 1 : 2;
   if (random.unit() < kShortSighted) {
-    beams.seen.sensor.max_range_m *= between(random, 0.3, 1.0);
+    beams.sensor.max_range_m *= between(random, 0.3, 1.0);
   }
-  beams.seen.sensor.columns = all.columns / beams.column_step;
+  beams.sensor.columns = all.columns / beams.column_step;
   return beams;
 }
 
@@ -148,26 +147,25 @@ DrawnBeams beams_like(const SensorModel& all, const SensorModel& sensor,
     elevation_deg.push_back(degrees(elevation));
   }
   DrawnBeams beams = with_rows(all, elevation_deg);
-  beams.seen.measured_rows = measured_rows;
+  beams.measured_rows = measured_rows;
   if (all.columns % sensor.columns != 0) {
     throw Error("training: scans of {} columns for a sensor of {}, expected a multiple",
                 all.columns, sensor.columns);
   }
   beams.column_step = all.columns / sensor.columns;
-  beams.seen.sensor.columns = sensor.columns;
+  beams.sensor.columns = sensor.columns;
   return beams;
 }
 
 TrainingScan seen_by(const DrawnBeams& beams, const TrainingScan& scan) {
-  TrainingScan seen{RangeImage(beams.seen.sensor.rows(), beams.seen.sensor.columns), {}};
-  const auto farthest_m = static_cast<float>(beams.seen.sensor.max_range_m);
+  TrainingScan seen{RangeImage(beams.sensor.rows(), beams.sensor.columns)};
+  const auto farthest_m = static_cast<float>(beams.sensor.max_range_m);
   for (int row = 0; row < seen.truth.rows; ++row) {
     for (int column = 0; column < seen.truth.columns; ++column) {
       const float range_m = scan.truth.at(beams.rows[row], column * beams.column_step);
       seen.truth.at(row, column) = range_m <= farthest_m ? range_m : 0.0F;
     }
   }
-  seen.sensor = std::make_shared<const ScanSensor>(beams.seen);
   return seen;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <optional>
 #include <span>
 #include <thread>
 
@@ -45,19 +46,11 @@ void check_shape(int rows, int columns, const SensorModel& sensor) {
   }
 }
 
-void check_scans(const std::vector<TrainingScan>& scans, const SensorModel& usual) {
-  for (const TrainingScan& scan : scans) {
-    const SensorModel& sensor = scan.sensor != nullptr ? scan.sensor->sensor : usual;
-    const RangeImage& recalled = scan.recalled.image;
-    check_shape(scan.truth.rows, scan.truth.columns, sensor);
-    if (!scan.recalled.is_empty()) check_shape(recalled.rows, recalled.columns, sensor);
+void check_scans(const std::vector<TrainingScan>& scans, const SensorModel& sensor) {
+  for (const auto& [truth, recalled] : scans) {
+    check_shape(truth.rows, truth.columns, sensor);
+    if (!recalled.is_empty()) check_shape(recalled.image.rows, recalled.image.columns, sensor);
   }
-}
-
-/// The network for the sensor of a scan.
-NetworkDescription for_scan(const NetworkDescription& description, const TrainingScan& scan) {
-  if (scan.sensor == nullptr) return description;
-  return for_sensor(description, scan.sensor->sensor, scan.sensor->measured_rows);
 }
 
 void check_state(const TrainingState& state, const NetworkDescription& description) {
@@ -125,10 +118,9 @@ struct Trainer::Implementation {
   std::vector<float> gradients = {};
 
   struct Drawn {
-    NetworkDescription description;
     TrainingSample sample;
-    std::uint64_t seed = 0;  ///< of what is random in the network
-    bool is_of_other_sensor = false;
+    std::uint64_t seed = 0;                   ///< of what is random in the network
+    std::optional<NetworkDescription> other;  ///< the network for the sensor that was drawn
   };
   Drawn draw(int place) const;
   std::span<float> gradient(int call) {
@@ -198,14 +190,16 @@ Trainer::Implementation::Drawn Trainer::Implementation::draw(int place) const {
   const auto number = static_cast<std::uint64_t>(state.optimiser.steps * plan.batch + place);
   Random random(plan.seed * 0x9E3779B97F4A7C15ULL + number);
   TrainingScan scan = scans->read(random.below(scans->size()));
-  Drawn drawn{description, {}, 0};
-  if (plan.drawn_from) scan = seen_by(draw_beams(*plan.drawn_from, random.bits()), scan);
-  drawn.description = for_scan(description, scan);
-  drawn.is_of_other_sensor = scan.sensor != nullptr;
-  drawn.sample = augmented_sample(scan, drawn.description.sensor, drawn.description.measured_rows,
-                                  plan.augmentation, random.bits());
-  drawn.seed = random.bits() >> 20;
-  return drawn;
+  std::optional<NetworkDescription> drawn;
+  if (plan.drawn_from) {
+    const DrawnBeams beams = draw_beams(*plan.drawn_from, random.bits());
+    drawn = for_sensor(description, beams.sensor, beams.measured_rows);
+    scan = seen_by(beams, scan);
+  }
+  const NetworkDescription& network = drawn ? *drawn : description;
+  TrainingSample sample = augmented_sample(scan, network.sensor, network.measured_rows,
+                                           plan.augmentation, random.bits());
+  return {std::move(sample), random.bits() >> 20, std::move(drawn)};
 }
 
 /// One call of the network: of one sample, or of all together.
@@ -215,8 +209,8 @@ void Trainer::Implementation::run_call(int worker, int call) {
   std::unique_ptr<TrainableNetwork> network;
   for (int place = call * samples_of_call; place < (call + 1) * samples_of_call; ++place) {
     Drawn drawn = draw(place);
-    if (drawn.is_of_other_sensor) {  // made for this sensor, and for this call alone
-      network = make_trainable(drawn.description, columns(), chosen_instruction_set());
+    if (drawn.other) {  // made for this sensor, and for this call alone
+      network = make_trainable(*drawn.other, columns(), chosen_instruction_set());
       network->set_parameters(state.parameters);
     }
     samples.push_back(std::move(drawn.sample));
@@ -297,14 +291,10 @@ Validation Trainer::validate(const std::vector<TrainingScan>& scans) {
   std::vector<std::unique_ptr<Network>> whole(workers);
   std::vector<ValidatedScan> each(scans.size());
   in_parallel(workers, static_cast<int>(scans.size()), [&](int worker, int item) {
-    TrainingScan scan = scans[item];
     if (self.plan.drawn_from) {  // the same sensor for the same scan at every validation
-      const auto seed = static_cast<std::uint64_t>(item);
-      scan = seen_by(draw_beams(*self.plan.drawn_from, seed), scan);
-    }
-    if (scan.sensor != nullptr) {
-      const NetworkDescription own = for_scan(description, scan);
-      each[item] = validated_scan(*network_of(own), own, scan);
+      const DrawnBeams beams = draw_beams(*self.plan.drawn_from, static_cast<std::uint64_t>(item));
+      const NetworkDescription own = for_sensor(description, beams.sensor, beams.measured_rows);
+      each[item] = validated_scan(*network_of(own), own, seen_by(beams, scans[item]));
       return;
     }
     if (whole[worker] == nullptr) whole[worker] = network_of(description);

@@ -246,7 +246,8 @@ recipes of the weights that come with hqslam are weights/*.json.)");
               {.required = true})
       .option("--drives", &options.drives,
               "Folder for the simulated drives, which several trainings may share (default: "
-              "OUT/drives)");
+              "OUT/drives)",
+              {.needs = {"--config"}});
   declare_threads(command, options.threads);
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -143,6 +144,8 @@ std::optional<std::vector<float>> trained(const nn::NetworkDescription& network,
 int train_on_recording(const RecordingTraining& training) {
   const InterruptGuard interrupt;
   nn::Weights weights = nn::read_weights(training.start_from);
+  guard_results(training.out, std::array{"weights.npz"}, false, "would be replaced",
+                {training.recording.input, training.start_from});
   make_result_folder(training.out);
   RecordedDrive drive = read_recorded_drive(training.recording, training.start_from, interrupt);
   if (interrupt.stop_requested()) return kInterrupted;
@@ -152,6 +155,11 @@ int train_on_recording(const RecordingTraining& training) {
   }
   auto [scans, held_out] = split(drive, training.recording.input);
   const std::vector<double> before = right_shares(network, weights.parameters, held_out);
+  if (before.size() < 2 * kBlockScans) {
+    throw Error(
+        "{}: expected {} scans at its end of which other scans measured something, found {}",
+        training.recording.input, 2 * kBlockScans, before.size());
+  }
   const auto parameters =
       trained(network, std::move(scans), training, weights.parameters, interrupt);
   if (!parameters) return kInterrupted;

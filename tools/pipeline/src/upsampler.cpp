@@ -37,15 +37,13 @@ void check_columns(const UpsamplingOptions& options, const std::string& source, 
       kBeamTolerance_deg, source, found.name, found.rows(), found.columns);
 }
 
-/// A network on tiles takes images whose columns are a multiple of this.
-constexpr int kColumnMultiple = 8;
 /// Sensors with fewer rows get as many in all.
 constexpr int kUsualRows = 64;
 
 /// The network for any sensor, made for this one: with `rows` of its rows, or, with all of them,
 /// for the rows between.
 nn::SuperResolver fitted(const nn::SuperResolver& network, SensorModel recorded, int rows) {
-  recorded.columns -= recorded.columns % kColumnMultiple;
+  recorded.columns -= recorded.columns % column_multiple(network.description());
   if (rows > 0 && rows < recorded.rows()) {
     return network.for_sensor(recorded, selection_for(recorded.rows(), rows));
   }

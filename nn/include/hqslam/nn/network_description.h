@@ -53,6 +53,9 @@ bool fits_any_sensor(const NetworkDescription& description);
 NetworkDescription for_sensor(const NetworkDescription& description, const SensorModel& sensor,
                               RowSelection measured_rows);
 
+/// The network's images have a multiple of this number of columns.
+int column_multiple(const NetworkDescription& description);
+
 /// Whether the network gives a confidence for each pixel.
 bool has_confidence(const NetworkDescription& description);
 

@@ -143,13 +143,13 @@ class TwoModesBackward final : public PriorBackward {
       graph_backward_.backward({&state.values, 1}, {&gradient.values, 1}, d_parameters);
       return;
     }
-    std::vector<float> of_graph(elements(modes_.graph().parameter_shapes()), 0.0F);
+    std::vector<float> of_graph(elements(prior_.graph().parameter_shapes()), 0.0F);
     graph_backward_.backward({&state.values, 1}, {&gradient.values, 1}, of_graph);
     beams->add_gradient(of_graph, d_parameters);
   }
 
  private:
-  TwoModesPrior& modes_;
+  const TwoModesPrior& modes_;
 };
 
 }  // namespace

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 
 #include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"
@@ -9,12 +8,6 @@
 #include "hqslam/nn/upsampled_image.h"
 
 namespace hqslam::nn {
-
-/// Whose scan it is, and which of its rows are measured.
-struct ScanSensor {
-  SensorModel sensor;  ///< with all rows
-  RowSelection measured_rows;
-};
 
 /// The truth of a pixel of which nothing is known.
 inline constexpr float kUnknownTruth_m = -1e6F;
@@ -25,8 +18,6 @@ struct TrainingScan {
   /// it, but not whether this beam would have a return.
   RangeImage truth;
   RecalledImage recalled = {};  ///< of the scans before it; may be empty
-  /// For networks that fit any sensor: its own; null: the network's.
-  std::shared_ptr<const ScanSensor> sensor = nullptr;
 };
 
 /// The random changes that make many samples of one scan.

@@ -10,7 +10,8 @@ namespace hqslam::nn {
 
 /// A sensor whose beams are some rows of another one with many.
 struct DrawnBeams {
-  ScanSensor seen;
+  SensorModel sensor;  ///< with all rows
+  RowSelection measured_rows;
   std::vector<int> rows;  ///< of the other sensor, from top to bottom
   int column_step = 1;    ///< of its columns, every such one
 };
@@ -19,8 +20,8 @@ struct DrawnBeams {
 /// gaps that change smoothly, or with the table of a preset; some see less far than others. Every
 /// other one has half of the columns.
 DrawnBeams draw_beams(const SensorModel& all, std::uint64_t seed);
-/// The beams of `all` that are nearest to those of a sensor, and as many columns as it has or
-/// more.
+/// The beams of `all` that are nearest to those of a sensor, in its columns. Throws Error unless
+/// `all` has a multiple of them.
 DrawnBeams beams_like(const SensorModel& all, const SensorModel& sensor,
                       RowSelection measured_rows);
 
