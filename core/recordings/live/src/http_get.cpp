@@ -62,7 +62,7 @@ std::string http_get(const std::array<std::uint8_t, 16>& address, std::uint16_t 
               : body.size() > kMaxAnswer_bytes ? "more than 1 MiB"
               : result                         ? fmt::format("status {}", result->status)
               : result.error() == httplib::Error::Connection ? "no connection"
-                                                             : "no complete HTTP response");
+                                                             : "no whole HTTP response");
 }
 
 }  // namespace hqslam::live
