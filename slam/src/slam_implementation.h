@@ -93,6 +93,7 @@ struct Slam::Implementation {
   Registered first_registered(Tracking& last, Scan& scan, Notes& notes);
   Registered in_corrected_map(Tracking& last, Scan& scan, Notes& notes);
   State tracked(Tracking last, const Registered& found, const Scan& scan, Notes& notes);
+  bool is_keyframe(Tracking& last, const Pose& T_map_sensor) const;
   State new_segment(const Lost& lost, Registered found, const Scan& scan, Notes& notes);
   Features put_first_keyframe(const FirstKeyframe& first, const Twist& velocity);
   void correct_first_keyframe(Tracking& last, Twist velocity);
