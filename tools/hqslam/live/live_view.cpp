@@ -154,7 +154,7 @@ TurningView LiveView::turning_view() const {
   TurningView view;
   const std::lock_guard lock(mutex_);
   view.clouds = {{"map", map_.points_m(), {}, map_.intensity()}};
-  view.scans = {{"last scan", 0, T_map_sensor_, {"", last_scan_m_}, {}}};
+  view.last_scan = {"last scan", T_map_sensor_, {"", last_scan_m_}};
   ViewPath& path = view.paths.emplace_back(ViewPath{"path"});
   std::optional<std::size_t> segment;
   const auto add = [&](const PathPosition& position) {

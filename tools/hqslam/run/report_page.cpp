@@ -194,7 +194,7 @@ Json report_json(const SlamRun& run, const DenseMapRun* dense_map, const slam::O
   const std::string upsampled =
       run.upsampled_by.empty() ? "" : fmt::format(" by {}", run.upsampled_by);
   std::string subtitle = fmt::format("hqslam {}, sensor {}, range images of {} x {}", run.command,
-                                     run.sensor_name, run.rows, run.columns);
+                                     run.sensor.name, run.sensor.rows(), run.sensor.columns);
   if (dense_map != nullptr) {
     subtitle += fmt::format(
         "; dense map of {} points, one per {} m, from {} scans: measured points, and computed ones "
@@ -203,18 +203,19 @@ Json report_json(const SlamRun& run, const DenseMapRun* dense_map, const slam::O
   }
   TurningView view = view_of(run, dense_map);
   if (grid != nullptr) view.grid = {*grid, run.occupancy_grid_summary};
-  Json data = {{"command", run.command},
-               {"title", fmt::format("{}, {} rows{}", short_name(run.input), run.rows, upsampled)},
-               {"subtitle", subtitle},
-               {"command_line", invocation()},
-               {"date", fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)))},
-               {"notices", notices_json(run)},
-               {"numbers", numbers_json(run)},
-               {"view", turning_view_json(view)},
-               {"trajectory", trajectory_json(run)},
-               {"statuses", statuses_json(run)},
-               {"times", Json::array()},
-               {"slam_ms", f32_block(slam_times(run).times_ms)}};
+  Json data = {
+      {"command", run.command},
+      {"title", fmt::format("{}, {} rows{}", short_name(run.input), run.sensor.rows(), upsampled)},
+      {"subtitle", subtitle},
+      {"command_line", invocation()},
+      {"date", fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)))},
+      {"notices", notices_json(run)},
+      {"numbers", numbers_json(run)},
+      {"view", turning_view_json(view)},
+      {"trajectory", trajectory_json(run)},
+      {"statuses", statuses_json(run)},
+      {"times", Json::array()},
+      {"slam_ms", f32_block(slam_times(run).times_ms)}};
   for (const ScanTimes& stage : stage_times(run)) {
     data["times"].push_back({{"name", stage.name}, {"ms", f32_block(stage.times_ms)}});
   }

@@ -44,12 +44,9 @@ struct BeamsOfRun {
 struct SlamRun : Reading {
   std::string command = "run";  ///< the subcommand that made it
   std::string input;
-  std::string sensor_name;
-  int rows = 0;
-  int columns = 0;
+  SensorModel sensor;        ///< of the scans that SLAM took in: upsampled ones have all its rows
   std::string upsampled_by;  ///< nn::Upsampler::name(); empty: the recording as it is
-  std::optional<RowSelection> measured_rows;  ///< the others were computed; nothing: all of them
-  std::optional<BeamsOfRun> found_beams;      ///< nothing: no errors were found
+  std::optional<BeamsOfRun> found_beams;  ///< nothing: no errors were found
   slam::SlamOptions slam;
   slam::MountingOptions mounting;  ///< slam::Slam::mounting()
   int threads = 1;

@@ -21,13 +21,9 @@ std::size_t largest_submap(const SlamRun& run) {
 SlamSession::SlamSession(pipeline::Upsampler upsampler, const pipeline::PipelineOptions& options,
                          const std::string& input, bool keeps_scans)
     : pipeline_(std::move(upsampler), options), keeps_scans_(keeps_scans) {
-  const SensorModel& sensor = pipeline_.sensor();
   const nn::Upsampler* method = pipeline_.upsampler().method();
   run_.input = input;
-  run_.sensor_name = sensor.name;
-  run_.rows = sensor.rows();
-  run_.columns = sensor.columns;
-  run_.measured_rows = sensor.measured_rows;
+  run_.sensor = pipeline_.sensor();
   run_.upsampled_by = method != nullptr ? method->name() : "";
   run_.slam = options.slam_options;
   run_.threads = omp_get_max_threads();
