@@ -7,6 +7,7 @@
 #include <cmath>
 #include <ctime>
 #include <limits>
+#include <optional>
 
 #include "hqslam/core/angles.h"
 #include "pages/page.h"
@@ -154,10 +155,12 @@ Json reference_json(const SlamRun& run) {
   return {{"x", position_m(0)}, {"y", position_m(1)}};
 }
 
-Json error_row(const char* name, const ErrorStatistics& error, double scale, int decimals) {
+/// unit: how many of the row's are one of the error's; nothing: the error is not known.
+Json error_row(const char* name, const ErrorStatistics& error, std::optional<double> unit,
+               int decimals) {
   Json cells = {name};
   for (const double value : {error.rmse, error.mean, error.median, error.max}) {
-    cells.push_back(figure_text(scale * value, decimals));
+    cells.push_back(figure_text(unit ? std::optional(*unit * value) : std::nullopt, decimals));
   }
   return cells;
 }
@@ -168,12 +171,15 @@ Json error_json(const SlamRun& run) {
   for (const std::size_t pose : error.pairs.estimate) {
     times_s.push_back(run.trajectory[pose].stamp_s - run.trajectory.front().stamp_s);
   }
-  return {{"reference", run.comparison->reference_path},
-          {"time_s", f32_block(times_s)},
-          {"translation_m", f32_block(error.translation_m)},
-          {"rows",
-           {error_row("position, m", error.translation_statistics, 1.0, 3),
-            error_row("rotation, degrees", error.rotation_statistics, kDegreesPerRadian, 2)}}};
+  return {
+      {"reference", run.comparison->reference_path},
+      {"time_s", f32_block(times_s)},
+      {"translation_m", f32_block(error.translation_m)},
+      {"rows",
+       {error_row("position, m", error.translation_statistics, 1.0, 3),
+        error_row(error.is_rotation_known ? "rotation, degrees" : "rotation: straight path",
+                  error.rotation_statistics,
+                  error.is_rotation_known ? std::optional(kDegreesPerRadian) : std::nullopt, 2)}}};
 }
 
 Json statuses_json(const SlamRun& run) {

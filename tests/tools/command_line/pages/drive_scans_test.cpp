@@ -13,8 +13,8 @@ TEST_CASE("a scan's code has units of 4 bits: gaps, and steps from number to num
   const std::vector<float> time_offset_s = {0.0F, std::numeric_limits<float>::quiet_NaN(), 3e-4F};
   // 5 rows of 3 columns
   const std::vector<std::uint16_t> range = {3, 0, 0, 6, 6, 5, 0, 65535, 0, 0, 0, 0, 0, 0, 0};
-  ViewDrive drive{sensor_preset("os1-64"), {{"scan 3, 0.3 s", 3}}};
-  drive.scans[0].range = range;
+  ViewDrive drive{sensor_preset("os1-64"), {}};
+  drive.scans.emplace_back().range = range;
   drive.scans[0].time_offset_s = time_offset_s;
   const nlohmann::json scan = drive_json(drive)["scans"][0];
   CHECK(scan["columns"] == 3);
