@@ -503,7 +503,8 @@ function turningView(into, data) {
   }
   find('.play').onclick = play;
   root.renew = fresh => {  // for a page that is updated
-    release([...paths, loops, ...data.clouds, ...data.scans.map(scan => scan.measured)]);
+    release([...paths, loops, ...data.clouds, ...data.scans.flatMap(scan => [scan.measured, scan.upsampled]).filter(Boolean)]);
+    if (fresh.drive) fresh.scans = scansOf(fresh.drive);
     Object.assign(data, {...fresh, paths: fresh.paths.map((path, i) => ({...data.paths[i], ...path}))});
     takeLines();
     find('.scan').max = data.scans.length;

@@ -42,7 +42,7 @@ TEST_CASE("of a short drive every pixel of every scan is kept, to a centimetre")
   CHECK(kept[3].range[400] == 50);
   REQUIRE(kept[3].time_offset_s.size() == 400);
   CHECK(kept[3].time_offset_s[0] == 0.0F);  // of the second row
-  CHECK(kept[3].time_offset_s[399] == 0.399F);
+  CHECK(kept[3].time_offset_s[399] == doctest::Approx(0.399));
   OrganizedCloud corrected = example_cloud(1, 2);
   corrected.time_offset_s.clear();
   KeptScans scans;
