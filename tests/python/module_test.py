@@ -29,9 +29,13 @@ def simulated(name, *options):
     command = [LABORATORY, "simulate", "--drive", "block", *options, "--out", folder]
     subprocess.run(command, check=True, capture_output=True)
     truth = hqslam.read_trajectory(folder / "truth.tum")
-    columns = np.load(folder / "truth_columns.npy").reshape(len(truth), -1, 3, 4)
+    columns = np.load(folder / "truth_columns.npy")  # x y z qx qy qz qw
+    qx, qy, qz, qw = q = np.moveaxis(columns[..., 3:], -1, 0)
+    cross = np.array([[0 * qx, -qz, qy], [qz, 0 * qx, -qx], [-qy, qx, 0 * qx]])
+    rotation = (2 * qw**2 - 1) * np.eye(3)[..., None, None] + 2 * qw * cross
     at_column = np.zeros((*columns.shape[:2], 4, 4))
-    at_column[..., :3, :] = columns
+    at_column[..., :3, :3] = np.moveaxis(rotation + 2 * q[:3, None] * q[None, :3], (0, 1), (2, 3))
+    at_column[..., :3, 3] = columns[..., :3]
     at_column[..., 3, 3] = 1.0
     ranges = np.load(folder / "scans.npy")
     return folder, [

@@ -20,7 +20,9 @@ std::size_t largest_submap(const SlamRun& run) {
 
 SlamSession::SlamSession(pipeline::Upsampler upsampler, const pipeline::PipelineOptions& options,
                          const std::string& input, bool keeps_scans)
-    : pipeline_(std::move(upsampler), options), keeps_scans_(keeps_scans) {
+    : pipeline_(std::move(upsampler), options),
+      uses_imu_(options.slam == pipeline::SlamKind::kHqslam),
+      keeps_scans_(keeps_scans) {
   const nn::Upsampler* method = pipeline_.upsampler().method();
   run_.input = input;
   run_.sensor = pipeline_.sensor();
@@ -31,7 +33,7 @@ SlamSession::SlamSession(pipeline::Upsampler upsampler, const pipeline::Pipeline
 
 ScanRecord& SlamSession::process(const RecordedScan& scan, std::int64_t index, double reading_s,
                                  slam::ScanTrace* trace) {
-  run_.has_imu = run_.has_imu || !scan.imu.empty();
+  run_.has_imu = run_.has_imu || (uses_imu_ && !scan.imu.empty());
   pipeline::LocatedScan located = pipeline_.process(scan, trace);
   cloud_ = std::move(located.cloud);
   ScanRecord record;

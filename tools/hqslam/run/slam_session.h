@@ -46,6 +46,7 @@ class SlamSession {
   pipeline::Pipeline pipeline_;
   SlamRun run_;
   OrganizedCloud cloud_;
+  bool uses_imu_;
   bool keeps_scans_;
   KeptScans kept_scans_;
   SteadyClock::time_point start_ = SteadyClock::now();
