@@ -58,11 +58,22 @@ void refuse_folder_of_recordings(const std::string& folder) {
       folder, paths.size(), *std::ranges::min_element(paths));
 }
 
-/// The sensor that is named, else that of the folder's sensor.json.
+/// That of the sensor.json beside a stack, if it has as many rows.
+std::optional<SensorModel> sensor_beside(const fs::path& stack) {
+  const fs::path described = stack.parent_path() / "sensor.json";
+  std::error_code error;
+  if (!fs::is_regular_file(stack, error) || !fs::is_regular_file(described, error)) return {};
+  SensorModel sensor = load_sensor(described.string());
+  if (sensor.rows() != NpyStackReader(stack.string()).rows()) return {};
+  return sensor;
+}
+
+/// The sensor that is named, else that of the sensor.json in the folder, or beside a stack.
 std::optional<SensorModel> stated_sensor(const std::string& path, const OpenOptions& options) {
   const fs::path described = fs::path(path) / "sensor.json";
   std::error_code error;
   if (!options.sensor.empty()) return load_sensor(options.sensor);
+  if (described.parent_path().extension() == ".npy") return sensor_beside(path);
   if (fs::is_regular_file(described, error)) return load_sensor(described.string());
   refuse_folder_of_recordings(path);
   return std::nullopt;
