@@ -51,10 +51,11 @@ function turningStage(data) {
 
 /**
  * Puts a view of data (C++: turning_view.h) into the element `into`. Returns its figure, of which
- * renew(data) shows other data with as many clouds from the same place, sensorAt(pose) moves the
- * arrow of the first scan, and onscan(i) is called for each scan that is shown; null without WebGL 2.
+ * renew(data) shows other data with as many clouds from the same place, and sensorAt(pose) moves
+ * the arrow of the first scan; null without WebGL 2. onscan(i) is called for each scan that is
+ * shown, with -1 for none.
  */
-function turningView(into, data) {
+function turningView(into, data, onscan = () => {}) {
   if (data.drive) data.scans = scansOf(data.drive);
   data.paths.forEach((path, i) => { path.colour = data.paths.length > 1 ? kPaths[i % kPaths.length] : kPath; });
   const root = turningStage(data), find = name => root.querySelector(name);
@@ -485,7 +486,7 @@ function turningView(into, data) {
     if (seen?.load && !seen.measured) Object.assign(seen, seen.load());
     shown.scan = scan;
     find('.scan').value = scan;
-    if (root.onscan) root.onscan(scan - 1);
+    onscan(scan - 1);
     find('output').textContent = seen ? seen.name : 'the map alone';
     const arrow = (forward, left) => seen.at.map((value, i) => value + (i === 2 ? 0 :
         i === 0 ? forward * Math.cos(seen.yaw) - left * Math.sin(seen.yaw)
