@@ -173,9 +173,7 @@ TEST_CASE("the page's button saves the chosen maps while the drive goes on") {
   for (const char* map : {"map.pgm", "map.yaml", "saved_map.npz"}) {
     CHECK(fs::exists(live.path(fmt::format("out/{}", map))));
   }
-  const std::string grid = file_contents(live.path("out/map.pgm"));
   CHECK(live.end(SIGINT) == 0);
-  CHECK(file_contents(live.path("out/map.pgm")).size() >= grid.size());
 }
 
 TEST_CASE("replay refuses what is no capture and no address") {
