@@ -2,6 +2,7 @@
 
 import inspect
 import json
+import pickle
 import signal
 import subprocess
 import sys
@@ -117,7 +118,21 @@ class Arrays(unittest.TestCase):
         self.assertEqual(DRIVE[0].T_map_sensor_at_column.shape, (1024, 4, 4))
 
 
+    def test_are_the_same_from_a_pickle(self):
+        trajectory = hqslam.Trajectory(
+            np.array([scan.stamp_s for scan in DRIVE]), np.stack([scan.T_map_sensor for scan in DRIVE])
+        )
+        again = pickle.loads(pickle.dumps(trajectory))
+        np.testing.assert_array_equal(again.stamp_s, trajectory.stamp_s)
+        np.testing.assert_allclose(again.T_map_sensor, trajectory.T_map_sensor, atol=1e-12)
+        self.assertRegex(repr(again), r"Trajectory\(12 poses, [0-9.]+ m\)")
+
+
 class Sensors(unittest.TestCase):
+    def test_are_the_same_from_a_pickle(self):
+        for sensor in (SENSOR, hqslam.Upsampler("du-mix", SENSOR).sensor):
+            self.assertEqual(pickle.loads(pickle.dumps(sensor)), sensor)
+
     def test_that_are_equal_are_one_key(self):
         again = hqslam.load_sensor("os1-16")
         self.assertEqual(again, SENSOR)

@@ -77,7 +77,8 @@ std::optional<int> image_rows(const fs::path& path) {
 std::optional<SensorModel> stated_sensor(const std::string& path, const OpenOptions& options) {
   if (!options.sensor.empty()) return load_sensor(options.sensor);
   const bool is_stack = fs::path(path).extension() == ".npy";
-  const fs::path described = (is_stack ? fs::path(path).parent_path() : path) / "sensor.json";
+  const fs::path described =
+      (is_stack ? fs::path(path).parent_path() : fs::path(path)) / "sensor.json";
   std::error_code error;
   if (fs::is_regular_file(described, error)) {
     SensorModel sensor = load_sensor(described.string());
