@@ -58,7 +58,8 @@ State Slam::Implementation::next(Searching now, const Scan& scan, Notes& notes) 
     if (notes.trace != nullptr) {
       trace_registration(mapping, scan.map_features, matched, *notes.trace);
     }
-    return Tracking{reference_of(scan, found, against_map, report), 0.0, 0.0, std::nullopt};
+    return Tracking{reference_of(scan, found, against_map, report), 0.0, 0.0, BestFit(),
+                    std::nullopt};
   }
   report.mapping_status = Status::kNotRecognized;
   report.covariance = unknown_covariance();

@@ -40,7 +40,6 @@ Slam::Implementation::Implementation(const SensorModel& sensor_, const SlamOptio
     : options(validated(options_)),
       mounting(options.mounting, validated(sensor_)),
       sensor(mounting.upright_sensor()),
-      segmenter(sensor, options.ground, options.segmentation),
       clock(sensor.scan_period_s),
       mapping(options.mapping, map_of(options, given_map)),
       drift(sensor) {
@@ -108,11 +107,10 @@ ScanReport Slam::Implementation::process(const OrganizedCloud& cloud, double sta
 
 Scan Slam::Implementation::front_end(const OrganizedCloud& cloud, double stamp_s, Notes& notes) {
   ScanReport& report = notes.report;
-  Scan scan{cloud, segmenter.segment(cloud, mounting.up_of_upright_sensor()), clock.time_s(stamp_s),
-            stamp_s};
+  Scan scan{cloud, segment(cloud, sensor, options.ground, mounting.up_of_upright_sensor()),
+            clock.time_s(stamp_s), stamp_s};
   report.returns = scan.segmentation.returns;
   report.ground_points = scan.segmentation.ground_points;
-  report.clusters = scan.segmentation.clusters;
   report.times.segmentation_s = notes.stopwatch.lap_s();
 
   scan.features = measured_features(scan);

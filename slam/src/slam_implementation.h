@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "alignment/drift.h"
@@ -46,7 +47,6 @@ struct Slam::Implementation {
   SlamOptions options;
   Mounting mounting;
   SensorModel sensor;  ///< the upright one
-  Segmenter segmenter;
   ScanClock clock;
   ImuBuffer imu;
   InertialCheck inertial_check;
@@ -82,7 +82,8 @@ struct Slam::Implementation {
   std::optional<InertialPrediction> predicted_by_imu(const Reference& reference,
                                                      const Scan& scan) const;
   Registered judged(const Tracking& last, const Scan& scan, const MotionState& expected,
-                    const OdometryResult& moved, const MappingResult& matched) const;
+                    const MappingResult& matched,
+                    const std::function<const OdometryResult&()>& moved) const;
   Registered registered(const Tracking& last, const Scan& scan, Notes& notes) const;
   void leave_out_imu(Scan& scan) const;
   Registered checked(const Tracking& last, Scan& scan, Notes& notes);
@@ -92,6 +93,7 @@ struct Slam::Implementation {
   Registered first_registered(Tracking& last, Scan& scan, Notes& notes);
   Registered in_corrected_map(Tracking& last, Scan& scan, Notes& notes);
   State tracked(Tracking last, const Registered& found, const Scan& scan, Notes& notes);
+  bool is_keyframe(Tracking& last, const Pose& T_map_sensor) const;
   State new_segment(const Lost& lost, Registered found, const Scan& scan, Notes& notes);
   Features put_first_keyframe(const FirstKeyframe& first, const Twist& velocity);
   void correct_first_keyframe(Tracking& last, Twist velocity);

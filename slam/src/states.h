@@ -48,11 +48,18 @@ struct FirstKeyframe {
   std::optional<EvenTurning> turning;  ///< if inertial data cover the scan
 };
 
+/// The scan since the last keyframe, at nearly one pose, of which the most is close to the map.
+struct BestFit {
+  double close_ratio = 0.0;
+  Pose T_map_sensor = Pose::Identity();
+};
+
 /// The last scan was registered in the map, or is the first of a submap.
 struct Tracking {
   Reference reference;
   double inlier_ratio = 0.0;  ///< MappingResult::inlier_ratio of that scan; 0: none yet
   double close_ratio = 0.0;   ///< MappingResult::close_ratio of that scan; 0: none yet
+  BestFit best_fit;
   std::optional<FirstKeyframe> first_keyframe;  ///< while it is the only one and not corrected
 };
 

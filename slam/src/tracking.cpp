@@ -21,11 +21,20 @@ constexpr std::size_t kMaxMissedScans = 5;
 /// 0.83 at the lowest on simulated drives of all kinds, and to 0.44 in another street.
 constexpr double kLeastShareOfInlierRatio = 0.6;
 
+/// The place has changed around a sensor that stands if less than this share of what matched is
+/// close to the map: a lorry has pulled up, a crowd has come (made scenes).
+constexpr double kChangedShare = 0.8;
+/// Between a scan and the one with the best fit since the last keyframe, if the sensor stands.
+constexpr double kStands_m = 0.05;
+constexpr double kStands_rad = 0.02;
+
 /// Planes of features other than the ground that a scan through fog must have within 0.1 m of the
 /// map to determine the pose. In a street (raw HDL-64E, made fog with a visibility of 40 m, echoes
-/// in 5 to 30 % of the lost pixels) steps of 16 rows with 160 to 385 of them are wrong and those
-/// with 415 to 540 are right; 64 rows have 730 to 1,470.
-constexpr int kFewestPlanesInFog = 400;
+/// in 5 to 30 % of the lost pixels) steps of 16 rows that are wrong have 207 to 528 of them; 64
+/// rows, where no step is wrong, have 815 to 1,930.
+constexpr int kFewestPlanesInFog = 600;
+
+Matrix6 pose_covariance(const MotionState& state) { return state.covariance.topLeftCorner<6, 6>(); }
 
 /// Whether a sensor that is not carried can deviate this much from its expected motion.
 bool is_plausible(const Twist& innovation, double duration_s) {
@@ -34,12 +43,6 @@ bool is_plausible(const Twist& innovation, double duration_s) {
   const double half_square_s2 = 0.5 * duration_s * duration_s;
   return innovation.linear.norm() <= 0.5 + kAccelerated_m_s2 * half_square_s2 &&
          innovation.angular.norm() <= 0.2 + kTurned_rad_s2 * half_square_s2;
-}
-
-/// The growth of the pose's covariance from a state to the expected one.
-Matrix6 growth(const MotionState& before, const MotionState& expected, const Pose& motion) {
-  return expected.covariance.topLeftCorner<6, 6>() -
-         carried(before.covariance.topLeftCorner<6, 6>(), motion);
 }
 
 }  // namespace
@@ -80,6 +83,7 @@ State Slam::Implementation::next(Starting, const Scan& scan, Notes& notes) {
   if (scan.turning) standing.velocity.angular = scan.turning->mean_rate_rad_per_s();
   add_keyframe(scan, standing.velocity, true, notes);
   return Tracking{reference_of(scan, standing, drift.against_map(standing), notes.report), 0.0, 0.0,
+                  BestFit(),
                   FirstKeyframe{scan.time_s, scan.turning ? measured_features(scan) : scan.features,
                                 scan.turning}};
 }
@@ -108,12 +112,28 @@ State Slam::Implementation::next(Lost now, Scan& scan, Notes& notes) {
   drift.move(reference.state.T_map_sensor.inverse() * found.state.T_map_sensor);
   now.last.reference =
       reference_of(scan, found.state, found.against_map, notes.report, found.inertial);
-  if (map_goes_on && mapping.is_keyframe(found.state.T_map_sensor)) {
-    now.last.first_keyframe.reset();
+  if (map_goes_on && is_keyframe(now.last, found.state.T_map_sensor)) {
     add_keyframe(scan, found.state.velocity, false, notes);
     now.unplaced_scans = 0;
   }
   return now;
+}
+
+/// Whether the scan becomes a keyframe: because the sensor has moved, or because the place has
+/// changed around it.
+bool Slam::Implementation::is_keyframe(Tracking& last, const Pose& T_map_sensor) const {
+  BestFit& best = last.best_fit;
+  const Pose motion = best.T_map_sensor.inverse() * T_map_sensor;
+  const bool stands =
+      motion.translation().norm() < kStands_m && rotation_angle_rad(motion) < kStands_rad;
+  const bool has_changed = stands && last.close_ratio < kChangedShare * best.close_ratio;
+  const bool is_keyframe = has_changed || mapping.is_keyframe(T_map_sensor);
+  if (is_keyframe || !stands || last.close_ratio > best.close_ratio) {
+    best = {is_keyframe ? 0.0 : last.close_ratio, T_map_sensor};
+  }
+  // No longer the only one: the map cannot begin anew with it.
+  if (is_keyframe) last.first_keyframe.reset();
+  return is_keyframe;
 }
 
 /// After Tracking or Lost: the scan was registered.
@@ -140,8 +160,7 @@ State Slam::Implementation::tracked(Tracking last, const Registered& found, cons
   }
   last.inlier_ratio = found.inlier_ratio;
   last.close_ratio = found.close_ratio;
-  if (!place_recognition && mapping.is_keyframe(found.state.T_map_sensor)) {
-    last.first_keyframe.reset();  // no longer the only one: the map cannot begin anew with it
+  if (!place_recognition && is_keyframe(last, found.state.T_map_sensor)) {
     add_keyframe(scan, found.state.velocity, false, notes);
   }
   return last;
@@ -164,7 +183,7 @@ State Slam::Implementation::new_segment(const Lost& lost, Registered found, cons
   notes.report.covariance = drift.covariance(Pose::Identity(), against_own_map);
   add_keyframe(scan, found.state.velocity, true, notes);
   return Tracking{reference_of(scan, found.state, against_own_map, notes.report, found.inertial),
-                  0.0, 0.0, std::nullopt};
+                  0.0, 0.0, BestFit(), std::nullopt};
 }
 
 /// The prediction by inertial data; nothing unless they cover the time since the reference.
@@ -180,32 +199,39 @@ std::optional<InertialPrediction> Slam::Implementation::predicted_by_imu(const R
                    scan.turning->mean_rate_rad_per_s());
 }
 
-/// Whether the results of odometry and mapping are accepted, and the state by them.
+/// Whether the result of mapping is accepted, and otherwise the odometry's.
 Registered Slam::Implementation::judged(const Tracking& last, const Scan& scan,
-                                        const MotionState& expected, const OdometryResult& moved,
-                                        const MappingResult& matched) const {
-  const double duration_s = scan.time_s - last.reference.time_s;
-  const Pose T_map_moved =
-      orthonormalized(last.reference.state.T_map_sensor * moved.T_reference_sensor);
+                                        const MotionState& expected, const MappingResult& matched,
+                                        const std::function<const OdometryResult&()>& moved) const {
   // inlier_ratio alone is that of a wide search, which may have begun far from the result.
-  const bool is_elsewhere = matched.inlier_ratio < kLeastShareOfInlierRatio * last.inlier_ratio &&
-                            matched.close_ratio < kLeastShareOfInlierRatio * last.close_ratio;
+  const bool fits_elsewhere = matched.inlier_ratio < kLeastShareOfInlierRatio * last.inlier_ratio &&
+                              matched.close_ratio < kLeastShareOfInlierRatio * last.close_ratio;
+  const double duration_s = scan.time_s - last.reference.time_s;
+  const auto is_possible = [&](const Pose& T_map_sensor) {
+    return is_plausible(logarithm(expected.T_map_sensor.inverse() * T_map_sensor), duration_s);
+  };
+  const bool is_elsewhere =
+      fits_elsewhere || (!is_possible(matched.state.T_map_sensor) &&
+                         matched.close_ratio < kChangedShare * last.close_ratio);
   Registered found;
   found.is_registered = matched.status != Status::kTooFewFeatures && !is_elsewhere &&
                         (!place_recognition || is_in_given_map(scan.map_features, matched.state));
-  found.by_odometry = moved.status != Status::kTooFewFeatures;
-  found.is_motion_plausible =
-      found.by_odometry && !is_elsewhere &&
-      is_plausible(logarithm(expected.T_map_sensor.inverse() * T_map_moved), duration_s);
-  found.is_contradiction = scan.has_enough_features && is_precise(expected) &&
-                           (is_elsewhere || (found.by_odometry && !found.is_motion_plausible));
   found.inlier_ratio = matched.inlier_ratio;
   found.close_ratio = matched.close_ratio;
-  found.state = found.is_registered ? matched.state : expected;
-  if (!found.is_registered) {
+  found.state = matched.state;
+  if (found.is_registered) return found;
+  const Pose& motion = moved().T_reference_sensor;
+  const Pose T_map_moved = orthonormalized(last.reference.state.T_map_sensor * motion);
+  const bool is_moved = is_possible(T_map_moved);
+  found.state = expected;
+  if (is_moved) {
     found.state.T_map_sensor = T_map_moved;
-    found.state.velocity = (1.0 / duration_s) * logarithm(moved.T_reference_sensor);
+    found.state.velocity = (1.0 / duration_s) * logarithm(motion);
   }
+  found.by_odometry = moved().status != Status::kTooFewFeatures;
+  found.is_motion_plausible = found.by_odometry && !is_elsewhere && is_moved;
+  found.is_contradiction = scan.has_enough_features && is_precise(expected) &&
+                           (is_elsewhere || (found.by_odometry && !found.is_motion_plausible));
   return found;
 }
 
@@ -221,15 +247,21 @@ Registered Slam::Implementation::registered(const Tracking& last, const Scan& sc
   const MotionState expected =
       measured ? measured->state
                : predicted(reference.state, duration_s, steady_s, accelerations.density());
-  const OdometryResult moved =
-      scan_to_scan(reference.target, scan.features,
-                   {reference.state.T_map_sensor.inverse() * expected.T_map_sensor, duration_s},
-                   options.odometry);
-  const Pose T_map_moved = orthonormalized(reference.state.T_map_sensor * moved.T_reference_sensor);
-  report.odometry_status = moved.status;
-  report.T_odom_sensor = orthonormalized(reference.T_odom_sensor * moved.T_reference_sensor);
-  report.times.odometry_s += notes.stopwatch.lap_s();
-
+  std::optional<OdometryResult> odometry;  // only where it can change the result
+  const auto moved = [&]() -> const OdometryResult& {
+    if (odometry) return *odometry;
+    report.times.mapping_s += notes.stopwatch.lap_s();
+    odometry =
+        scan_to_scan(reference.target, scan.features,
+                     {reference.state.T_map_sensor.inverse() * expected.T_map_sensor, duration_s},
+                     options.odometry);
+    report.odometry_status = odometry->status;
+    report.times.odometry_s += notes.stopwatch.lap_s();
+    return *odometry;
+  };
+  const auto T_map_moved = [&] {
+    return orthonormalized(reference.state.T_map_sensor * moved().T_reference_sensor);
+  };
   MappingResult matched =
       register_from_starts(mapping, scan.map_features,
                            {expected, T_map_moved, reference.state.T_map_sensor, duration_s,
@@ -239,7 +271,7 @@ Registered Slam::Implementation::registered(const Tracking& last, const Scan& sc
     matched.state.covariance = expected.covariance;
     if (matched.status == Status::kOk) matched.status = Status::kDegenerate;
   }
-  Registered found = judged(last, scan, expected, moved, matched);
+  Registered found = judged(last, scan, expected, matched, moved);
   if (measured) {
     found.innovation = normalized_innovation(*measured, found.state, matched.information);
     // What a wrong sample did to the prediction is no error of biases or gravity.
@@ -260,15 +292,17 @@ Registered Slam::Implementation::registered(const Tracking& last, const Scan& sc
   const Pose motion = reference.state.T_map_sensor.inverse() * found.state.T_map_sensor;
   found.against_map = found.is_registered ? drift.against_map(found.state)
                                           : carried(reference.against_map, motion) +
-                                                growth(reference.state, expected, motion);
+                                                growth(pose_covariance(reference.state),
+                                                       pose_covariance(expected), motion);
   report.covariance = drift.covariance(motion, found.against_map);
+  report.T_odom_sensor = orthonormalized(reference.T_odom_sensor * motion);
   notes.own_covariance = drift.own_covariance(motion, found.against_map);
   if (notes.trace != nullptr) {
     notes.trace->T_map_expected = expected.T_map_sensor;
-    notes.trace->T_map_odometry = T_map_moved;
+    notes.trace->T_map_odometry = T_map_moved();
     notes.trace->duration_s = duration_s;
-    notes.trace->sharp_edges = moved.edge_correspondences;
-    notes.trace->flat_points = moved.planar_correspondences;
+    notes.trace->sharp_edges = moved().edge_correspondences;
+    notes.trace->flat_points = moved().planar_correspondences;
     notes.trace->last_inlier_ratio = last.inlier_ratio;
     trace_registration(mapping, scan.map_features, matched, *notes.trace);
   }

@@ -2,6 +2,7 @@
 
 import inspect
 import json
+import pickle
 import signal
 import subprocess
 import sys
@@ -29,9 +30,13 @@ def simulated(name, *options):
     command = [LABORATORY, "simulate", "--drive", "block", *options, "--out", folder]
     subprocess.run(command, check=True, capture_output=True)
     truth = hqslam.read_trajectory(folder / "truth.tum")
-    columns = np.load(folder / "truth_columns.npy").reshape(len(truth), -1, 3, 4)
+    columns = np.load(folder / "truth_columns.npy")  # x y z qx qy qz qw
+    qx, qy, qz, qw = q = np.moveaxis(columns[..., 3:], -1, 0)
+    cross = np.array([[0 * qx, -qz, qy], [qz, 0 * qx, -qx], [-qy, qx, 0 * qx]])
+    rotation = (2 * qw**2 - 1) * np.eye(3)[..., None, None] + 2 * qw * cross
     at_column = np.zeros((*columns.shape[:2], 4, 4))
-    at_column[..., :3, :] = columns
+    at_column[..., :3, :3] = np.moveaxis(rotation + 2 * q[:3, None] * q[None, :3], (0, 1), (2, 3))
+    at_column[..., :3, 3] = columns[..., :3]
     at_column[..., 3, 3] = 1.0
     ranges = np.load(folder / "scans.npy")
     return folder, [
@@ -113,7 +118,21 @@ class Arrays(unittest.TestCase):
         self.assertEqual(DRIVE[0].T_map_sensor_at_column.shape, (1024, 4, 4))
 
 
+    def test_are_the_same_from_a_pickle(self):
+        trajectory = hqslam.Trajectory(
+            np.array([scan.stamp_s for scan in DRIVE]), np.stack([scan.T_map_sensor for scan in DRIVE])
+        )
+        again = pickle.loads(pickle.dumps(trajectory))
+        np.testing.assert_array_equal(again.stamp_s, trajectory.stamp_s)
+        np.testing.assert_allclose(again.T_map_sensor, trajectory.T_map_sensor, atol=1e-12)
+        self.assertRegex(repr(again), r"Trajectory\(12 poses, [0-9.]+ m\)")
+
+
 class Sensors(unittest.TestCase):
+    def test_are_the_same_from_a_pickle(self):
+        for sensor in (SENSOR, hqslam.Upsampler("du-mix", SENSOR).sensor):
+            self.assertEqual(pickle.loads(pickle.dumps(sensor)), sensor)
+
     def test_that_are_equal_are_one_key(self):
         again = hqslam.load_sensor("os1-16")
         self.assertEqual(again, SENSOR)

@@ -33,9 +33,9 @@ std::string complaint_about(std::string_view name, double value) {
 
 TEST_CASE("an invalid option is named with its value and the constraint") {
   SlamOptions options;
-  options.segmentation.min_angle_rad = 2.0;
+  options.ground.max_slope_rad = 2.0;
   CHECK(complaint(options) ==
-        "SLAM option segmentation.min_angle_rad is 2, expected an angle between 0 and pi/2");
+        "SLAM option ground.max_slope_rad is 2, expected an angle between 0 and pi/2");
 }
 
 TEST_CASE("values below the bounds, infinite or NaN are refused for every option, by its name") {
@@ -80,7 +80,6 @@ TEST_CASE("the table leaves no number of a stage out") {
   const auto whole_doubles = [&](const char* stage) { return (bytes[stage] + 7) / 8 * 8; };
   CHECK(whole_doubles("mounting") == sizeof(SlamOptions::mounting));
   CHECK(whole_doubles("ground") == sizeof(SlamOptions::ground));
-  CHECK(whole_doubles("segmentation") == sizeof(SlamOptions::segmentation));
   CHECK(whole_doubles("features") == sizeof(SlamOptions::features));
   CHECK(whole_doubles("odometry") == sizeof(SlamOptions::odometry));
   CHECK(whole_doubles("mapping") == sizeof(SlamOptions::mapping));

@@ -143,6 +143,44 @@ TEST_CASE("a scan through fog that leaves few features does not determine the po
   CHECK(drive.report.covariance(0, 0) > 2.0 * clear.report.covariance(0, 0));
 }
 
+TEST_CASE("a sensor that stands keeps its pose when the place changes around it") {
+  const SensorModel sensor = test::small_sensor(64, 1024);
+  const Pose standing = test::yard_pose(0.0, 0.0, 0.0);
+  slam::Slam slam(sensor);
+  const OrganizedCloud in_street = test::street(31).scan(sensor, standing);
+  test::Village cabin;
+  cabin.add_box({1.2, -1.3}, {1.5, 1.3}, 3.0);
+  cabin.add_box({-1.5, -1.3}, {-1.2, 1.3}, 3.0);
+  cabin.add_box({-1.5, 1.1}, {1.5, 1.3}, 3.0);
+  cabin.add_box({-1.5, -1.3}, {1.5, -1.1}, 3.0);
+  const OrganizedCloud in_cabin = cabin.scan(sensor, standing);
+  double farthest_m = 0.0;  // in the plane: four walls do not determine the height
+  for (int i = 0; i < 40; ++i) {
+    const slam::ScanReport report = slam.process(i < 10 || i >= 30 ? in_street : in_cabin, 0.1 * i);
+    farthest_m = std::max(farthest_m, report.T_map_sensor.translation().head<2>().norm());
+    CAPTURE(i);
+    CHECK(Eigen::LDLT<Eigen::Matrix<double, 6, 6>>(report.covariance).isPositive());
+  }
+  CHECK(farthest_m < 0.05);
+}
+
+TEST_CASE(
+    "a sensor that stands makes a keyframe of a place that has changed around it, and no other") {
+  const SensorModel sensor = narrow_sensor();
+  slam::Slam slam(sensor);
+  const Pose standing = test::yard_pose(0.0, 0.0, 0.0);
+  test::Village street = test::street(31);
+  const OrganizedCloud before = street.scan(sensor, standing);
+  street.add_box({-2.0, 2.0}, {3.0, 2.5}, 3.0);  // lorries on both sides
+  street.add_box({-2.0, -2.5}, {3.0, -2.0}, 3.0);
+  const OrganizedCloud after = street.scan(sensor, standing);
+  std::string keyframes;
+  for (int i = 0; i < 30; ++i) {
+    keyframes += slam.process(i < 15 ? before : after, 0.1 * i).keyframe ? 'k' : '.';
+  }
+  CHECK(keyframes == "k..............k..............");
+}
+
 TEST_CASE("a trace has each feature with its match, and asking for it changes nothing") {
   slam::Slam plain(narrow_sensor());
   StreetDrive drive;

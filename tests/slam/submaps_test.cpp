@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <vector>
 
@@ -272,7 +273,6 @@ TEST_CASE("a covariance keeps unmeasured motion until a loop removes it") {
       if (is_joined) CHECK(sigma_m(reports[i].covariance) < 1.0);
     }
     const auto corrected = slam.corrected_covariances();
-    std::size_t known = 0;
     for (const auto& [scan, covariance] : corrected) {
       const std::size_t corrected_scan = scan;
       CAPTURE(corrected_scan);
@@ -281,13 +281,18 @@ TEST_CASE("a covariance keeps unmeasured motion until a loop removes it") {
         CHECK(scan < seen_again + 6);  // before it was noticed
         continue;
       }
-      ++known;
       const double error_m =
           (slam.trajectory()[scan].T_map_sensor.translation() - truth(scan).translation()).norm();
       CHECK(error_m < 3.0 * sigma_m(covariance) + 0.05);
       CHECK(sigma_m(covariance) < 1.0);
     }
-    CHECK(known >= 40);  // of 50 scans
+    // Scans before the loop are known afterwards, those after it at once.
+    std::map<std::size_t, slam::Covariance> finally(corrected.begin(), corrected.end());
+    for (std::size_t i = seen_again; i < reports.size(); ++i) {
+      finally.try_emplace(i, reports[i].covariance);
+    }
+    const auto is_known = [&](const auto& of_scan) { return sigma_m(of_scan.second) < 1.0; };
+    CHECK(std::ranges::count_if(finally, is_known) >= 40);  // of 50 scans
   }
 }
 

@@ -10,9 +10,7 @@ namespace hqslam::tools {
 inline SlamRun example_run(int scans) {
   SlamRun run;
   run.input = "drive";
-  run.sensor_name = "os1-64";
-  run.rows = 64;
-  run.columns = 1024;
+  run.sensor = sensor_preset("os1-64");
   run.threads = 2;
   run.scans_in_recording = scans;
   run.wall_s = 0.02 * scans;

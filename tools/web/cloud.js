@@ -26,7 +26,7 @@ const less = (a, b) => a.map((value, i) => value - b[i]);
 function turningStage(data) {
   const box = (name, colour, text) => el('label', {}, el('input', {type: 'checkbox', class: name, checked: true}),
                                          colour ? el('i', {style: `background:${colour};border-radius:50%`}) : null, text);
-  const upsamples = data.scans.some(scan => scan.upsampled.blocks.length);
+  const upsamples = Boolean(data.drive) && data.drive.rows.some(row => !row.measured);
   const hasScans = data.scans.length > 0, when = (condition, element) => { element.hidden = !condition; return element; };
   return el('figure', {class: 'turning-view'},
     el('div', {class: 'controls'},
@@ -52,9 +52,11 @@ function turningStage(data) {
 /**
  * Puts a view of data (C++: turning_view.h) into the element `into`. Returns its figure, of which
  * renew(data) shows other data with as many clouds from the same place, and sensorAt(pose) moves
- * the arrow of the first scan; null without WebGL 2.
+ * the arrow of the first scan; null without WebGL 2. onscan(i) is called for each scan that is
+ * shown, with -1 for none.
  */
-function turningView(into, data) {
+function turningView(into, data, onscan = () => {}) {
+  if (data.drive) data.scans = scansOf(data.drive);
   data.paths.forEach((path, i) => { path.colour = data.paths.length > 1 ? kPaths[i % kPaths.length] : kPath; });
   const root = turningStage(data), find = name => root.querySelector(name);
   const canvas = find('canvas');
@@ -163,8 +165,8 @@ function turningView(into, data) {
   // Draws the blocks within the picture, each with as many points as its distance needs.
   function drawCloud(cloud, look, colours) {
     if (!cloud.buffer) {
-      cloud.buffer = bufferOf(bytesOf(cloud.points));
-      cloud.shine = bufferOf(bytesOf(cloud.brightness));
+      cloud.buffer = bufferOf(typeof cloud.points === 'string' ? bytesOf(cloud.points) : cloud.points);
+      cloud.shine = bufferOf(bytesOf(cloud.brightness || ''));
       delete cloud.points;
       delete cloud.brightness;
     }
@@ -250,7 +252,7 @@ function turningView(into, data) {
       gl.uniformMatrix4fv(points.toClip, false, nearer);
       for (const [kind, colour] of [['measured', kMeasured], ['upsampled', kUpsampled]]) {
         const plain = {palette: Array(5).fill(colour), by: 0, light: 1, spacing: .07, least: 2};
-        if (find('.' + kind).checked) drawCloud(scan[kind], look, plain);
+        if (scan[kind] && find('.' + kind).checked) drawCloud(scan[kind], look, plain);
       }
     }
 
@@ -477,10 +479,14 @@ function turningView(into, data) {
       redraw(true);
     };
   }
+  const release = things => things.forEach(old => { gl.deleteBuffer(old.buffer); gl.deleteBuffer(old.shine); });
   function show(scan) {
+    const before = data.scans[shown.scan - 1], seen = data.scans[scan - 1];
+    if (before !== seen && before?.load) { release([before.measured, before.upsampled]); delete before.measured; delete before.upsampled; }
+    if (seen?.load && !seen.measured) Object.assign(seen, seen.load());
     shown.scan = scan;
     find('.scan').value = scan;
-    const seen = data.scans[scan - 1];
+    onscan(scan - 1);
     find('output').textContent = seen ? seen.name : 'the map alone';
     const arrow = (forward, left) => seen.at.map((value, i) => value + (i === 2 ? 0 :
         i === 0 ? forward * Math.cos(seen.yaw) - left * Math.sin(seen.yaw)
@@ -493,13 +499,13 @@ function turningView(into, data) {
   let timer = 0;
   function play() {
     if (timer) { clearInterval(timer); timer = 0; }
-    else timer = setInterval(() => show(shown.scan % data.scans.length + 1), 400);
+    else timer = setInterval(() => show(shown.scan % data.scans.length + 1), 200);
     find('.play').textContent = timer ? 'Stop' : 'Play';
   }
   find('.play').onclick = play;
   root.renew = fresh => {  // for a page that is updated
-    const clouds = [...data.clouds, ...data.scans.flatMap(scan => [scan.measured, scan.upsampled])];
-    for (const old of [...paths, loops, ...clouds]) { gl.deleteBuffer(old.buffer); gl.deleteBuffer(old.shine); }
+    release([...paths, loops, ...data.clouds, ...data.scans.flatMap(scan => [scan.measured, scan.upsampled]).filter(Boolean)]);
+    if (fresh.drive) fresh.scans = scansOf(fresh.drive);
     Object.assign(data, {...fresh, paths: fresh.paths.map((path, i) => ({...data.paths[i], ...path}))});
     takeLines();
     find('.scan').max = data.scans.length;

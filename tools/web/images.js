@@ -64,7 +64,7 @@ function scaleLegend(scale) {
 /**
  * An image of rows x columns values.
  * spec: {rows, columns, values, scale, unit, height: css, label: (row, column, value) => texts, axes:
- * whether to write the azimuth below, elevation_deg: of the rows, marks: [{row, column, colour}] drawn
+ * whether to write the azimuth below, elevation_deg: of the rows, every: it has every n-th column, marks: [{row, column, colour}] drawn
  * over it}
  * The figure has show({values, scale, unit}), which replaces what is seen, pixels(), the colours that
  * are seen, and onpick(row, column), called for the pixel under the pointer.
@@ -112,10 +112,10 @@ function imageFigure(spec) {
     const valueText = scale.classes            ? (scale.classes[value] || ['', '?'])[1] :
         scale.name === 'range' && !(value > 0) ? 'no return' :
                                                  `${short(value)} ${unit || ''}`;
-    const azimuth = 180 - 360 * (column + .5) / columns;
+    const {every = 1} = spec, azimuth = 180 - 360 * (every * column + .5) / (every * columns);
     readout.replaceChildren(
         el('b', {}, valueText),
-        `  row ${row}, column ${column}${spec.axes === false ? '' : `, azimuth ${azimuth.toFixed(1)}°`}`,
+        `  row ${row}, column ${every * column}${spec.axes === false ? '' : `, azimuth ${azimuth.toFixed(1)}°`}`,
         ...(spec.label ? ['  ' + spec.label(row, column)] : []));
   };
   canvas.onpointermove = canvas.onpointerdown = event => {

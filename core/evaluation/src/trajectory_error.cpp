@@ -7,12 +7,16 @@
 #include <numbers>
 #include <optional>
 
+#include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "hqslam/evaluation/drift.h"
 
 namespace hqslam {
 
 namespace {
+
+/// Of singular values of a covariance of positions: below it they are on one line.
+constexpr double kDegenerate = 1e-9;
 
 /// In the order of Alignment.
 constexpr std::array<std::string_view, 3> kAlignments = {"none", "first", "se3"};
@@ -43,7 +47,6 @@ Pose umeyama(const Trajectory& estimate, const Trajectory& reference, const Pose
     C += (T_r.translation() - mean_r) * (T_e.translation() - mean_e).transpose() / n;
     orientations += T_r.linear() * T_e.linear().transpose() / n;
   }
-  constexpr double kDegenerate = 1e-9;
   const Eigen::Vector3d singular = Eigen::JacobiSVD<Eigen::Matrix3d>(C).singularValues();
   if (singular(1) <= kDegenerate * std::max(singular(0), 1.0)) {
     C += 1e-6 * std::max(singular(0), 1e-6) * orientations;
@@ -55,6 +58,27 @@ Pose umeyama(const Trajectory& estimate, const Trajectory& reference, const Pose
   T_reference_estimate.linear() = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
   T_reference_estimate.translation() = mean_r - T_reference_estimate.linear() * mean_e;
   return T_reference_estimate;
+}
+
+// Whether an alignment by positions determines the turn about a path that is nearly a line.
+//
+// In:  n aligned positions, metres; their errors' RMS sigma. Out: sigma / (s sqrt(n)) <= 1 degree.
+// s^2 is the second eigenvalue of the positions' covariance: their distance from the line. Errors
+// of sigma at that distance turn a least-squares alignment by that much. Positions exactly on a
+// line are aligned by their orientations.
+bool is_turn_known(const AbsolutePoseError& error) {
+  const double n = static_cast<double>(error.pairs.estimate.size());
+  Eigen::Matrix3Xd places(3, error.pairs.estimate.size());
+  for (Eigen::Index i = 0; i < places.cols(); ++i) {
+    const std::size_t pose = error.pairs.estimate[static_cast<std::size_t>(i)];
+    places.col(i) = error.aligned_estimate[pose].T_map_sensor.translation();
+  }
+  places.colwise() -= Eigen::Vector3d(places.rowwise().mean());
+  const Eigen::Vector3d spread = Eigen::JacobiSVD<Eigen::Matrix3Xd>(places).singularValues();
+  if (spread(1) * spread(1) <= n * kDegenerate * std::max(spread(0) * spread(0) / n, 1.0)) {
+    return true;
+  }
+  return error.translation_statistics.rmse <= kDegree_rad * spread(1);  // s sqrt(n)
 }
 
 Pose alignment_of(const Trajectory& estimate, const Trajectory& reference, const PosePairs& pairs,
@@ -172,6 +196,7 @@ AbsolutePoseError absolute_pose_error(const Trajectory& estimate, const Trajecto
   }
   error.translation_statistics = statistics_of(error.translation_m);
   error.rotation_statistics = statistics_of(error.rotation_rad);
+  error.is_rotation_known = alignment != Alignment::kSe3 || is_turn_known(error);
   return error;
 }
 

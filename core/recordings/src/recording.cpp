@@ -58,16 +58,6 @@ void refuse_folder_of_recordings(const std::string& folder) {
       folder, paths.size(), *std::ranges::min_element(paths));
 }
 
-/// The sensor that is named, else that of the folder's sensor.json.
-std::optional<SensorModel> stated_sensor(const std::string& path, const OpenOptions& options) {
-  const fs::path described = fs::path(path) / "sensor.json";
-  std::error_code error;
-  if (!options.sensor.empty()) return load_sensor(options.sensor);
-  if (fs::is_regular_file(described, error)) return load_sensor(described.string());
-  refuse_folder_of_recordings(path);
-  return std::nullopt;
-}
-
 /// Whether hqslam wrote the folder: range images and their sensor.
 bool is_folder_of_images(const fs::path& folder) {
   std::error_code error;
@@ -80,6 +70,22 @@ std::optional<int> image_rows(const fs::path& path) {
   if (path.extension() == ".npy") return NpyStackReader(path.string()).rows();
   if (!is_folder_of_images(path)) return std::nullopt;
   return read_sensor_json((path / "sensor.json").string()).rows();
+}
+
+/// The sensor that is named, else that of the sensor.json in the folder, or beside a stack if it
+/// has as many rows.
+std::optional<SensorModel> stated_sensor(const std::string& path, const OpenOptions& options) {
+  if (!options.sensor.empty()) return load_sensor(options.sensor);
+  const bool is_stack = fs::path(path).extension() == ".npy";
+  const fs::path described =
+      (is_stack ? fs::path(path).parent_path() : fs::path(path)) / "sensor.json";
+  std::error_code error;
+  if (fs::is_regular_file(described, error)) {
+    SensorModel sensor = load_sensor(described.string());
+    if (!is_stack || sensor.rows() == image_rows(path)) return sensor;
+  }
+  refuse_folder_of_recordings(path);
+  return std::nullopt;
 }
 
 /// As many rows of `full` as were measured by all_rows, evenly spread ones where it does not name

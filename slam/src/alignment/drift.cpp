@@ -1,5 +1,6 @@
 #include "alignment/drift.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -53,6 +54,12 @@ Matrix6 unknown_covariance() {
 Matrix6 carried(const Matrix6& covariance, const Pose& motion) {
   const Matrix6 turn = adjoint(motion.inverse());
   return turn * covariance * turn.transpose();
+}
+
+Matrix6 growth(const Matrix6& before, const Matrix6& expected, const Pose& motion) {
+  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(expected - carried(before, motion));
+  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).asDiagonal() *
+         solver.eigenvectors().transpose();
 }
 
 DriftState carried(const DriftState& state, const Pose& motion) {

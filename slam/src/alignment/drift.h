@@ -12,6 +12,10 @@ Matrix6 unknown_covariance();
 
 /// A covariance of e in T exp(e), for another pose rigidly connected with T.
 Matrix6 carried(const Matrix6& covariance, const Pose& motion);
+/// What a motion adds to the covariance of the pose before it, at most: of expected - carried(
+/// before, motion) the positive part (its eigenvectors with eigenvalues above 0, in metres and
+/// radians). The difference alone is no covariance where the velocity's errors undo the pose's.
+Matrix6 growth(const Matrix6& before, const Matrix6& expected, const Pose& motion);
 
 struct DriftState {
   Matrix6 drift = Matrix6::Zero();       ///< accumulated along the path

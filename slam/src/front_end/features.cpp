@@ -12,11 +12,10 @@ namespace hqslam::slam {
 
 namespace {
 
-constexpr int kMaxColumnGap = 10;   // between neighbours, and between a jump's two sides
-constexpr int kOutlierColumns = 5;  // outliers of every fifth column go into the map
-constexpr int kSlopeRows = 3;       // largest distance of the row above or below, in rows
+constexpr int kMaxColumnGap = 10;  // between neighbours, and between a jump's two sides
+constexpr int kSlopeRows = 3;      // largest distance of the row above or below, in rows
 
-/// The sequence of ground and cluster returns of one row with their properties.
+/// The sequence of returns of one row with their properties.
 struct Row {
   static constexpr int kHalfWindow = 5;  ///< neighbours on each side
 
@@ -28,7 +27,6 @@ struct Row {
   /// Near a chosen point, hidden, along the beam, or too near an end of the row.
   std::vector<std::uint8_t> taken;
   std::vector<std::uint8_t> is_edge;
-  std::vector<FeaturePoint> outliers;
   std::vector<int> candidates;  ///< of the present section; its memory is reused
 
   int size() const { return static_cast<int>(range_m.size()); }
@@ -121,10 +119,6 @@ Row gather_row(const OrganizedCloud& cloud, const Segmentation& segmentation, in
     if (pixel_class == PixelClass::kGround) {
       point.slope = slope_at(cloud, segmentation, row, column);
     }
-    if (pixel_class == PixelClass::kOutlier) {
-      if (column % kOutlierColumns == 0) result.outliers.push_back(point);
-      continue;
-    }
     result.points.push_back(point);
     result.range_m.push_back(cloud.range_m[pixel]);
     result.column.push_back(column);
@@ -210,11 +204,10 @@ Features features_of_row(const OrganizedCloud& cloud, const Segmentation& segmen
   std::vector<FeaturePoint> ground;
   std::vector<FeaturePoint> surfaces;
   ground.reserve(row.points.size());
-  surfaces.reserve(row.points.size() + row.outliers.size());
+  surfaces.reserve(row.points.size());
   for (int i = 0; i < row.size(); ++i) {
     if (row.is_edge[i] == 0) (row.ground[i] != 0 ? ground : surfaces).push_back(row.points[i]);
   }
-  surfaces.insert(surfaces.end(), row.outliers.begin(), row.outliers.end());
   features.ground = thin(ground, options.planar_leaf_m);
   features.surfaces = thin(surfaces, options.planar_leaf_m);
   return features;

@@ -29,15 +29,13 @@ struct Features {
   std::vector<FeaturePoint> edges;        ///< more of them ("less sharp"), the sharpest included
   std::vector<FeaturePoint> flat_points;  ///< the flattest ground points; matched scan to scan
   std::vector<FeaturePoint> ground;       ///< ground points, thinned
-  /// Points of clusters that are no edges ("less flat") and outliers of every fifth column,
-  /// thinned.
-  std::vector<FeaturePoint> surfaces;
+  std::vector<FeaturePoint> surfaces;     ///< of objects, no edges ("less flat"), thinned
   std::vector<FeaturePoint> posts;  ///< narrow objects that stand alone, one point per row: posts.h
 };
 
 /// Chooses edge and planar features of a scan.
 ///
-/// In: cloud (sensor frame), its segmentation. Out: features. The returns of ground and clusters in
+/// In: cloud (sensor frame), its segmentation. Out: features. The returns of
 /// a row form a sequence; with their ranges r the smoothness of point i is
 ///   c_i = | sum over j = i-5..i+5, j != i, of r_j  -  10 r_i |        [m]
 /// Points on the far side of a depth jump (occluded from elsewhere) and points on surfaces nearly

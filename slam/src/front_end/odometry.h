@@ -29,7 +29,7 @@ struct OdometryResult {
   int edge_correspondences = 0;
 };
 
-/// Scan-to-scan motion in two steps.
+/// Scan-to-scan motion in two steps, for scans that mapping does not locate from the prediction.
 ///
 /// In: a reference scan, features of a scan (as measured), its predicted motion. Out: the
 /// sensor's pose in the frame of the reference scan at its stamp. Step 1 matches flat points of the

@@ -19,8 +19,7 @@ struct PostRow {
   std::size_t pixel(int column) const { return cloud.index(row, column); }
   float range_m(int column) const { return cloud.range_m[pixel(column)]; }
   bool stands(int column) const {
-    const PixelClass pixel_class = segmentation.pixel_class[pixel(column)];
-    return pixel_class == PixelClass::kCluster || pixel_class == PixelClass::kOutlier;
+    return segmentation.pixel_class[pixel(column)] == PixelClass::kObject;
   }
   /// The last column of the run that begins at `first`.
   int end_of_run(int first) const {

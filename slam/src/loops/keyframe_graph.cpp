@@ -38,6 +38,7 @@ void KeyframeGraph::add_keyframe(const LoopKeyframe& keyframe) {
     segments_.push_back(
         {static_cast<std::uint32_t>(T_map_keyframe_.size()), nodes_.size(), submaps_.size()});
     submaps_.emplace_back(options_);
+    taken_ = FeatureMaps(options_);
     recent_ = RecentFeatures(kRecentNodes);
     gravity_.clear();
     drift_m_ = 0.0;
@@ -171,7 +172,13 @@ std::vector<std::size_t> KeyframeGraph::older_nodes(std::size_t submap) const {
 }
 
 MapPoints KeyframeGraph::take_near_last() {
-  return submaps_[own_submap()].take_near(loop_surroundings(T_map_last()));
+  const Surroundings place = loop_surroundings(T_map_last());
+  const MapPoints still_near = taken_.take_near(place);
+  MapPoints taken = submaps_[own_submap()].take_near(place);
+  taken_ = FeatureMaps(options_);
+  taken_.insert(still_near);
+  taken_.insert(taken);
+  return taken;
 }
 
 void KeyframeGraph::join(std::size_t submap, std::size_t other) {
@@ -217,6 +224,7 @@ std::vector<Pose> KeyframeGraph::move(const std::vector<Pose>& T_map_node) {
   }
   recent_.correct(corrections.back());
   for (FeatureMaps& submap : submaps_) submap.correct(corrections);
+  taken_.correct(corrections);
   return corrections;
 }
 

@@ -55,7 +55,7 @@ struct LoopedDrift {
 /// loops joined, with the points of the map that left the sliding window.
 class KeyframeGraph {
  public:
-  explicit KeyframeGraph(const MappingOptions& options) : options_(options) {}
+  explicit KeyframeGraph(const MappingOptions& options) : options_(options), taken_(options) {}
 
   void add_keyframe(const LoopKeyframe& keyframe);
   /// The last keyframe, which has a view, becomes a node.
@@ -89,6 +89,8 @@ class KeyframeGraph {
   const std::vector<double>& edge_drift_m() const { return edge_drift_m_; }  ///< of odometry edges
 
   const std::vector<FeatureMaps>& submaps() const { return submaps_; }
+  /// Copies of the points taken out about the last place that take_near_last() was called for.
+  const FeatureMaps& taken() const { return taken_; }
   std::size_t own_submap() const { return segments_.back().submap; }
   std::size_t submap_of(std::size_t node) const;
   std::vector<std::size_t> submap_of_segment() const;
@@ -122,6 +124,7 @@ class KeyframeGraph {
 
   MappingOptions options_;
   std::vector<FeatureMaps> submaps_;
+  FeatureMaps taken_;  ///< in the last segment
   std::vector<Segment> segments_;
   std::vector<Pose> T_map_keyframe_;
   double path_m_ = 0.0;

@@ -77,7 +77,8 @@ auto LoopClosing::look_in(std::size_t submap, const Look& look) const {
   const std::vector<PlausibleDrift> drift = plausible_drift(graph_.poses(), graph_.edge_drift_m());
   const MapFeatures features = graph_.features_about_last();
   return look(LoopSearchSpace{options_, graph_.submaps()[submap], graph_.poses(), graph_.contexts(),
-                              graph_.last_contexts(), drift, features, nodes});
+                              graph_.last_contexts(), drift, features, nodes,
+                              submap == graph_.own_submap() ? &graph_.taken() : nullptr});
 }
 
 /// The other submaps come first, because a loop there gains most.

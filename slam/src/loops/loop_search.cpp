@@ -1,6 +1,7 @@
 #include "loops/loop_search.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "loops/place_search.h"
 
@@ -20,7 +21,10 @@ constexpr double kWorthVerifying = 0.9;
 constexpr double kAmbiguousShare = 0.8;
 
 Mapping map_about(const LoopSearchSpace& space, const Pose& T_map_place) {
-  return {space.options, space.map.about(space.options, loop_surroundings(T_map_place))};
+  const Surroundings place = loop_surroundings(T_map_place);
+  FeatureMaps local = space.map.about(space.options, place);
+  if (space.taken != nullptr) local.insert(space.taken->about(space.options, place).take_all());
+  return {space.options, std::move(local)};
 }
 
 std::optional<FoundLoop> verified(const LoopSearchSpace& space, std::size_t node,

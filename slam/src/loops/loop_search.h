@@ -23,6 +23,8 @@ struct LoopSearchSpace {
   const std::vector<PlausibleDrift>& drift;       ///< one per node
   const MapFeatures& features;                    ///< about the last node, in its frame
   const std::vector<std::size_t>& nodes;          ///< to compare with
+  /// Points of the submap that are in the sliding window again, since a loop was found near them.
+  const FeatureMaps* taken = nullptr;
 };
 
 /// The last node, recognized at an older place.

@@ -9,20 +9,13 @@ namespace hqslam::slam {
 
 namespace {
 
-/// A state known better than kPrecise is the only start, unless the odometry is farther from it
-/// than kElsewhere.
+/// A state known better than this is the only start of a scan that fits.
 constexpr double kPrecise_m = 0.5;
 constexpr double kPrecise_rad = 0.05;
-constexpr double kElsewhere_m = 0.3;
-constexpr double kElsewhere_rad = 0.03;
 /// Turns of a hand in half a second; a search converges from about 10 degrees.
 constexpr std::array<double, 6> kTurns_rad = {15.0 * kDegree_rad, -15.0 * kDegree_rad,
                                               30.0 * kDegree_rad, -30.0 * kDegree_rad,
                                               45.0 * kDegree_rad, -45.0 * kDegree_rad};
-
-bool is_elsewhere(const Twist& innovation) {
-  return innovation.linear.norm() > kElsewhere_m || innovation.angular.norm() > kElsewhere_rad;
-}
 
 bool fits_better(const MappingResult& a, const MappingResult& b) {
   if (a.status == Status::kTooFewFeatures) return false;
@@ -61,10 +54,11 @@ MappingResult register_from_starts(const Mapping& mapping, const MapFeatures& fe
         features, with_innovation(state, innovation, expected.duration_s), T_map_start);
     if (fits_better(found, best)) best = found;
   };
-  Pose T_map_moved = expected.T_map_moved;
-  if (expected.is_turn_measured) T_map_moved.linear() = state.T_map_sensor.linear();
-  const Twist innovation = logarithm(state.T_map_sensor.inverse() * T_map_moved);
-  if (!is_precise(state) || is_elsewhere(innovation)) begin_at(T_map_moved);
+  if (!is_precise(state) || fits_badly(best, expected.last_close_ratio)) {
+    Pose T_map_moved = expected.T_map_moved();
+    if (expected.is_turn_measured) T_map_moved.linear() = state.T_map_sensor.linear();
+    begin_at(T_map_moved);
+  }
   // If nothing fits, a sample of the inertial sensor may be wrong.
   if (expected.is_turn_measured && best.status != Status::kTooFewFeatures) return best;
   if (fits_badly(best, expected.last_close_ratio)) {

@@ -1,17 +1,19 @@
 #pragma once
 
+#include <functional>
+
 #include "map/mapping.h"
 
 namespace hqslam::slam {
 
 /// What is known about a scan before its registration.
 struct ExpectedScan {
-  MotionState state;        ///< predicted from the scan before
-  Pose T_map_moved;         ///< by the odometry
-  Pose T_map_last;          ///< of the scan before
-  double duration_s;        ///< since the scan before
-  double last_close_ratio;  ///< MappingResult::close_ratio of the last registered scan
-  bool is_turn_measured;    ///< by an inertial sensor: no other headings are tried
+  MotionState state;                  ///< predicted from the scan before
+  std::function<Pose()> T_map_moved;  ///< by the odometry, which takes time
+  Pose T_map_last;                    ///< of the scan before
+  double duration_s;                  ///< since the scan before
+  double last_close_ratio;            ///< MappingResult::close_ratio of the last registered scan
+  bool is_turn_measured;              ///< by an inertial sensor: no other headings are tried
 };
 
 /// A scan whose close_ratio is less than this share of the last one's fits badly: other starts are
@@ -20,14 +22,13 @@ inline constexpr double kDoubtfulFit = 0.8;
 /// The gain in close_ratio by which another registration is better.
 inline constexpr double kClearlyBetter = 1.1;
 
-/// Whether a state is known well enough to be the only start of a registration, unless the odometry
-/// contradicts it.
+/// Whether a state is known well enough to be the only start of a registration that fits.
 bool is_precise(const MotionState& state);
 
 /// Registers a scan from its expected pose; from the odometry's pose too, if the expected one is
-/// uncertain or the odometry contradicts it; if the result fits badly, from six headings beside the
-/// expected pose, and then from the last pose and six headings beside that, since a hand that turns
-/// back is nearer to its last pose. The result with most features close to the map wins.
+/// uncertain or the result fits badly; if it still does, from six headings beside the expected
+/// pose, and then from the last pose and six headings beside that, since a hand that turns back is
+/// nearer to its last pose. The result with most features close to the map wins.
 MappingResult register_from_starts(const Mapping& mapping, const MapFeatures& features,
                                    const ExpectedScan& expected);
 

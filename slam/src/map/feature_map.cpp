@@ -116,11 +116,6 @@ FeatureMap::FeatureMap(double leaf_m, double max_distance_m)
       cube_m_(static_cast<float>(2.0 * max_distance_m)),
       voxels_per_side_(static_cast<int>(std::ceil(2.0 * max_distance_m / leaf_m))) {}
 
-const FeatureMap::Cube* FeatureMap::find(const Eigen::Vector3i& cube) const {
-  const std::uint32_t found = index_.find(cube);
-  return found == CellIndex::kNone ? nullptr : &cubes_[found];
-}
-
 FeatureMap::Cube& FeatureMap::find_or_add(std::uint64_t key) {
   const std::uint32_t found = index_.find(key);
   if (found != CellIndex::kNone) return cubes_[found];
@@ -225,16 +220,24 @@ Neighbours FeatureMap::nearest(const Eigen::Vector3f& query_m) const {
   const Eigen::Vector3i own = floored(scaled);
   const Eigen::Array3f inside = scaled.array() - own.cast<float>().array();  // 0..1
   const auto is_near_lower = inside < 0.5F;
-  const Eigen::Array3f face_m2 =
-      (is_near_lower.select(inside, 1.0F - inside) * cube_m_).square().eval();
+  const Eigen::Array3f face_m2 = (is_near_lower.select(inside, 1.0F - inside) * cube_m_).square();
   const Eigen::Array3i beyond = own.array() + is_near_lower.select(Eigen::Array3i::Constant(-1), 1);
   SixNearest nearest(query_m, max_distance_m_ * max_distance_m_);
   std::array<const Cube*, 8> cubes{};
-  for (std::uint32_t corner = 0; corner < 8; ++corner) {
-    const Eigen::Array3<bool> is_beyond((corner & 1U) != 0, (corner & 2U) != 0, (corner & 4U) != 0);
-    if (is_beyond.select(face_m2, 0.0F).sum() >= nearest.bound_m2()) continue;
-    cubes[corner] = find(is_beyond.select(beyond, own.array()));
-    if (cubes[corner] != nullptr) nearest.look_through(cubes[corner]->cells, corner);
+  // The bits of a corner are its axes beyond a face: nearer cubes first.
+  for (const std::uint32_t corner : {0U, 1U, 2U, 4U, 3U, 5U, 6U, 7U}) {
+    Eigen::Vector3i cube = own;
+    float away_m2 = 0.0F;
+    for (int axis = 0; axis < 3; ++axis) {
+      if ((corner >> axis & 1U) == 0) continue;
+      cube[axis] = beyond[axis];
+      away_m2 += face_m2[axis];
+    }
+    if (away_m2 >= nearest.bound_m2()) continue;
+    const std::uint32_t found = index_.find(CellIndex::key_of(cube));
+    if (found == CellIndex::kNone) continue;
+    cubes[corner] = &cubes_[found];
+    nearest.look_through(cubes_[found].cells, corner);
   }
   return nearest.found([&](std::uint32_t cube, std::uint32_t cell) -> const Eigen::Vector3f& {
     return cubes[cube]->cells[cell].mean_m;

@@ -98,7 +98,6 @@ class FeatureMap {
     bool operator==(const Voxel&) const = default;
   };
 
-  const Cube* find(const Eigen::Vector3i& cube) const;
   Cube& find_or_add(std::uint64_t key);
   /// None beyond a million cubes.
   std::optional<Voxel> voxel_of(const Eigen::Vector3f& point_m) const;

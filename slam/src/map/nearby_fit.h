@@ -16,7 +16,9 @@ namespace hqslam::slam {
 ///
 /// While a scan is registered its features move by less and less. With d the distance of the last
 /// of the k nearest points and e that of the next, a feature that moved by s < (e - d) / 2 has the
-/// same k nearest points (d + s < e - s), and the same fit. LOAM searches in every iteration.
+/// same k nearest points (d + s < e - s), and the same fit. One with d - s > reach has none,
+/// whatever its neighbours are; with fewer than k points found, d is at least the reach of the
+/// map's search. LOAM searches in every iteration.
 template <typename Fit, int kNeighbours = Neighbours::kWanted>
 class NearbyFit {
  public:
@@ -32,17 +34,16 @@ class NearbyFit {
                         const Make& fit) {
     const auto reach = static_cast<float>(reach_m);
     const float moved_m = (query_m - query_m_).norm();
-    if (moved_m < same_within_m_) {
-      if (last_m_ + moved_m <= reach) return fit_;
-      if (last_m_ - moved_m > reach) return std::nullopt;
-    }
-    search(map, query_m, fit);
-    return last_m_ <= reach ? fit_ : std::nullopt;
+    if (last_m_ - moved_m > reach) return std::nullopt;
+    if (moved_m < same_within_m_ && last_m_ + moved_m <= reach) return fit_;
+    const bool enough = search(map, query_m, fit);
+    return enough && last_m_ <= reach ? fit_ : std::nullopt;
   }
 
  private:
+  /// Whether k points were found.
   template <typename Make>
-  void search(const FeatureMap& map, const Eigen::Vector3f& query_m, const Make& fit) {
+  bool search(const FeatureMap& map, const Eigen::Vector3f& query_m, const Make& fit) {
     const Neighbours found = map.nearest(query_m);
     const bool enough = found.count >= kNeighbours;
     float next_m2 = found.sixth_squared_m2;
@@ -50,16 +51,18 @@ class NearbyFit {
       if (found.count > kNeighbours) next_m2 = found.squared_distance_m2[kNeighbours];
     }
     query_m_ = query_m;
-    last_m_ = enough ? std::sqrt(found.squared_distance_m2[kNeighbours - 1])
-                     : std::numeric_limits<float>::infinity();
+    last_m_ = std::sqrt(enough ? found.squared_distance_m2[kNeighbours - 1] : next_m2);
     same_within_m_ = enough ? (std::sqrt(next_m2) - last_m_) / 2.0F : 0.0F;
-    if (!enough || std::equal(points_m_.begin(), points_m_.end(), found.points_m.begin())) return;
+    if (!enough || std::equal(points_m_.begin(), points_m_.end(), found.points_m.begin())) {
+      return enough;
+    }
     std::copy_n(found.points_m.begin(), kNeighbours, points_m_.begin());
     fit_ = fit(found);
+    return true;
   }
 
   Eigen::Vector3f query_m_ = Eigen::Vector3f::Zero();
-  float last_m_ = 0.0F;
+  float last_m_ = 0.0F;         ///< the least that it can be if fewer than k were found
   float same_within_m_ = 0.0F;  ///< about query_m_; 0: not searched yet
   std::optional<Fit> fit_;
   std::array<Eigen::Vector3f, kNeighbours> points_m_;  ///< of the fit; NaN before the first

@@ -135,6 +135,28 @@ TEST_CASE("a straight line and a standing sensor are aligned by their orientatio
   }
 }
 
+TEST_CASE("of a path that is nearly a line an alignment by positions gives no rotation") {
+  const auto wavy = [](double across_m, int seed) {
+    Trajectory path;
+    for (int i = 0; i < 60; ++i) {
+      path.push_back({0.1 * i, pose_from_xyz_rpy({0.5 * i, across_m * std::sin(0.1 * i),
+                                                  0.003 * std::sin(i * i + seed)},
+                                                 0, 0, 0)});
+    }
+    return path;
+  };
+  const AbsolutePoseError straight =
+      absolute_pose_error(wavy(0.003, 1), wavy(-0.003, 2), Alignment::kSe3);
+  CHECK_FALSE(straight.is_rotation_known);
+  CHECK(straight.rotation_statistics.rmse * kDegreesPerRadian > 10.0);
+  const AbsolutePoseError curved = absolute_pose_error(wavy(1, 1), wavy(1, 2), Alignment::kSe3);
+  CHECK(curved.is_rotation_known);
+  CHECK(curved.rotation_statistics.rmse * kDegreesPerRadian < 1.0);
+  CHECK(absolute_pose_error(wavy(0.003, 1), wavy(-0.003, 2), Alignment::kFirstPose)
+            .is_rotation_known);
+  CHECK(absolute_pose_error(an_estimate(), a_drive(), Alignment::kSe3).is_rotation_known);
+}
+
 TEST_CASE("mirrored positions are aligned by a rotation, not by a reflection") {
   Trajectory mirrored = a_drive();
   for (StampedPose& pose : mirrored) pose.T_map_sensor.translation().y() *= -1.0;

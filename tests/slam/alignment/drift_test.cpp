@@ -157,3 +157,15 @@ TEST_CASE("a loop removes the unmeasured covariance, but not the drift since") {
     CHECK(std::isinf(covariance_of(lost_again, kExact)(0, 0)));
   }
 }
+
+TEST_CASE(
+    "what a motion adds to a covariance is never negative, whatever the velocity's errors undo") {
+  const Matrix6 before = 4.0 * Matrix6::Identity();
+  Matrix6 expected = before;
+  expected(0, 0) = 1.0;
+  expected(1, 1) = 9.0;
+  const Matrix6 added = slam::growth(before, expected, Pose::Identity());
+  CHECK(added(0, 0) == doctest::Approx(0.0));
+  CHECK(added(1, 1) == doctest::Approx(5.0));
+  CHECK(added(5, 5) == doctest::Approx(0.0));
+}

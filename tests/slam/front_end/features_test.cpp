@@ -25,7 +25,7 @@ struct OneRow {
     image.range_m = range_m;
     cloud = unproject(image, sensor, CaptureTime::kMotionCorrected);
     for (const float range : range_m) {
-      segmentation.pixel_class.push_back(range > 0.0F ? slam::PixelClass::kCluster
+      segmentation.pixel_class.push_back(range > 0.0F ? slam::PixelClass::kObject
                                                       : slam::PixelClass::kNoReturn);
     }
   }
@@ -66,8 +66,7 @@ TEST_CASE("the slope of the ground is in the ground, across the row; nothing els
 TEST_CASE("in a scan with computed rows the measured ones have features, the same as alone") {
   const SensorModel sensor = test::small_sensor(32, 512);
   const OrganizedCloud cloud = test::Yard().scan(sensor, test::yard_pose(0, 0, 0));
-  slam::Segmenter segmenter(sensor, {}, {});
-  const slam::Segmentation segmentation = segmenter.segment(cloud);
+  const slam::Segmentation segmentation = slam::segment(cloud, sensor, {});
   const slam::Features of_all = slam::extract_features(cloud, segmentation, {});
   const slam::Features features =
       slam::extract_features(cloud, segmentation, {}, RowSelection{3, 4});

@@ -22,12 +22,11 @@ struct RowWithPosts {
     sensor.columns = 360;
     sensor.beam_elevation_rad = {0.0};
     sensor.beam_azimuth_offset_rad = {0.0};
-    segmentation.pixel_class.assign(360, slam::PixelClass::kCluster);
+    segmentation.pixel_class.assign(360, slam::PixelClass::kObject);
   }
   void put(int first, int last, float range) {
     std::fill(range_m.begin() + first, range_m.begin() + last + 1, range);
-    const auto pixel_class =
-        range > 0.0F ? slam::PixelClass::kCluster : slam::PixelClass::kNoReturn;
+    const auto pixel_class = range > 0.0F ? slam::PixelClass::kObject : slam::PixelClass::kNoReturn;
     std::fill(segmentation.pixel_class.begin() + first, segmentation.pixel_class.begin() + last + 1,
               pixel_class);
   }
@@ -63,7 +62,7 @@ TEST_CASE("of a trunk that a row sees, the middle is found") {
   RowWithPosts row;
   row.sensor.columns = 1440;
   row.range_m.assign(1440, 50.0F);
-  row.segmentation.pixel_class.assign(1440, slam::PixelClass::kCluster);
+  row.segmentation.pixel_class.assign(1440, slam::PixelClass::kObject);
   for (int column = 380; column <= 420; ++column) {
     const double turn_rad = row.sensor.azimuth_rad(0, column) - row.sensor.azimuth_rad(0, 400);
     const double beside_m = 6.0 * std::sin(turn_rad);
@@ -76,12 +75,10 @@ TEST_CASE("of a trunk that a row sees, the middle is found") {
   CHECK(posts[0].point_m.norm() == doctest::Approx(6.0).epsilon(0.003));
 }
 
-TEST_CASE("a single pixel before nothing is a post, wherever clutter or clusters count as such") {
+TEST_CASE("a single pixel before nothing is a post unless it is ground") {
   RowWithPosts row;
   row.put(90, 110, 0.0F);
   row.put(100, 100, 5.0F);
-  CHECK(row.posts().size() == 1);
-  row.segmentation.pixel_class[100] = slam::PixelClass::kOutlier;
   CHECK(row.posts().size() == 1);
   row.segmentation.pixel_class[100] = slam::PixelClass::kGround;
   CHECK(row.posts().empty());

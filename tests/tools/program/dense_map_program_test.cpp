@@ -107,6 +107,9 @@ TEST_CASE("scans whose poses a TUM file does not have are left out of the map, a
   const ProgramResult result = succeeds("map '{}' --poses '{}' --out '{}'", simulated_drive(),
                                         out.file("some.tum"), out.file("map"));
   CHECK(missing(result.out, {"of 4 scans", "8 scans without a pose left out"}) == "");
+  const ProgramResult first = succeeds("map '{}' --poses '{}' --scans ..4 --out '{}'",
+                                       simulated_drive(), out.file("some.tum"), out.file("map"));
+  CHECK(missing(first.out, {"of 2 scans", "3 scans without a pose left out"}) == "");
 }
 
 TEST_CASE(

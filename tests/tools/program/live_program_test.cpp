@@ -4,7 +4,6 @@
 
 #include <chrono>
 #include <filesystem>
-#include <regex>
 #include <thread>
 
 #include "core/recordings/live/loopback.h"
@@ -54,6 +53,12 @@ class LiveProgram {
   }
   std::string error() const { return file_contents(path("stderr")); }
   std::string path(const std::string& name) const { return folder_.file(name); }
+  /// Of its page.
+  std::string url() const {
+    const std::string text = out();
+    const std::size_t at = text.find("http://");
+    return text.substr(at, text.find('\n', at) - at);
+  }
 
   /// Waits until the output has such a part; whether it came.
   bool says(const std::string& part) const {
@@ -147,6 +152,30 @@ TEST_CASE("live makes the maps that run makes of its capture, and one to be loca
   CHECK((end_m(again) - end_m(first)).norm() < 0.1);
 }
 
+TEST_CASE("the page's button saves the chosen maps while the drive goes on") {
+  const TemporaryDirectory folder;
+  LiveProgram live("--view 0 --occupancy-grid --save-map --record '" + folder.file("kept.pcap") +
+                   "'");
+  REQUIRE(live.says("no packet yet"));
+  live.send_drive();
+  const auto posted = [&](const std::string& more) {  // the status
+    const std::string url = live.url();
+    return run_shell(fmt::format(
+                         R"(bash -c "exec 3<>/dev/tcp/127.0.0.1/{}
+        printf 'POST /maps HTTP/1.1\r\nHost: 127.0.0.1\r\n{}\r\n' >&3; head -c 12 <&3")",
+                         url.substr(url.rfind(':') + 1, url.size() - url.rfind(':') - 2), more))
+        .out;
+  };
+  CHECK(posted("Origin: http://evil.example\\r\\n") == "HTTP/1.1 403");
+  CHECK_FALSE(fs::exists(live.path("out/map.pgm")));
+  CHECK(posted("") == "HTTP/1.1 202");
+  REQUIRE(live.says(fmt::format("maps of {} scans saved", kDriveScans)));
+  for (const char* map : {"map.pgm", "map.yaml", "saved_map.npz"}) {
+    CHECK(fs::exists(live.path(fmt::format("out/{}", map))));
+  }
+  CHECK(live.end(SIGINT) == 0);
+}
+
 TEST_CASE("replay refuses what is no capture and no address") {
   const TemporaryDirectory folder;
   write_file(folder.file("no.pcap"), "no capture");
@@ -222,10 +251,8 @@ TEST_CASE("live that can write no results says so before it waits for the sensor
 TEST_CASE("live upsamples scans, serves the page, and ends with SIGTERM as with Ctrl-C") {
   LiveProgram live("--rows 8 --upsample linear --view 0");
   REQUIRE(live.says("page: http://127.0.0.1:"));
-  std::smatch url;
-  const std::string out = live.out();
-  REQUIRE(std::regex_search(out, url, std::regex("page: http://127.0.0.1:([0-9]+)/")));
-  const auto port = static_cast<std::uint16_t>(std::stoi(url[1]));
+  const std::string url = live.url();
+  const auto port = static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)));
   CHECK(holds(live::http_get(kLoopback, port, "/"), "hqslam live"));
   live.send_drive();
   const auto state = nlohmann::json::parse(live::http_get(kLoopback, port, "/state"));

@@ -55,6 +55,10 @@ TEST_CASE("a stack of 16 rows and one of 64 whose 16 rows are looked at give the
     CHECK(stacks[0].size() == 128U + std::size_t{4} * kScans * 64 * 1024);
     CHECK(stacks[0] == stacks[1]);
     CHECK(stacks[0] == stacks[2]);
+    const TemporaryDirectory out;
+    succeeds("upsample '{}' {} --scans 2.. --out '{}'", files.drive, method, out.path().string());
+    const std::string last = file_contents(out.file("scans.npy"));
+    CHECK(last.substr(128) == stacks[0].substr(128 + std::size_t{4} * 2 * 64 * 1024));
   }
 }
 

@@ -132,16 +132,12 @@ Eigen::AlignedBox3d scene_of(const TurningView& view, const Points& points_m) {
   return {low, high};
 }
 
-Json json_of(const ViewScan& scan, std::size_t most_points) {
+Json json_of(const ViewScan& scan) {
   const Eigen::Vector3d ahead = scan.T_map_sensor.linear().col(0);
-  const std::vector<std::size_t> most =
-      shared_out(most_points, {scan.measured.points_m.size(), scan.upsampled.points_m.size()});
   return {{"name", scan.name},
-          {"number", scan.number},
           {"at", json_of(Eigen::Vector3d(scan.T_map_sensor.translation()))},
           {"yaw", std::atan2(ahead.y(), ahead.x())},
-          {"measured", json_of(scan.measured, most[0])},
-          {"upsampled", json_of(scan.upsampled, most[1])}};
+          {"measured", json_of(scan.measured, scan.measured.points_m.size())}};
 }
 
 Json json_of(const ViewPath& path) {
@@ -192,9 +188,7 @@ slam::OccupancyMap thinned(const slam::OccupancyMap& map, std::size_t most_cells
 
 Json turning_view_json(const TurningView& view) {
   static const Points kNone;
-  const Points& points_m = !view.clouds.empty()  ? view.clouds.front().points_m
-                           : !view.scans.empty() ? view.scans.front().measured.points_m
-                                                 : kNone;
+  const Points& points_m = view.clouds.empty() ? kNone : view.clouds.front().points_m;
   const Eigen::AlignedBox3d scene = scene_of(view, points_m);
   Json data = {{"centre", json_of(Eigen::Vector3d(scene.center()))},
                {"radius", std::max(5.0, 0.5 * scene.sizes().head<2>().norm())},
@@ -220,9 +214,8 @@ Json turning_view_json(const TurningView& view) {
     data["loops"].push_back({json_of(from_m), json_of(to_m)});
   }
   data["scans"] = Json::array();
-  for (const ViewScan& scan : view.scans) {
-    data["scans"].push_back(json_of(scan, kMostScanPoints / view.scans.size()));
-  }
+  if (view.last_scan) data["scans"].push_back(json_of(*view.last_scan));
+  if (!view.drive.scans.empty()) data["drive"] = drive_json(view.drive);
   if (view.grid) data["grid"] = json_of(*view.grid);
   return data;
 }

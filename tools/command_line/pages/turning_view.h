@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <cstddef>
-#include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -11,6 +10,7 @@
 
 #include "hqslam/core/pose.h"
 #include "hqslam/slam/occupancy_grid.h"
+#include "pages/drive_scans.h"
 
 namespace hqslam::tools {
 
@@ -23,13 +23,11 @@ struct ViewCloud {
   std::vector<float> intensity = {};
 };
 
-/// A scan as it was measured, and what was computed between, in the frame of the clouds.
+/// The last scan of a sensor that sends now, in the frame of the clouds.
 struct ViewScan {
   std::string name;
-  std::int64_t number = 0;  ///< its name in links: page.html#scan=3
   Pose T_map_sensor = Pose::Identity();
   ViewCloud measured;
-  ViewCloud upsampled;  ///< without points: the scan was not upsampled
 };
 
 /// The path of a sensor, in pieces: the relative pose of two pieces is unknown.
@@ -49,21 +47,21 @@ struct TurningView {
   std::vector<ViewCloud> clouds;  ///< one is shown at a time
   std::vector<ViewPath> paths;    ///< all are shown, each in its colour
   std::vector<std::pair<Eigen::Vector3f, Eigen::Vector3f>> loops_m;  ///< places that are the same
-  std::vector<ViewScan> scans;
+  std::optional<ViewScan> last_scan = {};
+  ViewDrive drive = {};
   std::optional<ViewGrid> grid = {};
 };
 
-/// What a page may have of points of 4 bytes (5 with an intensity), so that it stays below 15 MB
-/// with its pictures.
+/// What a page may have of points of 4 bytes (5 with an intensity), so that it stays below 11 MB
+/// without its scans.
 inline constexpr std::size_t kMostCloudPoints = 1'200'000;
-inline constexpr std::size_t kMostScanPoints = 700'000;
 
 /// What a page may have of an occupancy grid: cells of twice, three times, ... the side, so that
 /// there are at most `most_cells`. A cell is occupied if one of its own is, else free if one is.
 slam::OccupancyMap thinned(const slam::OccupancyMap& map, std::size_t most_cells = 4'000'000);
 
-/// What tools/web/cloud.js shows as a cloud that is turned, moved and zoomed, with the scans one
-/// after another over it. Points are thinned to what a page may have.
+/// What tools/web/cloud.js shows as a cloud that is turned, moved and zoomed, with the scans over
+/// it. Points are thinned to what a page may have.
 nlohmann::ordered_json turning_view_json(const TurningView& view);
 
 }  // namespace hqslam::tools

@@ -42,8 +42,12 @@ int evaluate_trajectories(const EvaluateOptions& options) {
             estimate.size(), options.reference, path_length_m(reference));
   to_stdout("{:<26}{:>10}{:>10}{:>10}{:>10}\n", "", "RMSE", "mean", "median", "max");
   print_row(fmt::format("APE m (align {})", options.alignment), ape.translation_statistics, 1.0);
-  print_row(fmt::format("APE deg (align {})", options.alignment), ape.rotation_statistics,
-            kDegreesPerRadian);
+  const std::string rotation = fmt::format("APE deg (align {})", options.alignment);
+  if (ape.is_rotation_known) {
+    print_row(rotation, ape.rotation_statistics, kDegreesPerRadian);
+  } else {
+    to_stdout("{:<26}{:>10}  {}\n", rotation, "-", "(a straight path; --align first gives it)");
+  }
   for (const double stretch_m : kStretches_m) {
     const RelativePoseError rpe = relative_pose_error(estimate, reference, stretch_m);
     if (rpe.translation_m.empty()) continue;

@@ -35,7 +35,7 @@ Json numbers_json(const SlamScanReport& page) {
       number("odometry", std::string(name(report.odometry_status)), "",
              fmt::format("{} edges, {} flat points", trace.sharp_edges, trace.flat_points)),
       number("returns", fmt::format("{}", report.returns), "",
-             fmt::format("{} on the ground, {} clusters", report.ground_points, report.clusters)),
+             fmt::format("{} on the ground", report.ground_points)),
       number("inlier ratio", fmt::format("{:.2f}", trace.inlier_ratio), "",
              fmt::format("{:.2f} in the last registered scan", trace.last_inlier_ratio)),
       number("standard deviation", fmt::format("{:.3f}", std::sqrt(variance.head<3>().sum())), "m",

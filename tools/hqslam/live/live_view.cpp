@@ -144,6 +144,7 @@ std::string LiveView::state() const {
       {"path_m", status_.path_m},
       {"mapping",
        status_.latest ? slam::name(status_.latest->report.mapping_status) : "no scan yet"},
+      {"maps", status_.maps ? PageJson(*status_.maps) : PageJson()},
       {"warning", warning_of(status_)},
   };
   return json.dump(-1, ' ', false, PageJson::error_handler_t::replace);
@@ -154,7 +155,7 @@ TurningView LiveView::turning_view() const {
   TurningView view;
   const std::lock_guard lock(mutex_);
   view.clouds = {{"map", map_.points_m(), {}, map_.intensity()}};
-  view.scans = {{"last scan", 0, T_map_sensor_, {"", last_scan_m_}, {}}};
+  view.last_scan = {"last scan", T_map_sensor_, {"", last_scan_m_}};
   ViewPath& path = view.paths.emplace_back(ViewPath{"path"});
   std::optional<std::size_t> segment;
   const auto add = [&](const PathPosition& position) {

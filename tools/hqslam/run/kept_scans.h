@@ -1,8 +1,8 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -10,44 +10,37 @@
 
 namespace hqslam::tools {
 
-/// A scan as SLAM saw it, in the sensor's frame, thinned to some columns of it.
+/// The range image of a scan as SLAM saw it, every n-th column of it.
 struct KeptScan {
-  struct Point {
-    Eigen::Vector3f point_m;
-    float time_offset_s;
-    int row;
-  };
-  std::size_t pose = 0;  ///< of the run's trajectory
-  std::vector<Point> points;
+  std::size_t pose = 0;              ///< of the run's trajectory
+  std::vector<std::uint16_t> range;  ///< rows x columns in steps of kRangeStep_m; 0: no return
+  std::vector<float> time_offset_s;  ///< of the first return of each column; NaN: not known
 };
 
-/// Some scans of a drive, for the report, evenly over it however long it gets.
+/// The scans of a drive for the report: all of them, with as many columns as a screen, as long as
+/// these have kMostPixels pixels. Then half of the columns go, again and again, and where few are
+/// left half of the scans, so that those that stay are evenly over the drive.
 class KeptScans {
  public:
-  static constexpr std::size_t kMost = 48;
+  static constexpr std::size_t kMostPixels = std::size_t{1} << 24U;
+  static constexpr int kManyColumns = 1024;
+  static constexpr int kFewColumns = 300;
 
   /// The cloud of each pose in turn.
   void offer(std::size_t pose, const OrganizedCloud& cloud) {
     if (pose % every_ != 0) return;
-    KeptScan& scan = scans_.emplace_back(KeptScan{pose, {}});
-    const int step = std::max(1, cloud.rows * cloud.columns / kMostPixels);
-    for (int column = 0; column < cloud.columns; column += step) {
-      for (int row = 0; row < cloud.rows; ++row) {
-        const std::size_t pixel = cloud.index(row, column);
-        if (!(cloud.range_m[pixel] > 0.0F)) continue;
-        const float after_s = cloud.time_offset_s.empty() ? 0.0F : cloud.time_offset_s[pixel];
-        scan.points.push_back({cloud.points_m[pixel], after_s, row});
-      }
-    }
-    if (scans_.size() <= kMost) return;
-    every_ *= 2;
-    std::erase_if(scans_, [&](const KeptScan& kept) { return kept.pose % every_ != 0; });
+    if (pose == 0) column_step_ = std::max(1, (cloud.columns + kManyColumns / 2) / kManyColumns);
+    scans_.push_back(thinned(pose, cloud));
+    while (scans_.size() > 1 && scans_.size() * scans_.back().range.size() > kMostPixels) thin();
   }
   std::vector<KeptScan> take() { return std::move(scans_); }
 
  private:
-  static constexpr int kMostPixels = 1 << 15;
+  KeptScan thinned(std::size_t pose, const OrganizedCloud& cloud) const;
+  void thin();
+
   std::size_t every_ = 1;
+  int column_step_ = 1;
   std::vector<KeptScan> scans_;
 };
 

@@ -37,6 +37,7 @@ and with --occupancy-grid
   map.pgm, map.yaml              where a robot can drive, for Nav2
 hqslam run --dense-map --occupancy-grid does the same with the poses that it finds.)");
   declare_input(command, options);
+  declare_scans(command, options);
   declare_upsampling_method(command, options);
   command
       .option("--poses", &options.poses, kScanPosesHelp, {.required = true, .given = Given::kFile})

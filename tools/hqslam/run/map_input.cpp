@@ -21,6 +21,7 @@ pipeline::UpsampledRecording input_of(const InputChoice& recording,
 
 MapInput::MapInput(const InputChoice& recording, const UpsamplingChoice& upsampling, double voxel_m)
     : input_(input_of(recording, upsampling, voxel_m)),
+      wanted_(wanted_scans(recording)),
       measured_rows_(upsampler().sensor().measured_rows) {}
 
 MapReading MapInput::read(const ScanPoses& poses, const std::string& label,
@@ -35,6 +36,7 @@ MapReading MapInput::read(const ScanPoses& poses, const std::string& label,
   }
   Progress progress(label, most);
   MapReading reading;
+  reading.wanted = wanted_;
   const auto use_if_known = [&](const ReadScan& read) {
     if (const auto path =
             poses.path_of(read.index, read.scan.stamp_s, upsampler().recorded().scan_period_s)) {

@@ -51,6 +51,7 @@ class MapInput {
                   const LookAhead& look_ahead);
 
   pipeline::UpsampledRecording input_;
+  ScanRange wanted_;
   std::optional<RowSelection> measured_rows_;
 };
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <ctime>
 #include <limits>
+#include <optional>
 
 #include "hqslam/core/angles.h"
 #include "pages/page.h"
@@ -154,10 +155,12 @@ Json reference_json(const SlamRun& run) {
   return {{"x", position_m(0)}, {"y", position_m(1)}};
 }
 
-Json error_row(const char* name, const ErrorStatistics& error, double scale, int decimals) {
+/// unit: how many of the row's are one of the error's; nothing: the error is not known.
+Json error_row(const char* name, const ErrorStatistics& error, std::optional<double> unit,
+               int decimals) {
   Json cells = {name};
   for (const double value : {error.rmse, error.mean, error.median, error.max}) {
-    cells.push_back(figure_text(scale * value, decimals));
+    cells.push_back(figure_text(unit ? std::optional(*unit * value) : std::nullopt, decimals));
   }
   return cells;
 }
@@ -168,12 +171,15 @@ Json error_json(const SlamRun& run) {
   for (const std::size_t pose : error.pairs.estimate) {
     times_s.push_back(run.trajectory[pose].stamp_s - run.trajectory.front().stamp_s);
   }
-  return {{"reference", run.comparison->reference_path},
-          {"time_s", f32_block(times_s)},
-          {"translation_m", f32_block(error.translation_m)},
-          {"rows",
-           {error_row("position, m", error.translation_statistics, 1.0, 3),
-            error_row("rotation, degrees", error.rotation_statistics, kDegreesPerRadian, 2)}}};
+  return {
+      {"reference", run.comparison->reference_path},
+      {"time_s", f32_block(times_s)},
+      {"translation_m", f32_block(error.translation_m)},
+      {"rows",
+       {error_row("position, m", error.translation_statistics, 1.0, 3),
+        error_row(error.is_rotation_known ? "rotation, degrees" : "rotation: straight path",
+                  error.rotation_statistics,
+                  error.is_rotation_known ? std::optional(kDegreesPerRadian) : std::nullopt, 2)}}};
 }
 
 Json statuses_json(const SlamRun& run) {
@@ -194,7 +200,7 @@ Json report_json(const SlamRun& run, const DenseMapRun* dense_map, const slam::O
   const std::string upsampled =
       run.upsampled_by.empty() ? "" : fmt::format(" by {}", run.upsampled_by);
   std::string subtitle = fmt::format("hqslam {}, sensor {}, range images of {} x {}", run.command,
-                                     run.sensor_name, run.rows, run.columns);
+                                     run.sensor.name, run.sensor.rows(), run.sensor.columns);
   if (dense_map != nullptr) {
     subtitle += fmt::format(
         "; dense map of {} points, one per {} m, from {} scans: measured points, and computed ones "
@@ -203,18 +209,19 @@ Json report_json(const SlamRun& run, const DenseMapRun* dense_map, const slam::O
   }
   TurningView view = view_of(run, dense_map);
   if (grid != nullptr) view.grid = {*grid, run.occupancy_grid_summary};
-  Json data = {{"command", run.command},
-               {"title", fmt::format("{}, {} rows{}", short_name(run.input), run.rows, upsampled)},
-               {"subtitle", subtitle},
-               {"command_line", invocation()},
-               {"date", fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)))},
-               {"notices", notices_json(run)},
-               {"numbers", numbers_json(run)},
-               {"view", turning_view_json(view)},
-               {"trajectory", trajectory_json(run)},
-               {"statuses", statuses_json(run)},
-               {"times", Json::array()},
-               {"slam_ms", f32_block(slam_times(run).times_ms)}};
+  Json data = {
+      {"command", run.command},
+      {"title", fmt::format("{}, {} rows{}", short_name(run.input), run.sensor.rows(), upsampled)},
+      {"subtitle", subtitle},
+      {"command_line", invocation()},
+      {"date", fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)))},
+      {"notices", notices_json(run)},
+      {"numbers", numbers_json(run)},
+      {"view", turning_view_json(view)},
+      {"trajectory", trajectory_json(run)},
+      {"statuses", statuses_json(run)},
+      {"times", Json::array()},
+      {"slam_ms", f32_block(slam_times(run).times_ms)}};
   for (const ScanTimes& stage : stage_times(run)) {
     data["times"].push_back({{"name", stage.name}, {"ms", f32_block(stage.times_ms)}});
   }

@@ -11,14 +11,14 @@
 
 namespace hqslam::tools {
 
-/// The dense map of a run if there is one, the features of its map, its path, loops and scans,
-/// whose points are where the sensor was when it measured each. Other submaps, if there are any,
-/// are not in it: their relative pose is unknown.
+/// The dense map of a run if there is one, the features of its map, its path, loops and scans.
+/// Other submaps, if there are any, are not in it: their relative pose is unknown. It has views of
+/// the run's scans.
 TurningView view_of(const SlamRun& run, const DenseMapRun* dense_map = nullptr);
 
-/// What tools/web/report.html shows: headline numbers, the view of the map, the trajectory from
-/// above, errors and poses over time, time per stage, statuses, and the occupancy grid if there is
-/// one.
+/// What tools/web/report.html shows: headline numbers, the view of the map and the scans, the
+/// trajectory from above, errors and poses over time, time per stage, statuses, and the occupancy
+/// grid if there is one.
 nlohmann::ordered_json report_json(const SlamRun& run, const DenseMapRun* dense_map = nullptr,
                                    const slam::OccupancyMap* grid = nullptr);
 std::string report_html(const SlamRun& run, const DenseMapRun* dense_map = nullptr,

@@ -121,7 +121,8 @@ void process_all(ScanSource& source, SlamSession& session, RunOutput& output,
                  const std::function<bool(const ReadScan&)>& is_enough) {
   SlamRun& run = session.run();
   run.scans_in_recording = source.size();
-  Progress progress(fmt::format("slam {}x{}", run.rows, run.columns), source.size());
+  Progress progress(fmt::format("slam {}x{}", run.sensor.rows(), run.sensor.columns),
+                    source.size());
   read_scans(source, interrupt, run, [&](const ReadScan& read) {
     session.process(read.scan, read.index, read.reading_s);
     if (output.checkpoint_due()) output.write_checkpoint(session.run_so_far());

@@ -142,9 +142,9 @@ std::string timings_json(const SlamRun& run) {
   const Json json = {
       {"written_by", "hqslam " + run.command},
       {"input", run.input},
-      {"sensor", run.sensor_name},
-      {"rows", run.rows},
-      {"columns", run.columns},
+      {"sensor", run.sensor.name},
+      {"rows", run.sensor.rows()},
+      {"columns", run.sensor.columns},
       {"upsampled_by", run.upsampled_by.empty() ? Json() : Json(run.upsampled_by)},
       {"located_in", run.located_in.empty() ? Json() : Json(run.located_in)},
       {"slam_options", std::move(slam_options)},

@@ -127,8 +127,9 @@ std::string run_summary(const SlamRun& run) {
                                    run.located_in);
   }
   if (!run.upsampled_by.empty()) {
-    summary += fmt::format("upsampled to {} rows by {}: {:.1f} ms a scan (median)\n", run.rows,
-                           run.upsampled_by, distribution_of(stage_times(run)[1].times_ms).median);
+    summary +=
+        fmt::format("upsampled to {} rows by {}: {:.1f} ms a scan (median)\n", run.sensor.rows(),
+                    run.upsampled_by, distribution_of(stage_times(run)[1].times_ms).median);
   }
   return summary;
 }

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include "hqslam/slam/sensor_path.h"
 #include "run/report_page.h"
 
 namespace hqslam::tools {
@@ -16,32 +15,22 @@ ViewCloud cloud_of(const DenseMapRun& map) {
   return cloud;
 }
 
-/// The sensor's path during a scan: to and from its neighbours whose relative poses are known.
-slam::SensorPath path_of(const SlamRun& run, std::size_t pose) {
-  Trajectory near;
-  if (pose > 0 && is_motion_known(run, pose - 1)) near.push_back(run.trajectory[pose - 1]);
-  const std::size_t here = near.size();
-  near.push_back(run.trajectory[pose]);
-  if (pose + 1 < run.trajectory.size() && is_motion_known(run, pose)) {
-    near.push_back(run.trajectory[pose + 1]);
-  }
-  return {near, here};
-}
-
-ViewScan scan_of(const SlamRun& run, const KeptScan& kept) {
-  const StampedPose& pose = run.trajectory[kept.pose];
-  ViewScan scan;
-  scan.number = run.scans[kept.pose].scan;
-  scan.name =
-      fmt::format("scan {}, {:.1f} s", scan.number, pose.stamp_s - run.trajectory.front().stamp_s);
-  scan.T_map_sensor = pose.T_map_sensor;
-  const slam::SensorPath path = path_of(run, kept.pose);
-  for (const KeptScan::Point& point : kept.points) {
-    const bool is_measured = !run.measured_rows || run.measured_rows->contains(point.row);
-    const Eigen::Vector3d place_m = path.at(point.time_offset_s) * point.point_m.cast<double>();
-    (is_measured ? scan.measured : scan.upsampled).points_m.emplace_back(place_m.cast<float>());
-  }
-  return scan;
+/// The scan with the pose of a neighbour, the next one if the motion to it is known.
+ViewRangeImage image_of(const SlamRun& run, const KeptScan& kept) {
+  const std::size_t here = kept.pose;
+  const bool has_next = here + 1 < run.trajectory.size() && is_motion_known(run, here);
+  const bool has_last = here > 0 && is_motion_known(run, here - 1);
+  const StampedPose& pose = run.trajectory[here];
+  const StampedPose& other = run.trajectory[has_next ? here + 1 : has_last ? here - 1 : here];
+  const std::int64_t number = run.scans[here].scan;
+  const double time_s = pose.stamp_s - run.trajectory.front().stamp_s;
+  return {fmt::format("scan {}, {:.1f} s", number, time_s),
+          number,
+          pose.T_map_sensor,
+          other.T_map_sensor,
+          other.stamp_s - pose.stamp_s,
+          kept.range,
+          kept.time_offset_s};
 }
 
 }  // namespace
@@ -69,8 +58,9 @@ TurningView view_of(const SlamRun& run, const DenseMapRun* dense_map) {
     if (!is_shown(loop.scan) || !is_shown(loop.older_scan)) continue;
     view.loops_m.emplace_back(place_m(loop.older_scan), place_m(loop.scan));
   }
+  view.drive.sensor = run.sensor;
   for (const KeptScan& kept : run.kept_scans) {
-    if (is_shown(kept.pose)) view.scans.push_back(scan_of(run, kept));
+    if (is_shown(kept.pose)) view.drive.scans.push_back(image_of(run, kept));
   }
   return view;
 }

@@ -44,19 +44,16 @@ struct BeamsOfRun {
 struct SlamRun : Reading {
   std::string command = "run";  ///< the subcommand that made it
   std::string input;
-  std::string sensor_name;
-  int rows = 0;
-  int columns = 0;
+  SensorModel sensor;        ///< of the scans that SLAM took in: upsampled ones have all its rows
   std::string upsampled_by;  ///< nn::Upsampler::name(); empty: the recording as it is
-  std::optional<RowSelection> measured_rows;  ///< the others were computed; nothing: all of them
-  std::optional<BeamsOfRun> found_beams;      ///< nothing: no errors were found
+  std::optional<BeamsOfRun> found_beams;  ///< nothing: no errors were found
   slam::SlamOptions slam;
   slam::MountingOptions mounting;  ///< slam::Slam::mounting()
   int threads = 1;
   /// Or that have come from a sensor; nothing as long as only the end of the recording tells.
   std::optional<std::int64_t> scans_in_recording;
   std::vector<ScanRecord> scans;
-  bool has_imu = false;                      ///< inertial data came with it
+  bool has_imu = false;                      ///< which SLAM uses
   std::string imu_complaint;                 ///< slam::Slam::imu_complaint()
   std::vector<slam::LoopReport> loops;       ///< places that were recognised, and are right now
   std::vector<std::size_t> submap_of_scan;   ///< slam::Slam::submap_of_scan()

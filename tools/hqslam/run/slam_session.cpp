@@ -20,14 +20,12 @@ std::size_t largest_submap(const SlamRun& run) {
 
 SlamSession::SlamSession(pipeline::Upsampler upsampler, const pipeline::PipelineOptions& options,
                          const std::string& input, bool keeps_scans)
-    : pipeline_(std::move(upsampler), options), keeps_scans_(keeps_scans) {
-  const SensorModel& sensor = pipeline_.sensor();
+    : pipeline_(std::move(upsampler), options),
+      uses_imu_(options.slam == pipeline::SlamKind::kHqslam),
+      keeps_scans_(keeps_scans) {
   const nn::Upsampler* method = pipeline_.upsampler().method();
   run_.input = input;
-  run_.sensor_name = sensor.name;
-  run_.rows = sensor.rows();
-  run_.columns = sensor.columns;
-  run_.measured_rows = sensor.measured_rows;
+  run_.sensor = pipeline_.sensor();
   run_.upsampled_by = method != nullptr ? method->name() : "";
   run_.slam = options.slam_options;
   run_.threads = omp_get_max_threads();
@@ -35,7 +33,7 @@ SlamSession::SlamSession(pipeline::Upsampler upsampler, const pipeline::Pipeline
 
 ScanRecord& SlamSession::process(const RecordedScan& scan, std::int64_t index, double reading_s,
                                  slam::ScanTrace* trace) {
-  run_.has_imu = run_.has_imu || !scan.imu.empty();
+  run_.has_imu = run_.has_imu || (uses_imu_ && !scan.imu.empty());
   pipeline::LocatedScan located = pipeline_.process(scan, trace);
   cloud_ = std::move(located.cloud);
   ScanRecord record;
@@ -55,6 +53,14 @@ SlamRun& SlamSession::run_so_far() {
   run_.trajectory = pipeline_.trajectory();
   run_.segment_of_scan = pipeline_.segment_of_scan();
   return run_;
+}
+
+SlamRun SlamSession::so_far(bool save_map) {
+  SlamRun run = run_so_far();
+  run.submap_of_scan = pipeline_.submap_of_scan();
+  run.largest_submap = largest_submap(run);
+  if (save_map) run.saved_map = pipeline_.saved_map();
+  return run;
 }
 
 std::size_t SlamSession::submaps() const {

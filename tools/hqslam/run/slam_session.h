@@ -25,6 +25,8 @@ class SlamSession {
                       slam::ScanTrace* trace = nullptr);
   /// The run so far, with its trajectory and its segments.
   SlamRun& run_so_far();
+  /// The run so far as maps are made of it. save_map: with a map for later drives. Throws Error.
+  SlamRun so_far(bool save_map);
   /// The run so far without its trajectory and its map.
   SlamRun& run() { return run_; }
   /// Of the last scan.
@@ -44,6 +46,7 @@ class SlamSession {
   pipeline::Pipeline pipeline_;
   SlamRun run_;
   OrganizedCloud cloud_;
+  bool uses_imu_;
   bool keeps_scans_;
   KeptScans kept_scans_;
   SteadyClock::time_point start_ = SteadyClock::now();

@@ -65,6 +65,7 @@ UpsampleRun upsample(ScanSource& source, pipeline::Upsampler& upsampler, const S
   std::optional<UpsampleOutput> output;  // made when the first scan is there
   pipeline::LookAheadMemory memory(upsampler.method(), poses);
   UpsampleRun run;
+  run.wanted = wanted_scans(options);
   Progress progress(
       fmt::format("upsample to {}x{}", upsampler.sensor().rows(), upsampler.sensor().columns),
       source.size());
@@ -139,6 +140,7 @@ void declare(CLI::App& app, UpsampleOptions& options) {
               {.one_of = nn::interpolation_names()});
   command.option("--out", &options.out, "Folder for the results; made if it does not exist",
                  {.required = true});
+  declare_scans(command, options);
   declare_confidence(command, options);
   command.option("--poses", &options.poses, kMemoryPosesHelp, {.given = Given::kFile});
   declare_threads(command, options.threads);

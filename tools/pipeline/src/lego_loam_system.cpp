@@ -34,7 +34,6 @@ class LegoLoamSystem : public SlamSystem {
     report.odometry_status = has_odometry || is_first ? Status::kOk : Status::kTooFewFeatures;
     for (const float range_m : cloud.range_m) report.returns += range_m > 0.0F ? 1 : 0;
     report.ground_points = found.ground_points;
-    report.clusters = found.clusters;
     report.edge_features = found.edge_features;
     report.planar_features = found.planar_features;
     report.edge_correspondences = found.mapping_edges;

@@ -34,6 +34,8 @@ void add_evaluation(nb::module_& module) {
       .def_ro("max", &ErrorStatistics::max, "Largest.");
   add_errors<AbsolutePoseError>(module, "AbsolutePoseError",
                                 "Per pair of poses the error after alignment (APE).")
+      .def_ro("is_rotation_known", &AbsolutePoseError::is_rotation_known,
+              "False: so straight a path leaves the turn about it to errors of positions.")
       .def_ro("aligned_estimate", &AbsolutePoseError::aligned_estimate,
               "The whole estimate, in the reference's frame.");
   add_errors<RelativePoseError>(module, "RelativePoseError",

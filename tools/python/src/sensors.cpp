@@ -1,10 +1,12 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <filesystem>
 #include <string>
+#include <tuple>
 
 #include "arrays.h"
 #include "hqslam/core/sensor_model.h"
@@ -14,6 +16,10 @@
 namespace hqslam::python {
 namespace {
 
+/// All that a sensor is, for pickle; a stride of 0: all rows are measured.
+using SensorState =
+    std::tuple<std::string, int, double, double, double, std::vector<double>, std::vector<double>,
+               std::vector<double>, std::vector<double>, int, int, bool>;
 using Angles = Array<const double, -1>;
 
 Angles view(const std::vector<double>& values) { return Angles(values.data(), {values.size()}); }
@@ -71,6 +77,24 @@ void add_sensors(nb::module_& module) {
           "__eq__", [](const SensorModel& a, const SensorModel& b) { return a == b; },
           nb::is_operator(), nb::sig("def __eq__(self, other: object, /) -> bool"))
       .def("__hash__", [](const SensorModel& s) { return std::hash<std::string>{}(s.name); })
+      .def("__getstate__",
+           [](const SensorModel& s) {
+             const RowSelection rows = s.measured_rows.value_or(RowSelection{0, 0});
+             return SensorState(s.name, s.columns, s.scan_period_s, s.min_range_m, s.max_range_m,
+                                s.beam_elevation_rad, s.beam_azimuth_offset_rad,
+                                s.elevation_correction_rad, s.range_correction_m, rows.offset,
+                                rows.stride, s.motion_corrected);
+           })
+      .def("__setstate__",
+           [](SensorModel& sensor, const SensorState& state) {
+             new (&sensor) SensorModel;
+             RowSelection rows;
+             std::tie(sensor.name, sensor.columns, sensor.scan_period_s, sensor.min_range_m,
+                      sensor.max_range_m, sensor.beam_elevation_rad, sensor.beam_azimuth_offset_rad,
+                      sensor.elevation_correction_rad, sensor.range_correction_m, rows.offset,
+                      rows.stride, sensor.motion_corrected) = state;
+             if (rows.stride > 0) sensor.measured_rows = rows;
+           })
       .def("__repr__", [](const SensorModel& s) {
         return "SensorModel('" + s.name + "', " + std::to_string(s.rows()) + " x " +
                std::to_string(s.columns) + ")";

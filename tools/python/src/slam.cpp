@@ -1,5 +1,6 @@
 #include "hqslam/slam/slam.h"
 
+#include <fmt/format.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
@@ -29,6 +30,12 @@ void add_reports(nb::module_& module) {
       .def_ro("correction_m", &LoopReport::correction_m, "By how much its pose moved, metres.");
 
   nb::class_<ScanReport>(module, "ScanReport", "What happened to one scan.")
+      .def("__repr__",
+           [](const ScanReport& r) {
+             const Eigen::Vector3d at_m = r.T_map_sensor.translation();
+             return fmt::format("ScanReport({:.3f} s, [{:.2f} {:.2f} {:.2f}] m, mapping {})",
+                                r.stamp_s, at_m.x(), at_m.y(), at_m.z(), name(r.mapping_status));
+           })
       .def_ro("stamp_s", &ScanReport::stamp_s, "Seconds.")
       .def_prop_ro(
           "T_map_sensor", [](const ScanReport& r) { return matrix_of(r.T_map_sensor); },

@@ -1,4 +1,7 @@
 
+#include <fmt/format.h>
+#include <nanobind/stl/pair.h>
+
 #include <cmath>
 #include <filesystem>
 
@@ -87,6 +90,15 @@ void add_trajectories(nb::module_& module) {
           "stamp_s"_a, "T_map_sensor"_a,
           "stamp_s: (N,), seconds, rising. T_map_sensor: (N, 4, 4), metres. Raises Error.")
       .def("__len__", [](const Trajectory& t) { return t.size(); })
+      .def("__repr__",
+           [](const Trajectory& t) {
+             return fmt::format("Trajectory({} poses, {:.1f} m)", t.size(), path_length_m(t));
+           })
+      .def("__getstate__", [](const Trajectory& t) { return std::pair(stamps_of(t), poses_of(t)); })
+      .def("__setstate__",
+           [](Trajectory& t, const std::pair<Input<double, -1>, Input<double, -1, 4, 4>>& state) {
+             new (&t) Trajectory(trajectory_of(state.first, state.second));
+           })
       .def_prop_ro("stamp_s", &stamps_of, kOwned, "(N,) float64, seconds.")
       .def_prop_ro("T_map_sensor", &poses_of, kOwned,
                    "(N, 4, 4) float64: takes points of the sensor's frame to the map's, metres.")

@@ -73,7 +73,8 @@ HesaiDecoder::HesaiDecoder(const SensorModel& sensor, const DecoderOptions& opti
   }
   for (int row = 0; row < lasers; ++row) {
     const double elevation_rad = sensor.beam_elevation_rad[row];
-    const double offset_rad = -sensor.beam_azimuth_offset_rad[row];
+    const double offset_rad =
+        hesai_half_firing_rad(sensor.scan_period_s) - sensor.beam_azimuth_offset_rad[row];
     lasers_.push_back({std::cos(elevation_rad), std::sin(elevation_rad), std::cos(offset_rad),
                        std::sin(offset_rad), 1e-6 * kFastestTurn_us * row / lasers});
   }

@@ -22,11 +22,16 @@ struct HesaiPacket {
 /// Nothing if these are not the bytes of a packet of an XT16 or XT32.
 std::optional<HesaiPacket> hesai_packet(Bytes payload);
 
+/// The head fires at multiples of 0.18 degrees (at 10 turns a second), which are the edges of
+/// pixels: half of it is in the azimuth offsets of a sensor's beams, so that each pixel looks where
+/// its laser does and no rounding decides between two of them.
+double hesai_half_firing_rad(double scan_period_s);
+
 /// The sensor as its angle file gives it: lines of channel, elevation, azimuth (degrees, clockwise)
 /// after a line of names, 16 or 32 of them. Throws Error.
-SensorModel read_hesai_angles(const std::string& path);
+SensorModel read_hesai_angles(const std::string& path, double scan_period_s = 0.1);
 /// The sensor of the manual, beams 2 degrees (16) or 1 degree (32) apart.
-SensorModel nominal_hesai(int lasers);
+SensorModel nominal_hesai(int lasers, double scan_period_s = 0.1);
 
 /// Packets of a Hesai XT16 or XT32 -> scans, in the frame of the maker's own drivers: x at the
 /// azimuth of 90 degrees, y at 0.
@@ -38,7 +43,8 @@ SensorModel nominal_hesai(int lasers);
 /// cloud data packet" and appendix II; the numbers of appendix II as open drivers have them.
 class HesaiDecoder : public TurnDecoder {
  public:
-  /// `sensor` gives elevation and azimuth offset of each laser, 16 or 32. Throws Error for others.
+  /// `sensor` gives elevation and azimuth offset of each laser, 16 or 32, the latter with
+  /// hesai_half_firing_rad. Throws Error for others.
   HesaiDecoder(const SensorModel& sensor, const DecoderOptions& options = {},
                std::string name = "");
 

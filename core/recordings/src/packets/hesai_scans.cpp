@@ -22,9 +22,10 @@ constexpr std::size_t kMostBytes = 100'000;
 /// No laser looks farther aside.
 constexpr double kMostAside_deg = 20.0;
 
-SensorModel empty_sensor(std::string name) {
+SensorModel empty_sensor(std::string name, double scan_period_s) {
   SensorModel sensor;
   sensor.name = std::move(name);
+  sensor.scan_period_s = scan_period_s;
   sensor.columns = 2000;  // 0.18 degrees at 10 turns a second
   sensor.min_range_m = 0.3;
   sensor.max_range_m = 120.0;
@@ -49,13 +50,14 @@ SensorModel sensor_of(const HesaiPacket& header, const OpenOptions& options,
   const std::string wanted = options.sensor.empty() ? angles_beside(path) : options.sensor;
   SensorModel sensor;
   if (wanted.empty()) {
-    sensor = nominal_hesai(header.lasers);
+    sensor = nominal_hesai(header.lasers, header.scan_period_s);
     warnings.push_back(fmt::format(
         "{}: no angle file of this unit beside it; read with the manual's angles, which may be "
         "tenths of a degree off. Name the unit's .csv as the sensor",
         path));
   } else {
-    sensor = wanted.ends_with(kAnglesExtension) ? read_hesai_angles(wanted) : load_sensor(wanted);
+    sensor = wanted.ends_with(kAnglesExtension) ? read_hesai_angles(wanted, header.scan_period_s)
+                                                : load_sensor(wanted);
   }
   if (sensor.rows() != header.lasers) {
     throw Error(
@@ -72,18 +74,24 @@ SensorModel sensor_of(const HesaiPacket& header, const OpenOptions& options,
 
 }  // namespace
 
-SensorModel nominal_hesai(int lasers) {
-  SensorModel sensor = empty_sensor(name_of(lasers));
+double hesai_half_firing_rad(double scan_period_s) {
+  constexpr double kFiringAtTenTurns_deg = 0.18;
+  return 0.5 * kFiringAtTenTurns_deg * kDegree_rad * scan_period_s / 0.1;
+}
+
+SensorModel nominal_hesai(int lasers, double scan_period_s) {
+  SensorModel sensor = empty_sensor(name_of(lasers), scan_period_s);
   for (int i = 0; i < lasers; ++i) {
     sensor.beam_elevation_rad.push_back((15.0 - i * (32.0 / lasers)) * kDegree_rad);
   }
-  sensor.beam_azimuth_offset_rad.assign(sensor.beam_elevation_rad.size(), 0.0);
+  sensor.beam_azimuth_offset_rad.assign(sensor.beam_elevation_rad.size(),
+                                        hesai_half_firing_rad(scan_period_s));
   return sensor;
 }
 
-SensorModel read_hesai_angles(const std::string& path) {
+SensorModel read_hesai_angles(const std::string& path, double scan_period_s) {
   std::istringstream lines(whole_file(path, "a Hesai angle file", kMostBytes));
-  SensorModel sensor = empty_sensor("");
+  SensorModel sensor = empty_sensor("", scan_period_s);
   const auto complain = [&](const std::string& found) {
     throw Error(
         "{}: expected a Hesai angle file, lines of channel, elevation and azimuth in degrees, 16 "
@@ -99,7 +107,8 @@ SensorModel read_hesai_angles(const std::string& path) {
                       std::abs(azimuth_deg) < kMostAside_deg;
     if (!fits) complain(fmt::format("'{}' behind {} channels", excerpt(line), sensor.rows()));
     sensor.beam_elevation_rad.push_back(elevation_deg * kDegree_rad);
-    sensor.beam_azimuth_offset_rad.push_back(-azimuth_deg * kDegree_rad);
+    sensor.beam_azimuth_offset_rad.push_back(hesai_half_firing_rad(scan_period_s) -
+                                             azimuth_deg * kDegree_rad);
   }
   if (sensor.rows() != 16 && sensor.rows() != 32) {
     complain(fmt::format("{} channels", sensor.rows()));

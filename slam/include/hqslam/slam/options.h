@@ -23,13 +23,6 @@ struct GroundOptions {
   double max_slope_rad = 0.17453292519943295;  ///< 10 degrees
 };
 
-struct SegmentationOptions {
-  double min_angle_rad = 1.0471975511965976;  ///< 60 degrees
-  int min_pixels = 30;
-  int min_pixels_tall = 5;
-  int min_rows_tall = 3;
-};
-
 struct FeatureOptions {
   int sections = 6;
   int sharp_edges_per_section = 2;
@@ -78,7 +71,6 @@ struct SlamOptions {
   int threads = 0;  ///< 0: the default of OpenMP
   MountingOptions mounting;
   GroundOptions ground;
-  SegmentationOptions segmentation;
   FeatureOptions features;
   OdometryOptions odometry;
   MappingOptions mapping;

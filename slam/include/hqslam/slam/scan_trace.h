@@ -13,8 +13,7 @@ namespace hqslam::slam {
 enum class PixelClass : std::uint8_t {
   kNoReturn,
   kGround,
-  kCluster,  ///< in a cluster of sufficient size
-  kOutlier,  ///< in a smaller one: leaves, noise
+  kObject,  ///< all that is not ground
 };
 
 enum class FeatureKind : std::uint8_t { kEdge, kPost, kGround, kSurface };

@@ -37,7 +37,7 @@ using Covariance = Eigen::Matrix<double, 6, 6, Eigen::DontAlign>;
 /// What happened to one scan.
 struct ScanReport {
   double stamp_s = 0.0;
-  Pose T_odom_sensor = Pose::Identity();  ///< odometry alone: smooth, drifts
+  Pose T_odom_sensor = Pose::Identity();  ///< the motions from scan to scan: smooth, drifts
   Pose T_map_sensor = Pose::Identity();   ///< after scan-to-map optimisation and loop closing
   /// The covariance of T_map_sensor against the truth, the first scan's pose being exact: of e in
   /// T_true = T_map_sensor exp(e), (linear, angular) in the sensor's frame, m^2, m rad, rad^2. Its
@@ -50,12 +50,11 @@ struct ScanReport {
   /// independent, so it is usually too small, and not calibrated.
   Twist velocity;
   Covariance velocity_covariance = Covariance::Zero();
-  Status odometry_status = Status::kOk;
+  Status odometry_status = Status::kOk;  ///< also where the odometry was not needed
   Status mapping_status = Status::kOk;
   int returns = 0;
   int scattered = 0;  ///< returns that were left out: echoes of fog, dust or snow
   int ground_points = 0;
-  int clusters = 0;
   int edge_features = 0;
   int planar_features = 0;
   int edge_correspondences = 0;  ///< used by the last iteration of mapping
@@ -69,7 +68,7 @@ struct ScanReport {
 
 /// LeGO-LOAM without ROS: scan in, pose out.
 ///
-///   OrganizedCloud -> ground, clusters -> edge and planar features -> two-step odometry
+///   OrganizedCloud -> ground, objects -> edge and planar features -> two-step odometry
 ///   -> de-skewed features -> scan-to-map optimisation -> loop closing -> pose, map
 ///
 /// Deterministic: the same scans give the same bytes for any number of threads. Every scan is

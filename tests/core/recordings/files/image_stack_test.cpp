@@ -5,6 +5,7 @@
 #include "files/scan_files.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/trajectory.h"
+#include "hqslam/recordings/recording.h"
 #include "recording_complaint.h"
 #include "testing.h"
 
@@ -158,4 +159,17 @@ TEST_CASE("rows that hold nothing in the images of a stack are left out, and nam
   const auto with_holes = open_scan_files(directory.file("b.npy"), sensor);
   CHECK(with_holes->sensor().rows() == 64);
   CHECK(with_holes->warnings().at(0).find("31 of the 38 rows 3 to 40") != std::string::npos);
+}
+
+TEST_CASE("a stack has the sensor that lies beside it, if it has as many rows, or a named one") {
+  const TemporaryDirectory directory;
+  SensorModel sensor = sensor_preset("os1-16");
+  sensor.name = "mine";
+  write_sensor_json(sensor, directory.file("sensor.json"));
+  const std::string stack = directory.file("scans.npy");
+  NpyStackWriter(stack, 16, sensor.columns).append(a_wall(sensor));
+  CHECK(Recording::open(stack).sensor().name == "mine");
+  CHECK(Recording::open(stack, {.sensor = "os1-16"}).sensor().name == "os1-16");
+  write_sensor_json(sensor_preset("os1-64"), directory.file("sensor.json"));
+  CHECK(refused_with([&] { Recording::open(stack); }, "scans.npy", "--sensor"));
 }

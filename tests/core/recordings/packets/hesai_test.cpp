@@ -31,7 +31,7 @@ TEST_CASE("points and times of a Hesai's packets are those that the manual's for
   for (const int lasers : {16, 32}) {
     CAPTURE(lasers);
     SensorModel sensor = nominal_hesai(lasers);
-    sensor.beam_azimuth_offset_rad[1] = -1.0 * kDegree_rad;  // one degree clockwise
+    sensor.beam_azimuth_offset_rad[1] -= 1.0 * kDegree_rad;  // one degree clockwise
     HesaiDecoder decoder(sensor);
     std::vector<Captured> packets = hesai_capture(lasers, 0.3);
     const std::vector<Scan> scans = decoded(decoder, packets);
@@ -62,6 +62,28 @@ TEST_CASE("points and times of a Hesai's packets are those that the manual's for
     CHECK(decoder.counts().used == static_cast<std::int64_t>(packets.size()));
     CHECK(decoder.counts().lost == 0);
     CHECK(decoder.partial_scans() == 1);
+  }
+}
+
+TEST_CASE("each firing of a Hesai has a column of its own, at the azimuth of the laser") {
+  // As real ones fire: at multiples of 0.18 degrees.
+  std::vector<Captured> packets;
+  for (int i = 0; i < 251; ++i) {
+    packets.push_back({1'600'000'000'000'000'000 + 400'000LL * i, 2368,
+                       hesai_packet_bytes(16, static_cast<std::uint32_t>(400 * i),
+                                          18 * 8 * i % 36000, static_cast<std::uint32_t>(i))});
+  }
+  HesaiDecoder decoder(nominal_hesai(16));
+  for (const Captured& packet : packets) decoder.add(as_packet(packet));
+  decoder.finish();
+  const auto scan = decoder.next();
+  REQUIRE(scan);
+  CHECK(std::ranges::count(scan->cloud.range_m, 0.0F) == 0);
+  const SensorModel& sensor = decoder.sensor();
+  for (const int column : {0, 7, 1999}) {
+    const Eigen::Vector3f& point_m = scan->cloud.points_m[scan->cloud.index(3, column)];
+    const double apart_rad = std::atan2(point_m.y(), point_m.x()) - sensor.azimuth_rad(3, column);
+    CHECK(std::abs(std::remainder(apart_rad, 2.0 * M_PI)) < 1e-5);
   }
 }
 
@@ -123,7 +145,7 @@ TEST_CASE("a capture and a bag of Hesai packets give the same scans, by the angl
   CHECK(source.sensor().name == "xt16");
   CHECK(source.sensor().columns == 2000);
   CHECK(source.sensor().beam_elevation_rad[0] == doctest::Approx(15.25 * kDegree_rad));
-  CHECK(source.sensor().beam_azimuth_offset_rad[0] == doctest::Approx(-0.5 * kDegree_rad));
+  CHECK(source.sensor().beam_azimuth_offset_rad[0] == doctest::Approx((0.09 - 0.5) * kDegree_rad));
   const auto scans = all_scans(source);
   REQUIRE(scans.size() == 3);
   CHECK(source.warnings().empty());

@@ -31,31 +31,23 @@ std::size_t points_in(const nlohmann::json& cloud) {
 TEST_CASE("a view has all points of a small cloud, and no more than a page may have") {
   TurningView view;
   view.clouds = {{"large", points_m(kMostCloudPoints + 100'000)}, {"small", points_m(1000)}};
-  for (int i = 0; i < 3; ++i) {
-    view.scans.push_back(
-        {"scan", i, Pose::Identity(), {"", points_m(50'000)}, {"", points_m(300'000)}});
-  }
+  view.last_scan = {"scan", Pose::Identity(), {"", points_m(50'000)}};
   const nlohmann::json data = turning_view_json(view);
   CHECK(points_in(data["clouds"][1]) >= 999);
   CHECK(points_in(data["clouds"][0]) <= kMostCloudPoints - 1000);
   CHECK(points_in(data["clouds"][0]) > kMostCloudPoints * 9 / 10);
-  std::size_t of_scans = 0;
-  for (const auto& scan : data["scans"]) {
-    CHECK(points_in(scan["measured"]) > 49'000);
-    of_scans += points_in(scan["measured"]) + points_in(scan["upsampled"]);
-  }
-  CHECK(of_scans <= kMostScanPoints);
-  CHECK(data.dump().size() < 11'000'000);
+  CHECK(points_in(data["scans"][0]["measured"]) > 49'000);
+  CHECK(data.dump().size() < 7'000'000);
 }
 
 TEST_CASE("intensities go from their 2nd to their 98th percentile, a byte for each point") {
   ViewCloud cloud{"map", points_m(101)};
   for (int i = 0; i <= 100; ++i) cloud.intensity.push_back(static_cast<float>(i));
-  const nlohmann::json map = turning_view_json({{cloud}, {}, {}, {}})["clouds"][0];
+  const nlohmann::json map = turning_view_json({{cloud}, {}, {}})["clouds"][0];
   CHECK(map["bright"] == nlohmann::json({2.0, 98.0}));
   CHECK(map["brightness"].get<std::string>().size() == 136);  // 101 bytes as base64
   cloud.intensity.assign(101, std::nanf(""));
-  CHECK(turning_view_json({{cloud}, {}, {}, {}})["clouds"][0]["bright"].empty());
+  CHECK(turning_view_json({{cloud}, {}, {}})["clouds"][0]["bright"].empty());
 }
 
 TEST_CASE("a view of nothing is still one, without numbers that are none") {

@@ -43,6 +43,9 @@ struct AbsolutePoseError {
   std::vector<double> rotation_rad;        ///< per pair
   ErrorStatistics translation_statistics;  ///< metres
   ErrorStatistics rotation_statistics;     ///< radians
+  /// False: the path is so straight that kSe3 turns the estimate about it by errors of positions
+  /// (by more than a degree, one standard deviation); rotation_rad then has that turn.
+  bool is_rotation_known = true;
 };
 /// Throws Error if fewer than 2 pairs (3 for kSe3) can be made.
 AbsolutePoseError absolute_pose_error(const Trajectory& estimate, const Trajectory& reference,
