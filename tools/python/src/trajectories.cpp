@@ -1,6 +1,7 @@
 
 #include <fmt/format.h>
 #include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
 
 #include <cmath>
 #include <filesystem>
