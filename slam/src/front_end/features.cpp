@@ -13,7 +13,18 @@ namespace hqslam::slam {
 namespace {
 
 constexpr int kMaxColumnGap = 10;  // between neighbours, and between a jump's two sides
-constexpr int kSlopeRows = 3;      // largest distance of the row above or below, in rows
+/// Between neighbouring returns on one surface: 0.5 m, and 3 % of the range.
+constexpr float kSameSurface_m = 0.5F;
+constexpr float kSameSurfaceShare = 0.03F;
+/// Sine of the angle with the sensor's plane from which on a surface stands.
+constexpr float kMinSteepness = 0.5F;
+/// Points in a row on one surface, from which on it may lie flat: a floor, a ceiling. With 30 to 40
+/// the handheld OS0 with 16 rows is less accurate, with 60 nothing changes.
+constexpr int kLongRun = 45;
+constexpr int kSlopeRows = 3;  // largest distance of the row above or below, in rows
+
+/// Between neighbouring returns on one surface.
+float most_apart_m(float range_m) { return kSameSurface_m + kSameSurfaceShare * range_m; }
 
 /// The sequence of returns of one row with their properties.
 struct Row {
@@ -27,7 +38,8 @@ struct Row {
   /// Near a chosen point, hidden, along the beam, or too near an end of the row.
   std::vector<std::uint8_t> taken;
   std::vector<std::uint8_t> is_edge;
-  std::vector<int> candidates;  ///< of the present section; its memory is reused
+  std::vector<std::uint8_t> is_ring;  ///< of a short run on what does not stand
+  std::vector<int> candidates;        ///< of the present section; its memory is reused
 
   int size() const { return static_cast<int>(range_m.size()); }
   /// Whether neighbours in the sequence are neighbours in the image, too.
@@ -38,6 +50,24 @@ struct Row {
     float sum_m = -2.0F * kHalfWindow * range_m[i];
     for (int k = 1; k <= kHalfWindow; ++k) sum_m += range_m[i - k] + range_m[i + k];
     return std::abs(sum_m);
+  }
+
+  /// Whether neighbours in the sequence are on one surface.
+  bool are_on_one_surface(int i, int j) const {
+    return ground[i] == ground[j] && std::abs(column[i] - column[j]) <= 2 &&
+           std::abs(range_m[i] - range_m[j]) < most_apart_m(range_m[j]);
+  }
+
+  /// Marks objects in short runs that no row beside shows to stand. Most are undetected ground: its
+  /// rings travel with the sensor, and would hold it back where little else constrains the motion.
+  void mark_rings() {
+    is_ring.assign(points.size(), 0);
+    for (int first = 0, last = 0; first < size(); first = last) {
+      for (last = first + 1; last < size() && are_on_one_surface(last - 1, last);) ++last;
+      for (int i = first; i < last && last - first < kLongRun; ++i) {
+        is_ring[i] = ground[i] == 0 && !(points[i].slope.z() > kMinSteepness) ? 1 : 0;
+      }
+    }
   }
 
   /// Takes the far side of depth jumps and surfaces along the beam.
@@ -102,7 +132,31 @@ Eigen::Vector3f slope_at(const OrganizedCloud& cloud, const Segmentation& segmen
   return sum.normalized();  // of zero: zero
 }
 
-Row gather_row(const OrganizedCloud& cloud, const Segmentation& segmentation, int row) {
+/// FeaturePoint::slope of a pixel on what is not the ground: upwards between it and the return of
+/// the row above or below that is nearest in range, if both are on one surface.
+Eigen::Vector3f slope_on_object(const OrganizedCloud& cloud, const std::vector<int>& rows,
+                                std::size_t row, int column) {
+  const std::size_t here = cloud.index(rows[row], column);
+  float least_m = most_apart_m(cloud.range_m[here]);
+  Eigen::Vector3f slope = Eigen::Vector3f::Zero();
+  for (const int step : {-1, 1}) {
+    const auto other = static_cast<std::ptrdiff_t>(row) + step;
+    if (other < 0 || other >= std::ssize(rows)) continue;
+    for (const int aside : {-1, 0, 1}) {
+      const std::size_t beside =
+          cloud.index(rows[other], (column + aside + cloud.columns) % cloud.columns);
+      const float apart_m = std::abs(cloud.range_m[beside] - cloud.range_m[here]);
+      if (!(cloud.range_m[beside] > 0.0F) || apart_m >= least_m) continue;
+      least_m = apart_m;
+      slope = static_cast<float>(step) * (cloud.points_m[here] - cloud.points_m[beside]);
+    }
+  }
+  return slope.normalized();  // of zero: zero
+}
+
+Row gather_row(const OrganizedCloud& cloud, const Segmentation& segmentation,
+               const std::vector<int>& rows, std::size_t row_index) {
+  const int row = rows[row_index];
   Row result;
   const auto most = static_cast<std::size_t>(cloud.columns);
   result.points.reserve(most);
@@ -116,9 +170,9 @@ Row gather_row(const OrganizedCloud& cloud, const Segmentation& segmentation, in
     const float offset_s = cloud.time_offset_s.empty() ? 0.0F : cloud.time_offset_s[pixel];
     FeaturePoint point{cloud.points_m[pixel], offset_s, row};
     if (!cloud.intensity.empty()) point.intensity = cloud.intensity[pixel];
-    if (pixel_class == PixelClass::kGround) {
-      point.slope = slope_at(cloud, segmentation, row, column);
-    }
+    point.slope = pixel_class == PixelClass::kGround
+                      ? slope_at(cloud, segmentation, row, column)
+                      : slope_on_object(cloud, rows, row_index, column);
     result.points.push_back(point);
     result.range_m.push_back(cloud.range_m[pixel]);
     result.column.push_back(column);
@@ -151,7 +205,8 @@ void choose_edges(Row& row, int first, int last, const FeatureOptions& options,
   for (int i = first; i < last; ++i) {
     const double required_m = std::max(options.min_edge_smoothness_m,
                                        options.min_edge_smoothness_per_range * row.range_m[i]);
-    if (row.taken[i] == 0 && row.ground[i] == 0 && row.smoothness_m[i] > required_m) {
+    if (row.taken[i] == 0 && row.ground[i] == 0 && row.is_ring[i] == 0 &&
+        row.smoothness_m[i] > required_m) {
       row.candidates.push_back(i);
     }
   }
@@ -183,8 +238,9 @@ void choose_flat_points(Row& row, int first, int last, const FeatureOptions& opt
 }
 
 Features features_of_row(const OrganizedCloud& cloud, const Segmentation& segmentation,
-                         int row_index, const FeatureOptions& options) {
-  Row row = gather_row(cloud, segmentation, row_index);
+                         const std::vector<int>& rows, std::size_t row_index,
+                         const FeatureOptions& options) {
+  Row row = gather_row(cloud, segmentation, rows, row_index);
   row.smoothness_m.assign(row.points.size(), 0.0F);
   row.taken.assign(row.points.size(), 1);
   for (int i = Row::kHalfWindow; i + Row::kHalfWindow < row.size(); ++i) {
@@ -192,6 +248,7 @@ Features features_of_row(const OrganizedCloud& cloud, const Segmentation& segmen
     row.taken[i] = 0;
   }
   row.take_unreliable();
+  row.mark_rings();
   row.is_edge.assign(row.points.size(), 0);
 
   Features features;
@@ -206,7 +263,8 @@ Features features_of_row(const OrganizedCloud& cloud, const Segmentation& segmen
   ground.reserve(row.points.size());
   surfaces.reserve(row.points.size());
   for (int i = 0; i < row.size(); ++i) {
-    if (row.is_edge[i] == 0) (row.ground[i] != 0 ? ground : surfaces).push_back(row.points[i]);
+    if (row.is_edge[i] != 0 || row.is_ring[i] != 0) continue;
+    (row.ground[i] != 0 ? ground : surfaces).push_back(row.points[i]);
   }
   features.ground = thin(ground, options.planar_leaf_m);
   features.surfaces = thin(surfaces, options.planar_leaf_m);
@@ -222,7 +280,7 @@ Features extract_features(const OrganizedCloud& cloud, const Segmentation& segme
   std::vector<Features> of_row(rows.size());
 #pragma omp parallel for schedule(dynamic)
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    of_row[i] = features_of_row(cloud, segmentation, rows[i], options);
+    of_row[i] = features_of_row(cloud, segmentation, rows, i, options);
     of_row[i].posts = posts_in_row(cloud, segmentation, rows[i], options.max_post_width_m);
   }
   Features all;

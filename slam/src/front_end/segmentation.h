@@ -16,8 +16,9 @@ struct Segmentation {
 
 /// Splits the returns of a scan into the ground (mark_ground) and what stands on it.
 ///
-/// Differs from LeGO-LOAM: components that are too small are not left out. Most of what they have
-/// is no noise, and without it registration is less accurate.
+/// Differs from LeGO-LOAM: components that are too small are not left out, but short rings are
+/// (features.cpp). Most of what small components have is no noise, and without it registration is
+/// less accurate.
 Segmentation segment(const OrganizedCloud& cloud, const SensorModel& sensor,
                      const GroundOptions& options,
                      const Eigen::Vector3d& up_of_sensor = Eigen::Vector3d::UnitZ());
