@@ -23,9 +23,10 @@ TEST_CASE("bench measures every stage with 64, 16 and 16 upsampled rows, with on
       CHECK(timing["rows"] == 16);
       CHECK(timing["stages_ms"]["total"]["median"] > timing["upsampling_ms"]["median"]);
     }
-    for (const char* stage : {"segmentation", "features", "odometry", "mapping", "total"}) {
+    for (const char* stage : {"segmentation", "features", "mapping", "total"}) {
       CHECK(timing["stages_ms"][stage]["median"] > 0.0);
     }
+    CHECK(timing["stages_ms"]["odometry"]["median"] >= 0.0);  // it runs where it can change a pose
   }
   const std::size_t sets = nn::available_instruction_sets().size();
   CHECK(json["peaks"].size() == 2 * sets);
