@@ -58,18 +58,6 @@ struct Row {
            std::abs(range_m[i] - range_m[j]) < most_apart_m(range_m[j]);
   }
 
-  /// Marks objects in short runs that no row beside shows to stand. Most are undetected ground: its
-  /// rings travel with the sensor, and would hold it back where little else constrains the motion.
-  void mark_rings() {
-    is_ring.assign(points.size(), 0);
-    for (int first = 0, last = 0; first < size(); first = last) {
-      for (last = first + 1; last < size() && are_on_one_surface(last - 1, last);) ++last;
-      for (int i = first; i < last && last - first < kLongRun; ++i) {
-        is_ring[i] = ground[i] == 0 && !(points[i].slope.z() > kMinSteepness) ? 1 : 0;
-      }
-    }
-  }
-
   /// Takes the far side of depth jumps and surfaces along the beam.
   void take_unreliable() {
     constexpr float kDepthJump_m = 0.3F;    // occludes what is behind
@@ -132,13 +120,13 @@ Eigen::Vector3f slope_at(const OrganizedCloud& cloud, const Segmentation& segmen
   return sum.normalized();  // of zero: zero
 }
 
-/// FeaturePoint::slope of a pixel on what is not the ground: upwards between it and the return of
-/// the row above or below that is nearest in range, if both are on one surface.
-Eigen::Vector3f slope_on_object(const OrganizedCloud& cloud, const std::vector<int>& rows,
-                                std::size_t row, int column) {
+/// Whether a pixel is on a surface that stands: it is above or below the return of the next row
+/// that is nearest in range, if both are on one surface, rather than beside it.
+bool stands(const OrganizedCloud& cloud, const std::vector<int>& rows, std::size_t row,
+            int column) {
   const std::size_t here = cloud.index(rows[row], column);
   float least_m = most_apart_m(cloud.range_m[here]);
-  Eigen::Vector3f slope = Eigen::Vector3f::Zero();
+  Eigen::Vector3f upwards = Eigen::Vector3f::Zero();
   for (const int step : {-1, 1}) {
     const auto other = static_cast<std::ptrdiff_t>(row) + step;
     if (other < 0 || other >= std::ssize(rows)) continue;
@@ -148,15 +136,26 @@ Eigen::Vector3f slope_on_object(const OrganizedCloud& cloud, const std::vector<i
       const float apart_m = std::abs(cloud.range_m[beside] - cloud.range_m[here]);
       if (!(cloud.range_m[beside] > 0.0F) || apart_m >= least_m) continue;
       least_m = apart_m;
-      slope = static_cast<float>(step) * (cloud.points_m[here] - cloud.points_m[beside]);
+      upwards = static_cast<float>(step) * (cloud.points_m[here] - cloud.points_m[beside]);
     }
   }
-  return slope.normalized();  // of zero: zero
+  return upwards.normalized().z() > kMinSteepness;  // of zero: zero
 }
 
-Row gather_row(const OrganizedCloud& cloud, const Segmentation& segmentation,
-               const std::vector<int>& rows, std::size_t row_index) {
-  const int row = rows[row_index];
+/// Marks objects in short runs that no row beside shows to stand. Most are undetected ground: its
+/// rings travel with the sensor, and would hold it back where little else constrains the motion.
+void mark_rings(const OrganizedCloud& cloud, const std::vector<int>& rows, std::size_t row_index,
+                Row& row) {
+  row.is_ring.assign(row.points.size(), 0);
+  for (int first = 0, last = 0; first < row.size(); first = last) {
+    for (last = first + 1; last < row.size() && row.are_on_one_surface(last - 1, last);) ++last;
+    for (int i = first; i < last && last - first < kLongRun && row.ground[first] == 0; ++i) {
+      row.is_ring[i] = stands(cloud, rows, row_index, row.column[i]) ? 0 : 1;
+    }
+  }
+}
+
+Row gather_row(const OrganizedCloud& cloud, const Segmentation& segmentation, int row) {
   Row result;
   const auto most = static_cast<std::size_t>(cloud.columns);
   result.points.reserve(most);
@@ -170,9 +169,9 @@ Row gather_row(const OrganizedCloud& cloud, const Segmentation& segmentation,
     const float offset_s = cloud.time_offset_s.empty() ? 0.0F : cloud.time_offset_s[pixel];
     FeaturePoint point{cloud.points_m[pixel], offset_s, row};
     if (!cloud.intensity.empty()) point.intensity = cloud.intensity[pixel];
-    point.slope = pixel_class == PixelClass::kGround
-                      ? slope_at(cloud, segmentation, row, column)
-                      : slope_on_object(cloud, rows, row_index, column);
+    if (pixel_class == PixelClass::kGround) {
+      point.slope = slope_at(cloud, segmentation, row, column);
+    }
     result.points.push_back(point);
     result.range_m.push_back(cloud.range_m[pixel]);
     result.column.push_back(column);
@@ -240,7 +239,7 @@ void choose_flat_points(Row& row, int first, int last, const FeatureOptions& opt
 Features features_of_row(const OrganizedCloud& cloud, const Segmentation& segmentation,
                          const std::vector<int>& rows, std::size_t row_index,
                          const FeatureOptions& options) {
-  Row row = gather_row(cloud, segmentation, rows, row_index);
+  Row row = gather_row(cloud, segmentation, rows[row_index]);
   row.smoothness_m.assign(row.points.size(), 0.0F);
   row.taken.assign(row.points.size(), 1);
   for (int i = Row::kHalfWindow; i + Row::kHalfWindow < row.size(); ++i) {
@@ -248,7 +247,7 @@ Features features_of_row(const OrganizedCloud& cloud, const Segmentation& segmen
     row.taken[i] = 0;
   }
   row.take_unreliable();
-  row.mark_rings();
+  mark_rings(cloud, rows, row_index, row);
   row.is_edge.assign(row.points.size(), 0);
 
   Features features;

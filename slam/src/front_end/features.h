@@ -16,8 +16,8 @@ struct FeaturePoint {
   Eigen::Vector3f point_m = Eigen::Vector3f::Zero();  ///< sensor frame at the time of capture
   float time_offset_s = 0.0F;                         ///< capture time minus the scan's stamp
   int row = 0;                                        ///< counted among the measured ones
-  /// Unit direction of the surface across the row, from the rows above and below; of points that
-  /// are not the ground, upwards. Zero where these rows have nothing of the same surface.
+  /// For points of the ground: unit direction of the slope across the row. Zero where the rows
+  /// above and below have no ground there, and for all other points.
   Eigen::Vector3f slope = Eigen::Vector3f::Zero();
   /// OrganizedCloud::intensity, NaN where unknown; carried along, never used to decide.
   float intensity = std::numeric_limits<float>::quiet_NaN();
