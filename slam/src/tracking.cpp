@@ -21,8 +21,8 @@ constexpr std::size_t kMaxMissedScans = 5;
 /// 0.83 at the lowest on simulated drives of all kinds, and to 0.44 in another street.
 constexpr double kLeastShareOfInlierRatio = 0.6;
 
-/// The place has changed around a sensor that stands if less than this share of what matched is
-/// close to the map: a lorry has pulled up, a crowd has come (made scenes).
+/// The place has changed if less than this share of what matched is close to the map: a lorry has
+/// pulled up, a crowd has come (made scenes).
 constexpr double kChangedShare = 0.8;
 /// Between a scan and the one with the best fit since the last keyframe, if the sensor stands.
 constexpr double kStands_m = 0.05;
@@ -203,7 +203,8 @@ std::optional<InertialPrediction> Slam::Implementation::predicted_by_imu(const R
 Registered Slam::Implementation::judged(const Tracking& last, const Scan& scan,
                                         const MotionState& expected, const MappingResult& matched,
                                         const std::function<const OdometryResult&()>& moved) const {
-  // inlier_ratio alone is that of a wide search, which may have begun far from the result.
+  // inlier_ratio alone is that of a wide search, which may have begun far from the result. A place
+  // that no vehicle can have reached is wrong unless the scan fits there as the last one did.
   const bool fits_elsewhere = matched.inlier_ratio < kLeastShareOfInlierRatio * last.inlier_ratio &&
                               matched.close_ratio < kLeastShareOfInlierRatio * last.close_ratio;
   const double duration_s = scan.time_s - last.reference.time_s;

@@ -13,18 +13,15 @@ namespace hqslam::slam {
 namespace {
 
 constexpr int kMaxColumnGap = 10;  // between neighbours, and between a jump's two sides
-/// Between neighbouring returns on one surface: 0.5 m, and 3 % of the range.
-constexpr float kSameSurface_m = 0.5F;
-constexpr float kSameSurfaceShare = 0.03F;
+constexpr int kSlopeRows = 3;      // largest distance of the row above or below, in rows
 /// Sine of the angle with the sensor's plane from which on a surface stands.
 constexpr float kMinSteepness = 0.5F;
-/// Points in a row on one surface, from which on it may lie flat: a floor, a ceiling. With 30 to 40
-/// the handheld OS0 with 16 rows is less accurate, with 60 nothing changes.
+/// Returns in a row on one surface, from which on it need not stand: floors and ceilings have such
+/// runs. With 30 to 40 the real handheld OS0 is less accurate with 16 rows (weights/NOTEBOOK.md).
 constexpr int kLongRun = 45;
-constexpr int kSlopeRows = 3;  // largest distance of the row above or below, in rows
 
-/// Between neighbouring returns on one surface.
-float most_apart_m(float range_m) { return kSameSurface_m + kSameSurfaceShare * range_m; }
+/// The largest difference in range of neighbouring returns on one surface.
+float most_apart_m(float range_m) { return 0.5F + 0.03F * range_m; }
 
 /// The sequence of returns of one row with their properties.
 struct Row {
@@ -120,8 +117,8 @@ Eigen::Vector3f slope_at(const OrganizedCloud& cloud, const Segmentation& segmen
   return sum.normalized();  // of zero: zero
 }
 
-/// Whether a pixel is on a surface that stands: it is above or below the return of the next row
-/// that is nearest in range, if both are on one surface, rather than beside it.
+/// Whether a pixel is on a surface that stands: of the returns in the rows above and below, the one
+/// nearest in range is on the same surface, at 30 degrees to the sensor's plane or more.
 bool stands(const OrganizedCloud& cloud, const std::vector<int>& rows, std::size_t row,
             int column) {
   const std::size_t here = cloud.index(rows[row], column);
@@ -142,8 +139,8 @@ bool stands(const OrganizedCloud& cloud, const std::vector<int>& rows, std::size
   return upwards.normalized().z() > kMinSteepness;  // of zero: zero
 }
 
-/// Marks objects in short runs that no row beside shows to stand. Most are undetected ground: its
-/// rings travel with the sensor, and would hold it back where little else constrains the motion.
+/// Marks the short runs on objects that do not stand. Most are undetected ground: its rings travel
+/// with the sensor, and would hold it back where little else constrains the motion.
 void mark_rings(const OrganizedCloud& cloud, const std::vector<int>& rows, std::size_t row_index,
                 Row& row) {
   row.is_ring.assign(row.points.size(), 0);

@@ -35,13 +35,15 @@ struct Features {
 
 /// Chooses edge and planar features of a scan.
 ///
-/// In: cloud (sensor frame), its segmentation. Out: features. The returns of
-/// a row form a sequence; with their ranges r the smoothness of point i is
+/// In: cloud (sensor frame), its segmentation. Out: features. The returns of a row form a sequence;
+/// with their ranges r the smoothness of point i is
 ///   c_i = | sum over j = i-5..i+5, j != i, of r_j  -  10 r_i |        [m]
 /// Points on the far side of a depth jump (occluded from elsewhere) and points on surfaces nearly
-/// parallel to the beam are never features. Each row is cut into sections; edges
-/// are the largest c of a section, flat points the smallest, and neither has a neighbour of its
-/// kind within 5 points. Source: LOAM (Zhang & Singh 2014), LeGO-LOAM's featureAssociation.
+/// parallel to the beam are no edges or flat points. Each row is cut into sections; edges are the
+/// largest c of a section, flat points the smallest, and neither has a neighbour of its kind within
+/// 5 points. Short runs on objects that the rows beside do not show to stand are no features: most
+/// are rings on undetected ground, which travel with the sensor. Source: LOAM (Zhang & Singh 2014),
+/// LeGO-LOAM's featureAssociation.
 ///
 /// measured_rows: SensorModel::measured_rows. Computed rows have no features: they only help to
 /// separate the ground from what stands on it.
@@ -50,7 +52,7 @@ struct Features {
 /// no edge; the ground is not thinned to every fifth column before the smoothness is taken; the
 /// last point of a section can be chosen too, and points at the ends of a row are compared only
 /// with points of the same row and scan; all flat points, the fourth of a section too, suppress
-/// their neighbours; and there are posts.
+/// their neighbours; rings are left out; and there are posts.
 Features extract_features(const OrganizedCloud& cloud, const Segmentation& segmentation,
                           const FeatureOptions& options,
                           const std::optional<RowSelection>& measured_rows = {});
