@@ -10,15 +10,16 @@ sweep. Each peer's trajectory is written as TUM and evaluated by `hqslam evaluat
 drive's truth; the table has the columns of `hqslam-lab table --seeds`. Nothing in the build or the tests
 needs this script. It needs numpy and whichever peers are wanted:
 
-    pip install numpy kiss-icp kiss-slam genz-icp small_gicp
+    pip install numpy kiss-icp kiss-slam genz-icp small_gicp evalio
 
 A peer that is not installed is left out, and said so. Times are those of the peer alone, median per
-scan; kiss-icp, kiss-slam and genz-icp take as many threads as there are cores, the others one.
-local-gicp is GICP of small_gicp against the last 20 scans.
+scan; small-gicp and local-gicp take one thread, the others as many as there are cores.
+local-gicp is GICP of small_gicp against the last 20 scans; ct-icp and mad-icp are evalio's.
 """
 
 import argparse
 import json
+import os
 import pathlib
 import re
 import statistics
@@ -214,8 +215,58 @@ def local_gicp():
     return LocalGicp()
 
 
+class EvalioPipeline:
+    """An odometry that evalio builds, with its defaults there but for `parameters`."""
+
+    PERIOD_S = 0.1
+
+    def __init__(self, pipeline, parameters):
+        from evalio import types
+
+        self.types = types
+        self.pipeline = pipeline()
+        self.pipeline.set_params({**pipeline.default_params(), **parameters})
+        self.pipeline.set_lidar_params(
+            types.LidarParams(
+                num_rows=64, num_columns=1024, min_range=1.0, max_range=120.0, rate=1 / self.PERIOD_S
+            )
+        )
+        self.pipeline.set_imu_T_lidar(types.SE3.identity())
+        self.pipeline.initialize()
+        self.poses = []
+
+    def prepared(self, points, fractions):
+        """evalio's points are objects; making them takes longer than some odometries."""
+        stamp = self.types.Stamp.from_sec(1.0 + len(self.poses) * self.PERIOD_S)
+        made = [
+            self.types.Point(x=x, y=y, z=z, t=self.types.Duration.from_sec(fraction * self.PERIOD_S))
+            for (x, y, z), fraction in zip(points.tolist(), fractions.tolist())
+        ]
+        return (self.types.LidarMeasurement(stamp, made),)
+
+    def step(self, measurement):
+        self.pipeline.add_lidar(measurement)
+        ((_, pose),) = self.pipeline.saved_estimates()
+        self.poses.append(numpy.array(pose.to_mat()))
+
+
+def ct_icp():
+    from evalio.pipelines import CTICP
+
+    return EvalioPipeline(CTICP, {"ls_num_threads": os.cpu_count()})
+
+
+def mad_icp():
+    from evalio.pipelines import MadICP
+
+    # Every scan is registered to the end, however long it takes.
+    return EvalioPipeline(MadICP, {"deskew": True, "realtime": False, "num_threads": os.cpu_count()})
+
+
 # Each with the fraction of the sweep that its poses belong to; hqslam's stamps are at one half.
 PEERS = {
+    "ct-icp": (ct_icp, 0.0),
+    "mad-icp": (mad_icp, 1.0),
     "kiss-icp": (kiss_icp, 1.0),
     "kiss-slam": (kiss_slam, 1.0),
     "genz-icp": (genz_icp, 0.5),
@@ -269,9 +320,11 @@ def run(drive, system, fraction, path):
     """Writes the trajectory; returns the median of the times in ms."""
     times_ms = []
     for index in range(len(drive)):
-        points, fractions = drive.scan(index)
+        scan = drive.scan(index)
+        if hasattr(system, "prepared"):
+            scan = system.prepared(*scan)
         start = time.perf_counter()
-        system.step(points, fractions)
+        system.step(*scan)
         times_ms.append(1e3 * (time.perf_counter() - start))
     with open(path, "w") as stream:
         for stamp, pose in zip(drive.stamps, at_stamps(list(system.poses), fraction)):
