@@ -11,10 +11,18 @@ namespace {
 
 constexpr double kUsualGap_deg = 1.5;
 constexpr double kUsualElevation_deg = 20.0;
+constexpr double kLowestTrained_deg = -48.5;  // du-mix_any-beams.json
+constexpr double kHighestTrained_deg = 45.0;
 constexpr double kUsualColumnStep_deg = 0.35;
 constexpr const char* kRowBias = "encoder.0.row_bias";
 constexpr const char* kHeadWeight = "head.weight";
 constexpr const char* kHeadBias = "head.bias";
+
+/// e'.
+float elevation_place(double elevation_deg) {
+  const double within_deg = std::clamp(elevation_deg, kLowestTrained_deg, kHighestTrained_deg);
+  return static_cast<float>(within_deg / kUsualElevation_deg);
+}
 
 double elevation_of(const SensorModel& sensor, RowSelection rows, int beam) {
   return degrees(sensor.beam_elevation_rad[rows.offset + beam * rows.stride]);
@@ -42,7 +50,7 @@ RowPlace row_place(const SensorModel& sensor, RowSelection rows, int row) {
   const auto distance = static_cast<float>(std::fabs(elevation_deg - own_deg) / gap_deg);
   const bool is_outside = other < 0 || other > last;
   const float v = is_outside ? 0.0F : 2.0F * distance - 1.0F;
-  const auto e = static_cast<float>(elevation_deg / kUsualElevation_deg);
+  const float e = elevation_place(elevation_deg);
   const float o = is_outside ? 1.0F : 0.0F;
   const std::array<float, kRowPlaces / 2> phi = {
       1.0F, v, v * v, v * v * v, g, g * v, e, e * v, e * e, o, o * std::min(distance, 2.0F)};
@@ -53,7 +61,7 @@ RowPlace row_place(const SensorModel& sensor, RowSelection rows, int row) {
 
 BeamPlace beam_place(const SensorModel& sensor, RowSelection rows, int beam) {
   const int last = measured_row_count(sensor.rows(), rows) - 1;
-  const auto e = static_cast<float>(elevation_of(sensor, rows, beam) / kUsualElevation_deg);
+  const float e = elevation_place(elevation_of(sensor, rows, beam));
   const double column_step_deg = degrees(sensor.column_step_rad());
   return {gap_below(sensor, rows, beam - 1),
           gap_below(sensor, rows, beam),

@@ -13,9 +13,11 @@ namespace hqslam::nn {
 /// two measured rows belongs to the tile of one of them, its own; v runs from -1 at its own row to
 /// 1 at the other. With the gap between the two beams in degrees, the row's elevation e:
 ///   phi = 1, v, v^2, v^3, g, g v, e', e' v, e'^2, o, d;  g = ln(gap / 1.5), e' = e / 20
-/// Beyond the outermost measured rows v counts as 0, o is 1 and d is the distance in gaps, at most
-/// 2; elsewhere both are 0. Rows above their own one fill the first half of the values, rows below
-/// it the second; the other half is 0, because the ground is below.
+/// An elevation beyond those of training (-48.5 to 45 degrees) counts as the nearest of them: the
+/// powers of e' mean nothing there. Beyond the outermost measured rows v counts as 0, o is 1 and d
+/// is the distance in gaps, at most 2; elsewhere both are 0. Rows above their own one fill the
+/// first half of the values, rows below it the second; the other half is 0, because the ground is
+/// below.
 inline constexpr int kRowPlaces = 22;
 using RowPlace = std::array<float, kRowPlaces>;
 /// row: of the result, not measured. tile_rows: the number of rows for each measured one.

@@ -48,6 +48,18 @@ TEST_CASE("a row beyond the outermost beams has its distance in gaps in the plac
   CHECK(top[10] == doctest::Approx(0.5));
 }
 
+TEST_CASE("an elevation beyond those of training counts as the nearest of them") {
+  SensorModel dome = uneven_beams();
+  dome.beam_elevation_rad = radians({88.0, 85.0, 60.0, 55.0, 20.0, 15.0, -60.0, -75.0});
+  const auto e = [](double elevation_deg) { return doctest::Approx(elevation_deg / 20.0); };
+  CHECK(row_place(dome, kEveryOther, 2)[6] == e(45.0));
+  CHECK(row_place(dome, kEveryOther, 2)[8] == doctest::Approx(2.25 * 2.25));
+  CHECK(row_place(dome, kEveryOther, 4)[6] == e(20.0));
+  CHECK(row_place(dome, kEveryOther, 6)[6] == e(-48.5));
+  CHECK(beam_place(dome, kEveryOther, 0)[2] == e(45.0));
+  CHECK(beam_place(dome, kEveryOther, 3)[2] == e(-48.5));
+}
+
 TEST_CASE("the place of a beam has the gaps on both sides, at the ends that of the other side") {
   const BeamPlace first = beam_place(uneven_beams(), kEveryOther, 0);
   const auto log_gap = [](double gap_deg) { return std::log(gap_deg / 1.5); };

@@ -127,6 +127,9 @@ double beam_deg(const Run& run, int i) {
   return degrees(run.description.sensor.beam_elevation_rad[rows.offset + i * rows.stride]);
 }
 
+/// e' = e / 20, with e within the elevations of training.
+double elevation_place(double e_deg) { return std::clamp(e_deg, -48.5, 45.0) / 20.0; }
+
 /// ln of the gap between measured rows i and i + 1 over 1.5 degrees; of the nearest ones there are.
 double log_gap(const Run& run, int i) {
   const int above = std::clamp(i, 0, run.measured_m.rows - 2);
@@ -134,9 +137,9 @@ double log_gap(const Run& run, int i) {
 }
 
 /// The bias of channel c in measured row y: psi(y) . B[.][c], B of 7 x c,
-///   psi = ln gap above, ln gap below, e / 20, (e / 20)^2, first, last, ln(column step / 0.35)
+///   psi = ln gap above, ln gap below, e', e'^2, first, last, ln(column step / 0.35)
 double beam_bias(const Run& run, const Array& b, int c, int y) {
-  const double e = beam_deg(run, y) / 20.0;
+  const double e = elevation_place(beam_deg(run, y));
   const std::array<double, 7> psi = {log_gap(run, y - 1),
                                      log_gap(run, y),
                                      e,
@@ -161,7 +164,7 @@ std::array<double, 22> row_place(const Run& run, int row) {
   const double distance = std::fabs(e_deg - beam_deg(run, own)) / (1.5 * std::exp(g));
   const bool outside = other < 0 || other >= run.measured_m.rows;
   const double v = outside ? 0.0 : 2.0 * distance - 1.0;
-  const double e = e_deg / 20.0;
+  const double e = elevation_place(e_deg);
   std::array<double, 22> phi{};
   double* half = phi.data() + (above ? 0 : 11);
   for (int power = 0; power < 4; ++power) {
