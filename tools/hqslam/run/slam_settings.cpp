@@ -92,7 +92,7 @@ slam::SlamOptions slam_options(const SlamSettings& settings) {
   slam::SlamOptions options;
   if (!settings.file.empty()) set_from_file(options, settings.file);
   for (const std::string& text : settings.set) set_from_text(options, text);
-  options.loop_closing.enabled = settings.loop_closing;
+  options.loop_closing.enabled = settings.loop_closing && settings.kind != "lego-loam";
   slam::validate(options);
   return options;
 }
