@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace hqslam::slam {
 
@@ -18,6 +19,24 @@ bool is_possible(const ImuSample& sample) {
   return std::isfinite(sample.stamp_s) &&
          sample.angular_rate_rad_per_s.norm() <= kMostRate_rad_per_s &&
          sample.specific_force_mps2.norm() <= kMostForce_mps2;
+}
+
+/// A rate this far from those before and after it, closer than kMostMissing_s, is wrong: a hand at
+/// 200 degrees a second, 100 times a second, stays within 0.1 rad/s.
+constexpr double kSpike_rad_per_s = 10.0;
+
+/// Replaces the last sample but one if its rate is a spike.
+void flatten_spike(std::deque<ImuSample>& samples) {
+  if (samples.size() < 3) return;
+  const auto last = samples.end() - 1;
+  const auto [before, after] =
+      std::pair(last[-2].angular_rate_rad_per_s, last->angular_rate_rad_per_s);
+  Eigen::Vector3d& rate = last[-1].angular_rate_rad_per_s;
+  const bool is_dense = last->stamp_s - last[-2].stamp_s < kMostMissing_s;
+  const double off = std::min((rate - before).norm(), (rate - after).norm());
+  if (is_dense && off > kSpike_rad_per_s + 3.0 * (after - before).norm()) {
+    rate = 0.5 * (before + after);
+  }
 }
 
 }  // namespace
@@ -39,7 +58,9 @@ void ImuBuffer::add(const std::vector<ImuSample>& samples) {
       samples_.pop_back();
     }
     const bool is_later = samples_.empty() || sample.stamp_s > samples_.back().stamp_s;
-    if (is_later) samples_.push_back(sample);
+    if (!is_later) continue;
+    samples_.push_back(sample);
+    flatten_spike(samples_);
   }
 }
 
