@@ -123,6 +123,25 @@ TEST_CASE(
   CHECK(missing(result.error, {"within 100 km", "found one 5400 km away"}) == "");
 }
 
+TEST_CASE("poses in a camera's axes, or with z downwards, are told from those of the sensor") {
+  const TemporaryDirectory folder;
+  const std::string poses = folder.file("poses.tum");
+  const std::string& drive = simulated_drive("--sensor os1-16 --scans 40");
+  const auto printed = [&](const auto& changed) {
+    Trajectory trajectory = read_tum(drive + "/truth.tum");
+    for (StampedPose& pose : trajectory) pose.T_map_sensor = changed(pose.T_map_sensor);
+    write_tum(trajectory, poses);
+    return succeeds("map '{}' --poses '{}' --out '{}'", drive, poses, folder.file("out")).error;
+  };
+  CHECK_FALSE(holds(printed([](const Pose& pose) { return pose; }), "poses.tum"));
+  const Eigen::Quaterniond camera(0.5, -0.5, 0.5, -0.5);  // x right, y down, z forward
+  CHECK(holds(printed([&](const Pose& pose) { return Pose(camera.inverse() * pose * camera); }),
+              "its motion differs"));
+  const Eigen::Quaterniond half_roll(0.0, 1.0, 0.0, 0.0);
+  CHECK(holds(printed([&](const Pose& pose) { return Pose(half_roll * pose); }),
+              "its z points down"));
+}
+
 TEST_CASE("a map is aligned by the trajectory beside it, however the map is named") {
   const TemporaryDirectory folder;
   fs::copy(simulated_drive() + "/truth.tum", folder.file("trajectory.tum"));

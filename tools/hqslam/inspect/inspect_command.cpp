@@ -12,6 +12,7 @@
 #include "inspect/what_if.h"
 #include "pages/open_page.h"
 #include "pages/page.h"
+#include "recording/pose_check.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
 #include "recording/scan_poses.h"
@@ -57,6 +58,9 @@ SeenScan scan_of(const InspectOptions& options, pipeline::UpsampledRecording& in
   const ScanPoses poses = read_scan_poses(options.poses, InterruptGuard(), [&] {
     return std::make_unique<recordings::Recording>(input.reopened());
   });
+  if (!options.poses.empty()) {
+    warn_of_wrong_poses(poses, options.poses, input.reopened(), InterruptGuard());
+  }
   pipeline::LookAheadMemory memory(upsampler.method(), poses);
   SeenScan seen;
   const auto look = [&](const ReadScan& read) {

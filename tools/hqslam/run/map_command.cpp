@@ -1,6 +1,7 @@
 #include "run/map_command.h"
 
 #include "hqslam/core/error.h"
+#include "recording/pose_check.h"
 #include "recording/scan_poses.h"
 #include "terminal/terminal.h"
 
@@ -53,11 +54,13 @@ int run(const MapOptions& options) {
   use_threads(options.threads);
   options_of(options.grid);  // refused before the work, not after it
   refuse_to_write_into_recording(options.input, options.out);
-  const ScanPoses poses = read_scan_poses(options.poses, interrupt, [&] {
+  const auto opened = [&] {
     return std::make_unique<recordings::Recording>(
         std::move(upsampled_recording(options, options).recording));
-  });
+  };
+  const ScanPoses poses = read_scan_poses(options.poses, interrupt, opened);
   check_near_origin(poses, options.poses);
+  warn_of_wrong_poses(poses, options.poses, std::move(*opened()), interrupt);
   const Paths inputs = {options.input, options.poses, options.upsample};
   guard_dense_map(options.out, inputs);
   if (options.occupancy_grid) guard_occupancy_grid(options.out, inputs);

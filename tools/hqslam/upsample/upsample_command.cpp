@@ -12,6 +12,7 @@
 #include <optional>
 #include <vector>
 
+#include "recording/pose_check.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
 #include "recording/scan_poses.h"
@@ -157,6 +158,9 @@ int run(const UpsampleOptions& options) {
   const ScanPoses poses = read_scan_poses(options.poses, interrupt, [&] {
     return std::make_unique<recordings::Recording>(input.reopened());
   });
+  if (!options.poses.empty()) {
+    warn_of_wrong_poses(poses, options.poses, input.reopened(), interrupt);
+  }
   ScanSource& source = input.recording;
   const std::size_t printed = print_warnings(source, options.input);
   const UpsampleRun run = upsample(source, input.upsampler, poses, options, interrupt);

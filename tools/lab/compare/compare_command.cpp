@@ -11,6 +11,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/nn/compare/compared_networks.h"
 #include "pages/text_table.h"
+#include "recording/pose_check.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
 #include "recording/scan_poses.h"
@@ -102,10 +103,14 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
                            const InterruptGuard& interrupt, const Use& use,
                            const nn::Upsampler* upsampler = nullptr) {
   require_memory(options.poses, upsampler != nullptr && upsampler->has_scan_memory());
-  const ScanPoses poses = read_scan_poses(options.poses, interrupt, [&] {
+  const auto opened = [&] {
     return std::make_unique<recordings::Recording>(
         recordings::Recording::open(options.input, open_options(options)));
-  });
+  };
+  const ScanPoses poses = read_scan_poses(options.poses, interrupt, opened);
+  if (!options.poses.empty()) {
+    warn_of_wrong_poses(poses, options.poses, std::move(*opened()), interrupt);
+  }
   const auto measured_of = [&](const OrganizedCloud& truth) {
     return select_rows(truth, selection_for(truth.rows, options.rows));
   };
