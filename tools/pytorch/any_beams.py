@@ -5,11 +5,11 @@ several sensors, each below the one before it, two empty rows between them. Sens
 number of beams. A layout describes the rows of images, images x rows x ...:
     there           1 where the row is a beam, 0 where it is empty
     top, bottom     the first and the last row of the sensor that the row belongs to
-    psi             where the beam lies among the others: 7 values
+    psi             the beam's place among the others: 7 values
   and for the computed rows of the beam's tile:
-    phi             where the row lies among the beams: 22 values
+    phi             the row's place among the beams: 22 values
     is_above        whether it is above the beam of its tile
-    part            how far down it lies from the beam above to the one below, 0 to 1
+    part            its distance from the beam above in gaps between that one and the next, 0 to 1
     share           its share in the loss, 1 for all of a sensor; 0: there is no such row
 What is said of computed pixels is images x rows x computed rows of a tile x columns.
 """

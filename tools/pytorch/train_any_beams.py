@@ -93,7 +93,7 @@ def drawn_beams(dense, presets, random):
     table = table + (shift if is_centred else 0.15 * shift)
     offset = random.below(stride) if random.unit() < 0.4 else stride - 1
     rows = nearest_rows(dense["beam_elevation_deg"], with_rows_between(table, offset, stride))
-    column_step, max_range_m = 1 if random.unit() < 0.5 else 2, dense["max_range_m"]
+    column_step, max_range_m = 1 if random.unit() < 0.5 else 2, float(dense["max_range_m"])
     if random.unit() < SHORT_SIGHTED:
         max_range_m *= random.between(0.3, 1.0)
     return rows, offset, stride, column_step, max_range_m
