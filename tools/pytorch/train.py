@@ -24,10 +24,13 @@ FORGOTTEN, MIRRORED = 0.1, 0.5
 WARM_UP_STEPS, WEIGHT_DECAY, LARGEST_GRADIENT_NORM, AVERAGE_STEPS = 300, 0.01, 1.0, 500
 
 
-def validation_drives(weights):
-    """Names and seeds of the drives that the recipe keeps to validate on."""
+def recipe_of(weights):
     with numpy.load(weights) as arrays:
-        recipe = json.loads(bytes(arrays["description"]).decode())["training"]["configuration"]
+        return json.loads(bytes(arrays["description"]).decode())["training"]["configuration"]
+
+
+def validation_drives(recipe):
+    """Names and seeds of the drives that the recipe keeps to validate on."""
     drives = set()
     for entry in recipe["validation"]:
         seeds = entry.get("seeds", [])
@@ -37,20 +40,17 @@ def validation_drives(weights):
     return drives
 
 
-def read_drives(folder, left_out, rows, device):
-    """Scans x (all rows; with a memory M and W^2 below them) x columns."""
+def read_drives(folder, left_out, device):
+    """Scans x (all rows; M and W^2 below them where the drives have them) x columns."""
     scans = []
     for path in sorted(pathlib.Path(folder).glob("*_*_*.npy")):  # as drive_store.cpp names them
         name, seed, _ = path.stem.rsplit("_", 2)
         if (name, int(seed)) not in left_out:
-            scans.append(torch.from_numpy(numpy.load(path)).to(device))
+            drive = torch.from_numpy(numpy.load(path))
+            scans.append(torch.where(drive.isfinite() & (drive > 0.0), drive, 0.0))
     if not scans:
         raise SystemExit(f"{folder}: no drives to train on; hqslam-lab train --drives makes them")
-    scans = torch.cat(scans)
-    scans[~(scans.isfinite() & (scans > 0.0))] = 0.0
-    if scans.shape[1] == rows:
-        scans = torch.nn.functional.pad(scans, (0, 0, 0, 2 * rows))
-    return scans
+    return torch.cat(scans).to(device)
 
 
 def augmented(scans, rows, scales, limits_m, random):
@@ -89,58 +89,71 @@ def optimiser_of(module, learning_rate):
                               {"params": others, "weight_decay": 0.0}], lr=learning_rate)
 
 
-def train(module, scans, options, scales):
-    device, rows = scans.device, module.rows.count
-    random = torch.Generator(device).manual_seed(options.seed)
+def train(module, loss_of, options, average_steps=AVERAGE_STEPS):
+    """loss_of(random): the module's loss on a batch that it draws."""
+    random = torch.Generator(next(module.parameters()).device).manual_seed(options.seed)
     optimiser = optimiser_of(module, options.learning_rate)
     learning_rate = cosine_learning_rate(options.learning_rate, options.steps)
     average = [value.detach().clone() for value in module.parameters()]
     begin, loss_sum = time.time(), 0.0
     for step in range(options.steps):
-        chosen = torch.randint(len(scans), (options.batch,), generator=random, device=device)
-        truth_m, recalled = augmented(scans[chosen], rows, scales, module.limits_m, random)
         for group in optimiser.param_groups:
             group["lr"] = learning_rate(step)
         optimiser.zero_grad()
-        loss = module.loss(truth_m[:, module.rows.measured], truth_m, recalled)
+        loss = loss_of(random)
         loss.backward()
         torch.nn.utils.clip_grad_norm_(module.parameters(), LARGEST_GRADIENT_NORM)
         optimiser.step()
-        follow = min(1.0, max(1.0 / AVERAGE_STEPS, 10.0 / (10.0 + step)))
+        follow = min(1.0, max(1.0 / average_steps, 10.0 / (10.0 + step)))
         for mean, value in zip(average, module.parameters()):
             mean.lerp_(value.detach(), follow)
         loss_sum += loss.detach()
         if (step + 1) % 100 == 0 or step + 1 == options.steps:
-            speed = (step + 1) * options.batch / (time.time() - begin)
+            speed = (step + 1) / (time.time() - begin)
             print(f"step {step + 1}/{options.steps}  loss {loss_sum / (step % 100 + 1):.4f}  "
-                  f"{speed:.0f} scans/s", flush=True)
+                  f"{speed:.1f} steps/s", flush=True)
             loss_sum = 0.0
     with torch.no_grad():
         for mean, value in zip(average, module.parameters()):
             value.copy_(mean)
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+def parser_of(description, **defaults):
+    parser = argparse.ArgumentParser(description=description.split("\n\n")[0])
     for name in ("weights", "drives", "out"):
         parser.add_argument(name)
-    parser.add_argument("--steps", type=int, default=10_000)
-    parser.add_argument("--batch", type=int, default=16)
-    parser.add_argument("--learning-rate", type=float, default=7e-4)
-    parser.add_argument("--seed", type=int, default=1)
+    for name, value in defaults.items():
+        parser.add_argument("--" + name.replace("_", "-"), type=type(value), default=value)
+    return parser
+
+
+def save(module, options):
+    with numpy.load(options.weights) as arrays:
+        measured_m = torch.from_numpy(arrays["self_test.measured"]).double()
+    save_arrays(options.out, module.cpu().double(), measured_m)
+
+
+def main():
+    parser = parser_of(__doc__, steps=10_000, batch=16, learning_rate=7e-4, seed=1)
     parser.add_argument("--scales", type=float, nargs=2, default=(0.15, 1.1))
     options = parser.parse_args()
     device = "cuda" if torch.cuda.is_available() else "cpu"
     torch.set_float32_matmul_precision("high")
     torch.manual_seed(options.seed)
     module = DuMix.load(options.weights).float().to(device)
-    left_out = validation_drives(options.weights)
-    scans = read_drives(options.drives, left_out, module.rows.count, device)
+    scans = read_drives(options.drives, validation_drives(recipe_of(options.weights)), device)
+    rows = module.rows.count
+    if scans.shape[1] == rows:  # nothing recalled
+        scans = torch.nn.functional.pad(scans, (0, 0, 0, 2 * rows))
     print(f"{len(scans)} scans on {device}")
-    train(module, scans, options, options.scales)
-    with numpy.load(options.weights) as arrays:
-        measured_m = torch.from_numpy(arrays["self_test.measured"]).double()
-    save_arrays(options.out, module.cpu().double(), measured_m)
+
+    def loss_of(random):
+        chosen = torch.randint(len(scans), (options.batch,), generator=random, device=device)
+        truth_m, recalled = augmented(scans[chosen], rows, options.scales, module.limits_m, random)
+        return module.loss(truth_m[:, module.rows.measured], truth_m, recalled)
+
+    train(module, loss_of, options)
+    save(module, options)
 
 
 if __name__ == "__main__":
