@@ -112,4 +112,13 @@ TEST_CASE("a simulation that was stopped is used, and said to be one") {
   CHECK_FALSE(holds(run_hqslam(run_arguments(folder.file("whole"))).error, "stopped"));
 }
 
+TEST_CASE("a running program has its own name, by which killall and top find it") {
+  const TemporaryDirectory folder;
+  const ProgramResult result = run_shell(fmt::format(
+      "env -u OMP_WAIT_POLICY -u GOMP_SPINCOUNT '{}' simulate --drive block --sensor os1-64 "
+      "--scans 100000 --out '{}' >/dev/null & sleep 1; cat /proc/$!/comm; kill $!; wait",
+      HQSLAM_LAB_PROGRAM, folder.file("drive")));
+  CHECK(result.out == "hqslam-lab\n");
+}
+
 }  // namespace hqslam::test

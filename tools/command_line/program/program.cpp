@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "hqslam/core/error.h"
@@ -54,11 +55,14 @@ int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
 /// libgomp's waiting threads spin for milliseconds by default and keep a core from other processes:
 /// beside two busy ones everything took four times as long. With a short spin they soon sleep.
 /// libgomp reads the setting from the environment before main() begins, so the program starts
-/// itself once more; a user's own setting stands.
+/// itself once more, under its own name (top and killall show and take that of the file that was
+/// started, for /proc/self/exe "exe"); a user's own setting stands.
 void wait_briefly(char** argv) {
   constexpr const char* kTurns = "2000";
   if (std::getenv("OMP_WAIT_POLICY") != nullptr || std::getenv("GOMP_SPINCOUNT") != nullptr) return;
-  if (setenv("GOMP_SPINCOUNT", kTurns, 0) == 0) execv("/proc/self/exe", argv);
+  std::error_code error;
+  const std::string program = std::filesystem::read_symlink("/proc/self/exe", error);
+  if (setenv("GOMP_SPINCOUNT", kTurns, 0) == 0) execv(program.c_str(), argv);
   // Here only if it could not start itself: threads wait as they do by default.
 }
 
