@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <utility>
 #include <vector>
 
 #include "hqslam/core/error.h"
@@ -58,7 +57,7 @@ std::optional<BothPoses> located(const pipeline::ScanPoses& poses, const ReadSca
 
 }  // namespace
 
-PoseCheck check_poses(const pipeline::ScanPoses& poses, recordings::Recording recording,
+PoseCheck check_poses(const pipeline::ScanPoses& poses, recordings::Recording& recording,
                       const InterruptGuard& interrupt) {
   pipeline::PipelineOptions options;
   options.slam_options.loop_closing.enabled = false;
@@ -66,17 +65,17 @@ PoseCheck check_poses(const pipeline::ScanPoses& poses, recordings::Recording re
   std::vector<double> differences;
   std::optional<BothPoses> begin;
   int scans = 0;
-  int upright = 0;
+  int more_upright = 0;  // than upside down
   Reading reading;
   read_scans(recording, interrupt, reading, [&](const ReadScan& read) {
     const auto now = located(poses, read, pipeline);
     const auto found = now && begin ? difference(*begin, *now) : std::nullopt;
-    if (now) upright += is_upright(*now) ? 1 : -1;
+    if (now) more_upright += is_upright(*now) ? 1 : -1;
     if (found) differences.push_back(*found);
     if (found || !now || !begin) begin = now;
     return ++scans < kMostScans && differences.size() < kMostStretches;
   });
-  PoseCheck result{std::nullopt, upright < 0};
+  PoseCheck result{std::nullopt, more_upright < 0};
   if (differences.size() < kFewestStretches) return result;
   const auto middle = differences.begin() + std::ssize(differences) / 2;
   std::ranges::nth_element(differences, middle);
@@ -84,18 +83,20 @@ PoseCheck check_poses(const pipeline::ScanPoses& poses, recordings::Recording re
   return result;
 }
 
-void warn_of_wrong_poses(const pipeline::ScanPoses& poses, const std::string& poses_name,
-                         recordings::Recording recording, const InterruptGuard& interrupt) {
-  const PoseCheck found = check_poses(poses, std::move(recording), interrupt);
+void warn_of_wrong_poses(
+    const pipeline::ScanPoses& poses, const std::string& path, const InterruptGuard& interrupt,
+    const std::function<std::unique_ptr<recordings::Recording>()>& open_recording) {
+  if (path.empty()) return;
+  const PoseCheck found = check_poses(poses, *open_recording(), interrupt);
   constexpr const char* kExpected =
       "expected are the sensor's poses on this drive, x forward, y left, z up, in TUM's or KITTI's "
       "order of numbers";
   if (found.motion_difference > kMostDifference) {
     to_stderr("hqslam: {}: its motion differs from that of the scans by {:.0f} % over 1 m; {}\n",
-              poses_name, 100.0 * *found.motion_difference, kExpected);
+              path, 100.0 * *found.motion_difference, kExpected);
   } else if (found.is_upside_down) {
-    to_stderr("hqslam: {}: its z points down where the scans have the ground below; {}\n",
-              poses_name, kExpected);
+    to_stderr("hqslam: {}: its z points down where the scans have the ground below; {}\n", path,
+              kExpected);
   }
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -19,13 +21,14 @@ struct PoseCheck {
   /// Whether what is up for SLAM, which stands on the ground, is down in the frame of the poses.
   bool is_upside_down = false;
 };
-PoseCheck check_poses(const pipeline::ScanPoses& poses, recordings::Recording recording,
+PoseCheck check_poses(const pipeline::ScanPoses& poses, recordings::Recording& recording,
                       const InterruptGuard& interrupt);
 
 /// Prints one line to stderr if poses are not the scans': those of another drive, of another frame
-/// (a camera's, z downwards), of another order of a quaternion's numbers. poses_name: the file, for
-/// the message.
-void warn_of_wrong_poses(const pipeline::ScanPoses& poses, const std::string& poses_name,
-                         recordings::Recording recording, const InterruptGuard& interrupt);
+/// (a camera's, z downwards), of another order of a quaternion's numbers. path: their file; without
+/// one there is nothing to check, and the recording is not opened.
+void warn_of_wrong_poses(
+    const pipeline::ScanPoses& poses, const std::string& path, const InterruptGuard& interrupt,
+    const std::function<std::unique_ptr<recordings::Recording>()>& open_recording);
 
 }  // namespace hqslam::tools

@@ -55,12 +55,9 @@ struct SeenScan {
 SeenScan scan_of(const InspectOptions& options, pipeline::UpsampledRecording& input) {
   const pipeline::Upsampler& upsampler = input.upsampler;
   require_memory(options.poses, upsampler.has_scan_memory());
-  const ScanPoses poses = read_scan_poses(options.poses, InterruptGuard(), [&] {
-    return std::make_unique<recordings::Recording>(input.reopened());
-  });
-  if (!options.poses.empty()) {
-    warn_of_wrong_poses(poses, options.poses, input.reopened(), InterruptGuard());
-  }
+  const auto reopened = [&] { return std::make_unique<recordings::Recording>(input.reopened()); };
+  const ScanPoses poses = read_scan_poses(options.poses, InterruptGuard(), reopened);
+  warn_of_wrong_poses(poses, options.poses, InterruptGuard(), reopened);
   pipeline::LookAheadMemory memory(upsampler.method(), poses);
   SeenScan seen;
   const auto look = [&](const ReadScan& read) {

@@ -60,7 +60,7 @@ int run(const MapOptions& options) {
   };
   const ScanPoses poses = read_scan_poses(options.poses, interrupt, opened);
   check_near_origin(poses, options.poses);
-  warn_of_wrong_poses(poses, options.poses, std::move(*opened()), interrupt);
+  warn_of_wrong_poses(poses, options.poses, interrupt, opened);
   const Paths inputs = {options.input, options.poses, options.upsample};
   guard_dense_map(options.out, inputs);
   if (options.occupancy_grid) guard_occupancy_grid(options.out, inputs);

@@ -155,12 +155,9 @@ int run(const UpsampleOptions& options) {
   refuse_to_write_into_recording(options.input, options.out);
   pipeline::UpsampledRecording input = upsampled_recording(options, options);
   require_memory(options.poses, input.upsampler.has_scan_memory());
-  const ScanPoses poses = read_scan_poses(options.poses, interrupt, [&] {
-    return std::make_unique<recordings::Recording>(input.reopened());
-  });
-  if (!options.poses.empty()) {
-    warn_of_wrong_poses(poses, options.poses, input.reopened(), interrupt);
-  }
+  const auto reopened = [&] { return std::make_unique<recordings::Recording>(input.reopened()); };
+  const ScanPoses poses = read_scan_poses(options.poses, interrupt, reopened);
+  warn_of_wrong_poses(poses, options.poses, interrupt, reopened);
   ScanSource& source = input.recording;
   const std::size_t printed = print_warnings(source, options.input);
   const UpsampleRun run = upsample(source, input.upsampler, poses, options, interrupt);

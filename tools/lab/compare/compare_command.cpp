@@ -108,9 +108,7 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
         recordings::Recording::open(options.input, open_options(options)));
   };
   const ScanPoses poses = read_scan_poses(options.poses, interrupt, opened);
-  if (!options.poses.empty()) {
-    warn_of_wrong_poses(poses, options.poses, std::move(*opened()), interrupt);
-  }
+  warn_of_wrong_poses(poses, options.poses, interrupt, opened);
   const auto measured_of = [&](const OrganizedCloud& truth) {
     return select_rows(truth, selection_for(truth.rows, options.rows));
   };
