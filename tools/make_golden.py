@@ -23,7 +23,6 @@ if sys.argv[1:] != ["npz"]:
     from du_or import DuOr, l1_loss
     from simple_du import SimpleDu
     from srae import Srae
-    from tulip import Tulip, WindowAttention, merged
 
 GOLDEN = pathlib.Path(__file__).resolve().parent.parent / "tests" / "golden"
 
@@ -223,25 +222,6 @@ def make_network_layers():
     x = c.input(1, 3, 4, 20)
     c.finish(x * torch.tensor(dropout_factor(77, 0.25, x.shape)))
 
-    c = case("layer_norm")
-    x, weight, bias = c.input(2, 6, 3, 20), c.parameter(6, middle=1.0), c.parameter(6)
-    y = functional.layer_norm(x.permute(0, 2, 3, 1), (6,), weight, bias, 1e-6)
-    c.finish(y.permute(0, 3, 1, 2))
-
-    c = case("gelu")
-    c.finish(functional.gelu(c.input(1, 2, 3, 20, scale=5.0)))
-
-    for name, shifted, circular in (("", False, False), (".shifted", True, False),
-                                    (".circular", True, True)):
-        c = case("attention" + name)
-        x, table = c.input(1, 3 * 8, 4, 24), c.parameter(45, 2)
-        c.finish(WindowAttention.of_projections(x, table, 2, shifted, circular))
-
-    c = case("patch_merging")
-    c.finish(merged(c.input(1, 3, 4, 20)))
-
-    c = case("pixel_shuffle")
-    c.finish(functional.pixel_shuffle(c.input(1, 9, 2, 8), 3))
     save("network_layers", arrays)
 
 
@@ -486,7 +466,6 @@ def make_direct_networks():
                if key in ("sensor", "measured_rows", "range_scale_m")}
     direct("srae", Srae({**network, "filters": 1, "dropout": 0.25, "passes": 4,
                          "largest_deviation": 0.1875}), 21)
-    direct("tulip", Tulip({**network, "channels": 8, "heads": [2, 2], "circular_attention": False}), 16)
 
 
 def make_networks():

@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
 """How fast ONNX Runtime runs the networks of hqslam, and how to measure hqslam on the same.
 
-    tools/onnx_speed.py srae-64|tulip-96|srae-8|... [--threads 1,2] [--runs 20] [--out FOLDER]
+    tools/onnx_speed.py srae-64|srae-8|... [--threads 1,2] [--runs 20] [--out FOLDER]
     tools/onnx_speed.py weights/du-or_os1_16to64.npz|weights/du-mix_os1_16to64.npz [...]
 
-The number is SRAE's filters or TULIP's channels, of which the published sizes can be had: their weights
-are random, one pass without dropout, and what `hqslam weights pack` takes is written beside
-NETWORK.onnx. Of a file the weights are its own. DU-OR's BFS filter, which no graph of ONNX has, is left
+The number is that of SRAE's filters, 64 as published: its weights are random, one pass without dropout,
+and what `hqslam weights pack` takes is written beside NETWORK.onnx. Of a file the weights are its own. DU-OR's BFS filter, which no graph of ONNX has, is left
 out of what ONNX Runtime is given. Needs PyTorch and
 
     pip install onnx onnxscript onnxruntime
@@ -27,23 +26,17 @@ from du_mix import DuMix
 from du_or import DuOr
 from layers import describe, save_arrays
 from srae import Srae
-from tulip import Tulip
-
-HEADS = {96: [3, 6, 12, 24], 48: [3, 6, 12, 24]}
 
 
 def described(name):
-    kind, size = name.split("-")
-    network = {"kind": kind, "sensor": "os1-64", "measured_rows": 16}
-    if kind == "srae":
-        network.update(filters=int(size), dropout=0.25, passes=1, largest_deviation=0.03,
-                       range_scale_m=100)
-    else:
-        network.update(channels=int(size), heads=HEADS.get(int(size), [2, 4, 8]),
-                       circular_attention=False, range_scale_m=80)
+    kind, filters = name.split("-")
+    if kind != "srae":
+        sys.exit(f"{name}: expected srae-FILTERS or a weights file")
+    network = {"kind": kind, "sensor": "os1-64", "measured_rows": 16, "filters": int(filters),
+               "dropout": 0.25, "passes": 1, "largest_deviation": 0.03, "range_scale_m": 100}
     spelled_out = {**network, "sensor": {"beam_elevation_deg": [0.0] * 64},
                    "measured_rows": {"offset": 3, "stride": 4}}
-    return network, (Srae if kind == "srae" else Tulip)(spelled_out).eval()
+    return network, Srae(spelled_out).eval()
 
 
 class Image(torch.nn.Module):

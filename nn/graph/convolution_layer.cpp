@@ -77,7 +77,6 @@ std::vector<ParameterShape> ConvolutionLayer::parameter_shapes() const {
   if (options_.row_weights) {
     return {{"weight", {output_.rows, first, second}}, {"bias", {output_.rows, first}}};
   }
-  if (options_.linear) shapes.front().shape.resize(2);
   if (options_.bias) shapes.push_back({"bias", {output_.channels}});
   if (options_.row_bias) shapes.push_back({"row_bias", {output_.channels, output_.rows}});
   return shapes;
@@ -171,15 +170,6 @@ void ConvolutionLayer::forward_row(const Tensor& input, int row, float* output,
   const std::size_t own = options_.row_weights ? row : 0;
   const float* bias = bias_.data() + own * kernels::whole_blocks(output_.channels);
   strided(row).gather_row(input, bias, row, output, channel_stride);
-}
-
-std::function<void()> ConvolutionLayer::reference(const LayerPass& pass) const {
-  if (options_.transposed) return {};
-  const std::vector<float> weight(static_cast<std::size_t>(shape_.weights()), 0.5F);
-  return [this, weight, input = pass.input] {
-    Tensor result = output_.make();
-    conv2d_reference(shape_, weight, {}, *input, result);
-  };
 }
 
 }  // namespace hqslam::nn

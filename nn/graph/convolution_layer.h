@@ -24,10 +24,9 @@ struct ConvolutionOptions {
   bool transposed = false;
   bool bias = true;       ///< a learned bias per output channel
   bool row_bias = false;  ///< one per output channel and row too; not with a second input
-  /// Weights and biases of each row, for a linear 1 x 1 kernel without a second input: arrays of
-  /// rows x out x in and rows x out.
+  /// Weights and biases of each row, for a 1 x 1 kernel without activation or second input: arrays
+  /// of rows x out x in and rows x out.
   bool row_weights = false;
-  bool linear = false;  ///< a 1 x 1 kernel whose weight is stored as out x in
   float negative_slope = 1.0F;
   /// Starting values: weights uniform in +-start_limit, biases start_bias; without a limit
   /// PyTorch's, weights in +-start_scale / sqrt(fan in), biases in +-0.1 start_scale.
@@ -64,7 +63,6 @@ class ConvolutionLayer final : public Layer {
   std::int64_t multiply_adds() const override;
   float negative_slope() const override { return options_.negative_slope; }
   void forward(const LayerPass& pass) override;
-  std::function<void()> reference(const LayerPass& pass) const override;
 
   /// One row of the linear result, into memory of the caller's, so that what follows can use it
   /// while it is in the cache: output channels are channel_stride floats apart, each with room for

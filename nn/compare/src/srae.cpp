@@ -11,6 +11,7 @@
 #include "hqslam/core/error.h"
 #include "layers/layers.h"
 #include "parameters.h"
+#include "srae_network.h"
 
 namespace hqslam::nn {
 namespace {
@@ -91,6 +92,19 @@ void Srae::validate(const NetworkDescription& d) const {
   }
   constexpr std::int64_t kTensorsOfFilters = 40;  // with gradients, of the whole image's size
   check_memory(kTensorsOfFilters * shape_.filters * rows * d.sensor.columns, d);
+}
+
+std::vector<ParameterShape> Srae::parameter_shapes(const NetworkDescription& d) const {
+  return graph(d, kSraeStride, Purpose::kTraining, {}).parameter_shapes();
+}
+
+std::vector<float> Srae::initial_parameters(const NetworkDescription& d, std::uint64_t seed) const {
+  return graph(d, kSraeStride, Purpose::kTraining, {}).initial_parameters(seed);
+}
+
+std::unique_ptr<Network> Srae::make_network(const NetworkDescription& d, int columns,
+                                            InstructionSet instruction_set, int threads) const {
+  return std::make_unique<SraeNetwork>(*this, d, columns, Engine{instruction_set, threads});
 }
 
 /// With zeros beyond all edges, as in the paper.

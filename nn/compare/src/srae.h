@@ -2,7 +2,9 @@
 
 #include <memory>
 
-#include "direct_network.h"
+#include "architecture.h"
+#include "graph/layer_graph.h"
+#include "trainable_architecture.h"
 
 namespace hqslam::nn {
 
@@ -28,8 +30,10 @@ struct SraeShape {
 /// The stride of the encoder: rows and columns of the whole image are multiples of it.
 inline constexpr int kSraeStride = 16;
 
-/// "srae". Its graph for upsampling has batch norm worked into the convolutions, and no gradients.
-class Srae final : public DirectArchitecture {
+enum class Purpose { kUpsampling, kTraining };
+
+/// "srae".
+class Srae final : public Architecture, public TrainableArchitecture {
  public:
   /// Throws Error with field, value and constraint.
   explicit Srae(const SraeShape& shape);
@@ -38,11 +42,21 @@ class Srae final : public DirectArchitecture {
   void write(nlohmann::ordered_json& network) const override;
   void validate(const NetworkDescription& description) const override;
   int column_multiple() const override { return kSraeStride; }
+  std::vector<ParameterShape> parameter_shapes(
+      const NetworkDescription& description) const override;
+  std::vector<float> initial_parameters(const NetworkDescription& description,
+                                        std::uint64_t seed) const override;
+  std::unique_ptr<Network> make_network(const NetworkDescription& description, int columns,
+                                        InstructionSet instruction_set, int threads) const override;
+  std::unique_ptr<TrainableNetwork> make_trainable(const NetworkDescription& description,
+                                                   int columns,
+                                                   InstructionSet instruction_set) const override;
+
+  /// One channel of measured rows in, one of all rows out. For upsampling, batch norm is worked
+  /// into the convolutions, and there are no gradients; the arrays are the same.
   LayerGraph graph(const NetworkDescription& description, int columns, Purpose purpose,
-                   const Engine& engine) const override;
-  DirectPlan plan() const override {
-    return {.passes = shape_.passes, .largest_deviation = shape_.largest_deviation};
-  }
+                   const Engine& engine) const;
+  const SraeShape& shape() const { return shape_; }
 
  private:
   SraeShape shape_;

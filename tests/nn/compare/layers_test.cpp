@@ -35,12 +35,6 @@ LayerCase convolution(const std::string& name, ColumnPadding padding,
             return std::make_unique<ConvolutionLayer>(options, in[0], engine);
           }};
 }
-LayerCase attention(const std::string& name, const WindowAttentionOptions& options) {
-  return {name, kCircular, [options](const Shapes& in, const Engine& engine) {
-            return make_window_attention(options, in[0], engine);
-          }};
-}
-
 std::vector<LayerCase> layer_cases() {
   ConvolutionOptions transposed = three_by_three(5, 0.0F);
   transposed.stride = {2, 1};
@@ -48,25 +42,14 @@ std::vector<LayerCase> layer_cases() {
   const ConvolutionOptions patches{
       .channels = 6, .kernel = {1, 8}, .stride = {1, 4}, .padding = {0, 2}};
   return {convolution("transposed", kZero, transposed),
-          convolution("linear", kCircular, {.channels = 7, .linear = true}),
+          convolution("linear", kCircular, {.channels = 7}),
           convolution("patch_embedding", kCircular, patches),
           {"batch_norm", kCircular,
            [](const Shapes& in, const Engine&) { return make_batch_norm(0.125F, in[0]); }},
           {"average_pool", kZero,
            [](const Shapes& in, const Engine&) { return make_average_pool(in[0]); }},
           {"concatenation", kCircular,
-           [](const Shapes& in, const Engine&) { return make_concatenation(in[0], in[1]); }},
-          {"layer_norm", kCircular,
-           [](const Shapes& in, const Engine&) { return make_layer_norm(in[0]); }},
-          {"gelu", kCircular,
-           [](const Shapes& in, const Engine& engine) { return make_gelu(in[0], engine); }},
-          attention("attention", {.heads = 2}),
-          attention("attention.shifted", {.heads = 2, .shifted = true}),
-          attention("attention.circular", {.heads = 2, .shifted = true, .circular = true}),
-          {"patch_merging", kCircular,
-           [](const Shapes& in, const Engine&) { return make_patch_merging(in[0]); }},
-          {"pixel_shuffle", kCircular,
-           [](const Shapes& in, const Engine&) { return make_pixel_shuffle(3, in[0]); }}};
+           [](const Shapes& in, const Engine&) { return make_concatenation(in[0], in[1]); }}};
 }
 
 std::vector<float> values_of(const std::vector<Tensor>& scans) {
@@ -210,11 +193,6 @@ TEST_CASE("a convolution with the batch norm behind it worked into its weights g
                          golden.values(c.name + ".output")) < kTolerance);
     CHECK(batch.layer->parameter_shapes().back().name == "norm.running_var");
   }
-}
-
-TEST_CASE("windows that do not divide the image are refused") {
-  const TensorShape input{12, 3, 16, kCircular};
-  CHECK_THROWS_AS(make_window_attention({.heads = 2}, input, {}), Error);
 }
 
 }  // namespace hqslam::nn

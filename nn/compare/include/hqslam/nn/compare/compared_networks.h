@@ -4,7 +4,7 @@
 
 namespace hqslam::nn {
 
-/// Those of hqs_architectures() and the networks that they are compared with, SRAE and TULIP.
+/// Those of hqs_architectures() and the network that they are compared with, SRAE.
 const Architectures& all_architectures();
 
 }  // namespace hqslam::nn

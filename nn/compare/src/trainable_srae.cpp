@@ -1,16 +1,16 @@
 #include <cmath>
 
-#include "direct_network.h"
 #include "graph/graph_backward.h"
+#include "srae_network.h"
 
 namespace hqslam::nn {
 namespace {
 
 /// Trained with the mean of the absolute errors over all pixels, no return counting as 0.
-class TrainableDirectNetwork final : public TrainableNetwork {
+class TrainableSrae final : public TrainableNetwork {
  public:
-  TrainableDirectNetwork(LayerGraph graph, const DirectUnit& unit)
-      : unit_(unit), graph_(std::move(graph)), backward_(graph_) {}
+  TrainableSrae(LayerGraph graph, float range_scale_m)
+      : range_scale_m_(range_scale_m), graph_(std::move(graph)), backward_(graph_) {}
 
   void set_parameters(std::span<const float> parameters) override {
     graph_.set_parameters(parameters);
@@ -27,7 +27,9 @@ class TrainableDirectNetwork final : public TrainableNetwork {
     }
     const std::span values(values_.data(), batch.size());
     const std::span gradients(gradients_.data(), batch.size());
-    for (std::size_t i = 0; i < batch.size(); ++i) unit_.take(batch[i].measured, values[i].front());
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      take_scaled(batch[i].measured, range_scale_m_, values[i].front());
+    }
     backward_.forward_batch(values, seeds);
     double loss = 0.0;
     for (std::size_t i = 0; i < batch.size(); ++i) {
@@ -42,7 +44,7 @@ class TrainableDirectNetwork final : public TrainableNetwork {
     double loss = 0.0;
     for (int y = 0; y < output.rows(); ++y) {
       for (int x = 0; x < output.columns(); ++x) {
-        const float off = output.at(0, y, x) - unit_.of(truth.at(y, x));
+        const float off = output.at(0, y, x) - scaled_range(truth.at(y, x), range_scale_m_);
         loss += std::fabs(off) * share;
         d_output.at(0, y, x) = off > 0.0F ? share : off < 0.0F ? -share : 0.0F;
       }
@@ -50,7 +52,7 @@ class TrainableDirectNetwork final : public TrainableNetwork {
     return loss;
   }
 
-  DirectUnit unit_;
+  float range_scale_m_;
   LayerGraph graph_;
   GraphBackward backward_;
   std::vector<LayerGraph::Values> values_;  ///< of each scan of a batch
@@ -59,11 +61,10 @@ class TrainableDirectNetwork final : public TrainableNetwork {
 
 }  // namespace
 
-std::unique_ptr<TrainableNetwork> DirectArchitecture::make_trainable(
-    const NetworkDescription& d, int columns, InstructionSet instruction_set) const {
-  return std::make_unique<TrainableDirectNetwork>(
-      graph(d, columns, Purpose::kTraining, {instruction_set, 1}),
-      DirectUnit{d.range_scale_m, plan().logarithmic});
+std::unique_ptr<TrainableNetwork> Srae::make_trainable(const NetworkDescription& d, int columns,
+                                                       InstructionSet instruction_set) const {
+  return std::make_unique<TrainableSrae>(
+      graph(d, columns, Purpose::kTraining, {instruction_set, 1}), d.range_scale_m);
 }
 
 }  // namespace hqslam::nn

@@ -1,4 +1,4 @@
-#include "direct_network.h"
+#include "srae_network.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,28 +13,10 @@ constexpr std::uint64_t kSeedsOfPass = 64;
 
 }  // namespace
 
-std::vector<ParameterShape> DirectArchitecture::parameter_shapes(
-    const NetworkDescription& d) const {
-  return graph(d, column_multiple(), Purpose::kTraining, {}).parameter_shapes();
-}
-
-std::vector<float> DirectArchitecture::initial_parameters(const NetworkDescription& d,
-                                                          std::uint64_t seed) const {
-  return graph(d, column_multiple(), Purpose::kTraining, {}).initial_parameters(seed);
-}
-
-std::unique_ptr<Network> DirectArchitecture::make_network(const NetworkDescription& d, int columns,
-                                                          InstructionSet instruction_set,
-                                                          int threads) const {
-  return std::make_unique<DirectNetwork>(*this, d, columns, Engine{instruction_set, threads});
-}
-
-DirectNetwork::DirectNetwork(const DirectArchitecture& architecture,
-                             const NetworkDescription& description, int columns,
-                             const Engine& engine)
+SraeNetwork::SraeNetwork(const Srae& architecture, const NetworkDescription& description,
+                         int columns, const Engine& engine)
     : description_(description),
-      plan_(architecture.plan()),
-      unit_{description.range_scale_m, plan_.logarithmic},
+      shape_(architecture.shape()),
       graph_(architecture.graph(description, columns, Purpose::kUpsampling, engine)),
       values_(graph_.make_values()) {
   const TensorShape& output = graph_.output_shape();
@@ -43,30 +25,26 @@ DirectNetwork::DirectNetwork(const DirectArchitecture& architecture,
   upsampled_.image = RangeImage(output.rows, output.columns);
 }
 
-std::int64_t DirectNetwork::multiply_adds() const {
+std::int64_t SraeNetwork::multiply_adds() const {
   return graph_.multiply_adds() +
-         (plan_.passes - 1) * graph_.multiply_adds(graph_.first_random_layer());
+         (shape_.passes - 1) * graph_.multiply_adds(graph_.first_random_layer());
 }
 
-float DirectUnit::of(float range_m) const {
-  if (!(range_m > 0.0F) || !std::isfinite(range_m)) return 0.0F;
-  const float scaled = range_m / range_scale_m;
-  return logarithmic ? std::log1p(scaled) : scaled;
+float scaled_range(float range_m, float range_scale_m) {
+  return range_m > 0.0F && std::isfinite(range_m) ? range_m / range_scale_m : 0.0F;
 }
 
-float DirectUnit::to_metres(float value) const {
-  return (logarithmic ? std::expm1(value) : value) * range_scale_m;
-}
-
-void DirectUnit::take(const RangeImage& image, Tensor& tensor) const {
+void take_scaled(const RangeImage& image, float range_scale_m, Tensor& tensor) {
 #pragma omp for schedule(static)
   for (int y = 0; y < image.rows; ++y) {
-    for (int x = 0; x < image.columns; ++x) tensor.at(0, y, x) = of(image.at(y, x));
+    for (int x = 0; x < image.columns; ++x) {
+      tensor.at(0, y, x) = scaled_range(image.at(y, x), range_scale_m);
+    }
     tensor.fill_border(0, y);
   }
 }
 
-void DirectNetwork::add_pass(bool first) {
+void SraeNetwork::add_pass(bool first) {
   const Tensor& output = values_.back();
 #pragma omp for schedule(static)
   for (int y = 0; y < output.rows(); ++y) {
@@ -80,11 +58,11 @@ void DirectNetwork::add_pass(bool first) {
 }
 
 /// What stands before the first dropout is the same in every pass.
-void DirectNetwork::run_passes(const RangeImage& measured, int passes) {
+void SraeNetwork::run_passes(const RangeImage& measured, int passes) {
   const int random = graph_.first_random_layer();
 #pragma omp parallel num_threads(graph_.engine().threads)
   {
-    unit_.take(measured, values_.front());
+    take_scaled(measured, description_.range_scale_m, values_.front());
     for (int pass = 0; pass < passes; ++pass) {
       std::optional<std::uint64_t> seed;
       if (passes > 1) seed = static_cast<std::uint64_t>(pass) * kSeedsOfPass;
@@ -94,18 +72,18 @@ void DirectNetwork::run_passes(const RangeImage& measured, int passes) {
   }
 }
 
-float DirectNetwork::mean(std::size_t pixel) const {
-  return static_cast<float>(sum_[pixel] / plan_.passes);
+float SraeNetwork::mean(std::size_t pixel) const {
+  return static_cast<float>(sum_[pixel] / shape_.passes);
 }
 
-bool DirectNetwork::agreed(std::size_t pixel) const {
-  if (plan_.passes == 1) return true;
-  const double mean = sum_[pixel] / plan_.passes;
-  const double variance = std::max(0.0, squares_[pixel] / plan_.passes - mean * mean);
-  return std::sqrt(variance) <= static_cast<double>(plan_.largest_deviation) * mean;
+bool SraeNetwork::agreed(std::size_t pixel) const {
+  if (shape_.passes == 1) return true;
+  const double mean = sum_[pixel] / shape_.passes;
+  const double variance = std::max(0.0, squares_[pixel] / shape_.passes - mean * mean);
+  return std::sqrt(variance) <= static_cast<double>(shape_.largest_deviation) * mean;
 }
 
-void DirectNetwork::restore(const RangeImage& measured, RangeImage& image) const {
+void SraeNetwork::restore(const RangeImage& measured, RangeImage& image) const {
   const RowSelection rows = description_.measured_rows;
   for (int row = 0; row < measured.rows; ++row) {
     std::copy_n(&measured.range_m[measured.index(row, 0)], measured.columns,
@@ -113,14 +91,14 @@ void DirectNetwork::restore(const RangeImage& measured, RangeImage& image) const
   }
 }
 
-const UpsampledImage& DirectNetwork::upsample(const Observation& seen, float /*tolerance_m*/) {
+const UpsampledImage& SraeNetwork::upsample(const Observation& seen, float /*tolerance_m*/) {
   const RangeImage& measured = seen.measured;
-  run_passes(measured, plan_.passes);
+  run_passes(measured, shape_.passes);
   const auto nearest_m = static_cast<float>(description_.sensor.min_range_m);
   const auto farthest_m = static_cast<float>(description_.sensor.max_range_m);
 #pragma omp parallel for schedule(static) num_threads(graph_.engine().threads)
   for (std::size_t pixel = 0; pixel < sum_.size(); ++pixel) {
-    const float range_m = unit_.to_metres(mean(pixel));
+    const float range_m = mean(pixel) * description_.range_scale_m;
     const bool there = range_m >= nearest_m && range_m <= farthest_m && agreed(pixel);
     upsampled_.image.range_m[pixel] = there ? range_m : 0.0F;
   }
@@ -129,21 +107,21 @@ const UpsampledImage& DirectNetwork::upsample(const Observation& seen, float /*t
 }
 
 /// One pass without dropout.
-RangeImage DirectNetwork::estimate(const RangeImage& measured) {
+RangeImage SraeNetwork::estimate(const RangeImage& measured) {
   run_passes(measured, 1);
   RangeImage image(upsampled_.image.rows, upsampled_.image.columns);
   for (std::size_t i = 0; i < sum_.size(); ++i) {
-    image.range_m[i] = unit_.to_metres(static_cast<float>(sum_[i]));
+    image.range_m[i] = static_cast<float>(sum_[i]) * description_.range_scale_m;
   }
   return image;
 }
 
-Trace DirectNetwork::trace(const Observation& seen) {
+Trace SraeNetwork::trace(const Observation& seen) {
   const RangeImage upsampled = upsample(seen, 0.5F).image;
   RangeImage estimated = upsampled;
   RangeImage disagreed = upsampled;
   for (std::size_t pixel = 0; pixel < sum_.size(); ++pixel) {
-    estimated.range_m[pixel] = unit_.to_metres(mean(pixel));
+    estimated.range_m[pixel] = mean(pixel) * description_.range_scale_m;
     disagreed.range_m[pixel] = agreed(pixel) ? 0.0F : 1.0F;
   }
   Trace trace;
@@ -152,11 +130,6 @@ Trace DirectNetwork::trace(const Observation& seen) {
   trace.add(traced_image("layers.0.rejected", disagreed, ""));
   trace.add(traced_image("layers.0.y", upsampled));
   return trace;
-}
-
-std::vector<NetworkStep> DirectNetwork::steps(const RangeImage& measured) {
-  upsample(measured, 0.5F);
-  return graph_.steps(values_, plan_.passes);
 }
 
 }  // namespace hqslam::nn
