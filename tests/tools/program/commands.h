@@ -45,7 +45,7 @@ struct CommandInputs {
     write_sensor_json(few_columns, folder.file("sensor.json"));
     succeeds("simulate --drive block --sensor '{}' --scans 75 --out '{}'",
              folder.file("sensor.json"), paths.at("driven"));
-    for (const char* kind : {"npy", "npz", "json", "pcap", "mcap", "tum", "pcd", "las", "yaml"}) {
+    for (const char* kind : {"npy", "npz", "json", "pcap", "mcap", "tum", "pcd", "las"}) {
       paths[kind] = folder.file(std::string("broken.") + kind);
       write_file(paths[kind], "what is this?");
     }
@@ -127,7 +127,7 @@ inline const std::vector<Command>& commands() {
       {"evaluate {drive}/truth.tum {drive}/truth.tum",
        {"evaluate {tum} {tum}", "evaluate {pcd} {pcd}"}},
       {"evaluate-map {drive}/pcd/000000.pcd --drive {drive}",
-       {"evaluate-map {pcd} --drive {drive}", "evaluate-map {yaml} --drive {drive}"}},
+       {"evaluate-map {pcd} --drive {drive}"}},
       {"compare {drive64} --weights {weights} --json {out}",
        {"compare {npy} --sensor os1-64 --json {out}",
         "compare {drive64} --weights {npz} --json {out}"},

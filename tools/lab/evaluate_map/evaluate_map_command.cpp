@@ -3,13 +3,13 @@
 #include <Eigen/Core>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <unordered_set>
 #include <vector>
 
-#include "evaluate_map/occupancy_grid_error.h"
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/error.h"
 #include "hqslam/evaluation/cloud_error.h"
@@ -27,8 +27,18 @@ namespace fs = std::filesystem;
 constexpr double kSample_m = 0.1;
 constexpr double kFar_m = 0.3;
 
+/// A key of the cube of kSample_m that contains a point, unique within 2^20 cubes.
+std::uint64_t sample_key(const Eigen::Vector3f& point_m) {
+  const auto part = [](float metres) {
+    return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(metres / kSample_m))) &
+           0x1FFFFFU;
+  };
+  return part(point_m.x()) << 42U | part(point_m.y()) << 21U | part(point_m.z());
+}
+
 double share_within(const std::vector<float>& distances_m, double limit_m) {
-  return share_of(distances_m, [&](float distance_m) { return distance_m <= limit_m; });
+  const auto near = std::ranges::count_if(distances_m, [&](float d_m) { return d_m <= limit_m; });
+  return static_cast<double>(near) / static_cast<double>(distances_m.size());
 }
 
 double harmonic_mean(double a, double b) { return a + b > 0.0 ? 2.0 * a * b / (a + b) : 0.0; }
@@ -40,7 +50,7 @@ std::vector<Eigen::Vector3f> visible_surface_m(sim::DriveSimulator simulator) {
   std::unordered_set<std::uint64_t> taken;
   while (const auto visible = simulator.next_visible()) {
     for (const Eigen::Vector3f& point_m : *visible) {
-      if (taken.insert(voxel_key(point_m, kSample_m)).second) samples_m.push_back(point_m);
+      if (taken.insert(sample_key(point_m)).second) samples_m.push_back(point_m);
     }
   }
   return samples_m;
@@ -136,35 +146,6 @@ void evaluate_dense_maps(const std::vector<std::string>& paths, const sim::Drive
   }
 }
 
-void evaluate_grids(const std::vector<std::string>& paths, const TrueDrive& drive,
-                    const TrajectoryFile& truth) {
-  std::optional<TrueCells> cells;
-  double cell_m = 0.0;
-  for (const std::string& path : paths) {
-    const slam::OccupancyMap map = slam::read_occupancy_map(path);
-    if (!cells || cell_m != map.resolution_m) {
-      cell_m = map.resolution_m;
-      cells = true_cells(drive, cell_m);
-      to_stdout(
-          "cells of {} m: {} empty, {} where something stands, {} where something moved; "
-          "shares in percent\n",
-          cell_m, cells->empty_m.size(), cells->standing_m.size(), cells->moving_m.size());
-      to_stdout("{:>16}{:>24}{:>8}{:>7}{:>7}\n", "empty", "standing", "moved", "free", "occ.");
-      to_stdout("{:>8}{:>8}{:>8}{:>8}{:>8}{:>8}{:>7}{:>7}\n", "free", "occ.", "occ.", "near",
-                "free", "occ.", "wrong", "wrong");
-    }
-    const std::optional<Pose> T_truth_map = alignment_of(path, truth);
-    const OccupancyGridError error =
-        occupancy_grid_error(map, T_truth_map.value_or(Pose::Identity()), *cells, drive);
-    to_stdout("{:>8.2f}{:>8.2f}{:>8.2f}{:>8.2f}{:>8.2f}{:>8.2f}{:>7.2f}{:>7.2f}  {}{}\n",
-              100.0 * error.empty_is_free, 100.0 * error.empty_is_occupied,
-              100.0 * error.standing_is_occupied, 100.0 * error.standing_is_near,
-              100.0 * error.standing_is_free, 100.0 * error.moving_is_occupied,
-              100.0 * error.free_is_wrong, 100.0 * error.occupied_is_wrong, path,
-              T_truth_map ? " (aligned)" : "");
-  }
-}
-
 constexpr const char* kMapDefinitions =
     R"(Definitions
   true surface  standing things of the simulated city, and what its windows show
@@ -178,26 +159,15 @@ constexpr const char* kMapDefinitions =
   F1            harmonic mean of accuracy and completeness at the same distance
                 (Knapitsch et al., Tanks and Temples, 2017)
 A map with a trajectory.tum in its folder is aligned first: by the mean rotation and
-translation from the poses of that file to the true ones.
-Occupancy grids are compared within 20 m of the sensor, with things 0.25 to 2 m high:
-  empty         cells of visible ground on which nothing stands: shares called
-                free and occupied
-  standing      cells in which a visible surface stands: shares called occupied,
-                with an occupied cell within one cell, and called free
-  moved         empty cells where a scan has a point farther than 0.3 m from the
-                surface (cars, walkers, mixed pixels): share called occupied
-  free, occ.    share of the grid's free cells (every eighth) where something
-                stands; share of its occupied cells without a standing thing
-                within one and a half cells)";
+translation from the poses of that file to the true ones.)";
 
 }  // namespace
 
 void declare(CLI::App& app, EvaluateMapOptions& options) {
-  add_command(app, "evaluate-map", "Compare maps of a simulated drive with its true city",
+  add_command(app, "evaluate-map", "Compare dense maps of a simulated drive with its true city",
               kMapDefinitions)
       .option("MAP", &options.maps,
-              "Folders with a dense_map.pcd (of hqslam run --dense-map), .pcd or .ply files, "
-              "or an occupancy grid's map.yaml",
+              "Folders with a dense_map.pcd (of hqslam run --dense-map), .pcd or .ply files",
               {.required = true, .given = Given::kFileOrFolder})
       .option("--drive", &options.drive, "Folder of the drive, written by hqslam-lab simulate",
               {.required = true, .given = Given::kFolder});
@@ -208,15 +178,7 @@ int run(const EvaluateMapOptions& options) {
   const SensorModel sensor = load_sensor(file_of(options.drive, "sensor.json"));
   const TrajectoryFile truth = read_trajectory_file(file_of(options.drive, "truth.tum"));
   spec.scans = std::ssize(truth.poses);  // the simulation may have been stopped
-  std::vector<std::string> grids = options.maps;
-  const auto is_grid = [](const std::string& path) {
-    return fs::path(path).extension() == ".yaml";
-  };
-  const auto maps_end = std::ranges::stable_partition(grids, is_grid);
-  const std::vector<std::string> maps(maps_end.begin(), maps_end.end());
-  grids.erase(maps_end.begin(), maps_end.end());
-  if (!maps.empty()) evaluate_dense_maps(maps, spec, sensor, truth);
-  if (!grids.empty()) evaluate_grids(grids, {options.drive, spec, sensor, truth.poses}, truth);
+  evaluate_dense_maps(options.maps, spec, sensor, truth);
   return kOk;
 }
 

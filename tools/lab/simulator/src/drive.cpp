@@ -7,7 +7,7 @@
 #include "random.h"
 #include "ray_scene.h"
 #include "scenario.h"
-#include "true_place.h"
+#include "true_surface.h"
 
 namespace hqslam::sim {
 namespace {
@@ -114,23 +114,6 @@ std::vector<float> DriveSimulator::distances_to_surface_m(
         self.scene, places_m, T_world_map * points_m[i].cast<double>(), reach_m));
   }
   return distances_m;
-}
-
-std::vector<std::optional<TruePlace>> DriveSimulator::true_places(
-    const std::vector<Eigen::Vector3f>& points_m, const UprightColumn& column) {
-  Implementation& self = *implementation_;
-  self.scene.place_actors({});
-  const Pose T_world_map = self.T_map_world.inverse();
-  std::vector<std::optional<TruePlace>> places(points_m.size());
-#pragma omp parallel for schedule(dynamic, 1024)
-  for (std::size_t i = 0; i < points_m.size(); ++i) {
-    if (!points_m[i].allFinite()) continue;
-    const Eigen::Vector3d point_m = T_world_map * points_m[i].cast<double>();
-    places[i] = true_place(self.scene, point_m, column);
-    // Back along the vertical of the map.
-    if (places[i]) places[i]->ground_m += points_m[i].z() - point_m.z();
-  }
-  return places;
 }
 
 std::optional<SimulatedScan> DriveSimulator::next(const std::optional<RowSelection>& rows) {

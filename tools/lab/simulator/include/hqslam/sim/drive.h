@@ -79,19 +79,6 @@ struct SimulatedScan {
   std::vector<SimulatedImuSample> imu;  ///< since the end of the scan before, skipped ones included
 };
 
-/// A cylinder above a place, from lowest_m to highest_m above the ground.
-struct UprightColumn {
-  double radius_m = 0.05;
-  double lowest_m = 0.25;
-  double highest_m = 2.0;
-};
-
-/// The truth at a place.
-struct TruePlace {
-  double ground_m = 0.0;     ///< z of the ground
-  bool is_occupied = false;  ///< a standing surface reaches into the column above it
-};
-
 /// Drives a sensor through the city and simulates one scan after the other.
 class DriveSimulator {
  public:
@@ -120,10 +107,6 @@ class DriveSimulator {
   /// which the distance is taken along the line of sight from every second metre of the drive.
   std::vector<float> distances_to_surface_m(const std::vector<Eigen::Vector3f>& points_m,
                                             double reach_m);
-  /// The truth of an occupancy grid at each point (map frame), outdoors: the lowest surface within
-  /// 50 m is the ground. Nothing where there is no ground.
-  std::vector<std::optional<TruePlace>> true_places(const std::vector<Eigen::Vector3f>& points_m,
-                                                    const UprightColumn& column);
 
  private:
   struct Implementation;

@@ -1,19 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 #include <vector>
 
-#include "hqslam/sim/drive.h"
 #include "ray_scene.h"
 
 namespace hqslam::sim {
-
-/// The truth at a place outdoors: the lowest surface below `point_m` plus 50 m, and whether a
-/// standing surface reaches into the upright column about it. World frame; the scene must have no
-/// actors. Nothing where there is no ground within 100 m.
-std::optional<TruePlace> true_place(const RayScene& scene, const Eigen::Vector3d& point_m,
-                                    const UprightColumn& column);
 
 /// Distance of a point from the nearest true surface, metres; infinity where it exceeds `reach_m`.
 /// True surfaces are those of standing things and those seen through their glass (curtains, rooms
