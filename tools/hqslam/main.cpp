@@ -1,6 +1,5 @@
 #include "product.h"
 
 int main(int argc, char** argv) {
-  using namespace hqslam::tools;
-  return run_program<ProductCommands>(product_text(), argc, argv);
+  return hqslam::tools::run_program(hqslam::tools::product(), argc, argv);
 }

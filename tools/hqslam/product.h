@@ -1,7 +1,5 @@
 #pragma once
 
-#include <tuple>
-
 #include "calibrate/calibrate_command.h"
 #include "evaluate/evaluate_command.h"
 #include "info/info_command.h"
@@ -18,13 +16,15 @@
 
 namespace hqslam::tools {
 
-/// The subcommands of the program hqslam.
-using ProductCommands = std::tuple<RunOptions, LiveOptions, InfoOptions, MapOptions, ViewOptions,
-                                   EvaluateOptions, InspectOptions, CalibrateOptions, ReplayOptions,
-                                   UpsampleOptions, WeightsOptions, SlamOptionsCommand>;
-
-inline ProgramText product_text() {
-  return {"hqslam", "LiDAR SLAM on plain CPUs: from a recorded drive to a trajectory and a map."};
+/// Its subcommands are in the order of the help.
+inline Program product() {
+  return {"hqslam",
+          "LiDAR SLAM on plain CPUs: from a recorded drive to a trajectory and a map.",
+          {add_subcommand<RunOptions>, add_subcommand<LiveOptions>, add_subcommand<InfoOptions>,
+           add_subcommand<MapOptions>, add_subcommand<ViewOptions>, add_subcommand<EvaluateOptions>,
+           add_subcommand<InspectOptions>, add_subcommand<CalibrateOptions>,
+           add_subcommand<ReplayOptions>, add_subcommand<UpsampleOptions>,
+           add_subcommand<WeightsOptions>, add_subcommand<SlamOptionsCommand>}};
 }
 
 }  // namespace hqslam::tools

@@ -1,25 +1,23 @@
 #pragma once
 
-#include <tuple>
-
-#include "bench/bench_command.h"
-#include "compare/compare_command.h"
-#include "demo/demo_command.h"
-#include "evaluate_map/evaluate_map_command.h"
 #include "program/program.h"
 #include "simulate/simulate_command.h"
-#include "table/table_command.h"
-#include "train/train_command.h"
 
 namespace hqslam::tools {
 
-/// The subcommands of the program hqslam-lab.
-using LaboratoryCommands = std::tuple<DemoOptions, SimulateOptions, TrainOptions, CompareOptions,
-                                      TableOptions, BenchOptions, EvaluateMapOptions>;
+// The subcommands, each in the file of its name, with its options.
+void add_demo(CLI::App& app, Chosen& chosen);
+void add_train(CLI::App& app, Chosen& chosen);
+void add_compare(CLI::App& app, Chosen& chosen);
+void add_table(CLI::App& app, Chosen& chosen);
+void add_bench(CLI::App& app, Chosen& chosen);
+void add_evaluate_map(CLI::App& app, Chosen& chosen);
 
-inline ProgramText laboratory_text() {
+inline Program laboratory() {
   return {"hqslam-lab",
-          "hqslam's laboratory: simulated drives, training, and comparison of methods."};
+          "hqslam's laboratory: simulated drives, training, and comparison of methods.",
+          {add_demo, add_subcommand<SimulateOptions>, add_train, add_compare, add_table, add_bench,
+           add_evaluate_map}};
 }
 
 }  // namespace hqslam::tools

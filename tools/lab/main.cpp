@@ -1,6 +1,5 @@
 #include "laboratory.h"
 
 int main(int argc, char** argv) {
-  using namespace hqslam::tools;
-  return run_program<LaboratoryCommands>(laboratory_text(), argc, argv);
+  return hqslam::tools::run_program(hqslam::tools::laboratory(), argc, argv);
 }

@@ -3,34 +3,38 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "program/program.h"
 
 namespace hqslam::tools {
 
-/// What the arguments after the program's name make of the options of one of its commands. Throws
-/// CLI::ParseError.
-template <typename Commands, typename Options>
-Options parsed_options(const ProgramText& text, const std::vector<std::string>& arguments) {
-  CLI::App app("", text.name);
-  Commands commands;
-  std::function<int()> chosen;
-  declare_program(app, text);
-  declare_commands(app, commands, chosen);
+/// Parses the arguments after a program's name, or after this. Throws CLI::ParseError.
+inline void parse(CLI::App& app, const std::vector<std::string>& arguments) {
   app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
-  return std::get<Options>(commands);
+}
+inline void parse(const Program& program, const std::vector<std::string>& arguments) {
+  CLI::App app("", program.name);
+  Chosen chosen;
+  declare_program(app, program, chosen);
+  parse(app, arguments);
+}
+
+/// What the arguments, of which the first is the command, make of its options.
+template <typename Options>
+Options parsed_options(const std::vector<std::string>& arguments) {
+  CLI::App app;
+  Options options;
+  declare(app, options);
+  parse(app, arguments);
+  return options;
 }
 
 /// The help of a program, or of one of its commands.
-template <typename Commands>
-std::string help_of(const ProgramText& text, const std::string& command = "") {
-  CLI::App app("", text.name);
-  Commands commands;
-  std::function<int()> chosen;
-  declare_program(app, text);
-  declare_commands(app, commands, chosen);
+inline std::string help_of(const Program& program, const std::string& command = "") {
+  CLI::App app("", program.name);
+  Chosen chosen;
+  declare_program(app, program, chosen);
   return command.empty() ? app.help() : app.get_subcommand(command)->help();
 }
 

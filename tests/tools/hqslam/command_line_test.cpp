@@ -8,21 +8,14 @@
 #include "tools/parts_of_text.h"
 
 namespace hqslam::tools {
-namespace {
-
-template <typename Options = RunOptions>
-Options parsed(const std::vector<std::string>& arguments) {
-  return parsed_options<ProductCommands, Options>(product_text(), arguments);
-}
-
-}  // namespace
 
 TEST_CASE(
     "the page of live is served to this computer alone, at port 8642 unless another is named") {
-  const auto plain = parsed<LiveOptions>({"live", "--sensor", "vlp-16", "--out", "x"});
+  const auto plain = parsed_options<LiveOptions>({"live", "--sensor", "vlp-16", "--out", "x"});
   CHECK_FALSE(plain.view);
   CHECK(plain.view_address == "127.0.0.1");
-  CHECK(parsed<LiveOptions>({"live", "--sensor", "vlp-16", "--out", "x", "--view"}).view == 8642);
+  CHECK(parsed_options<LiveOptions>({"live", "--sensor", "vlp-16", "--out", "x", "--view"}).view ==
+        8642);
 }
 
 TEST_CASE("what makes no sense is refused") {
@@ -46,14 +39,12 @@ TEST_CASE("what makes no sense is refused") {
   };
   for (const std::vector<std::string>& arguments : wrong) {
     CAPTURE(arguments.size());
-    CHECK_THROWS_AS(parsed(arguments), CLI::ParseError);
+    CHECK_THROWS_AS(parse(product(), arguments), CLI::ParseError);
   }
 }
 
 TEST_CASE("the help names every subcommand, evaluate's its errors, calibrate's recordings") {
-  const auto help = [](const char* command) {
-    return help_of<ProductCommands>(product_text(), command);
-  };
+  const auto help = [](const char* command) { return help_of(product(), command); };
   CHECK(missing(help(""), {"run", "live", "evaluate", "upsample", "info", "view"}) == "");
   CHECK(missing(help("evaluate"),
                 {"APE", "RPE", "MAE", "Chamfer", "IoU", "F1", "outlier", "TULIP", "evo"}) == "");

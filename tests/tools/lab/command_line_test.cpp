@@ -7,14 +7,6 @@
 #include "tools/command_line/parsed_options.h"
 
 namespace hqslam::tools {
-namespace {
-
-template <typename Options>
-Options parsed(const std::vector<std::string>& arguments) {
-  return parsed_options<LaboratoryCommands, Options>(laboratory_text(), arguments);
-}
-
-}  // namespace
 
 TEST_CASE("what makes no sense is refused") {
   const std::vector<std::vector<std::string>> wrong = {
@@ -23,13 +15,13 @@ TEST_CASE("what makes no sense is refused") {
   };
   for (const std::vector<std::string>& arguments : wrong) {
     CAPTURE(arguments.size());
-    CHECK_THROWS_AS(parsed<DemoOptions>(arguments), CLI::ParseError);
+    CHECK_THROWS_AS(parse(laboratory(), arguments), CLI::ParseError);
   }
 }
 
 TEST_CASE("a seed is a whole number from 0 to 2^64 - 1") {
   const auto seed = [](const std::string& text) {
-    return parsed<SimulateOptions>(
+    return parsed_options<SimulateOptions>(
                {"simulate", "--drive", "town", "--sensor", "vlp-16", "--out", "x", "--seed", text})
         .seed;
   };

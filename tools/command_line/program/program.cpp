@@ -3,6 +3,7 @@
 #include <omp.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
@@ -72,21 +73,8 @@ void limit_threads() {
   if (omp_get_max_threads() > kMostThreads) omp_set_num_threads(kMostThreads);
 }
 
-}  // namespace
-
-void declare_program(CLI::App& app, const ProgramText& text) {
-  app.description(text.description);
-  app.set_version_flag("--version", text.name + " " HQSLAM_VERSION);
-  app.set_help_flag("-h,--help", "Print this help and exit");
-  app.formatter(std::make_shared<HelpFormatter>());
-  app.require_subcommand(1);
-  app.footer(
-      "Exit status: 0 done, 2 wrong input (one line on stderr: what is wrong, how to mend it),\n"
-      "130 interrupted, 1 anything else.");
-}
-
-int exit_status_of(CLI::App& app, const std::function<int()>& chosen, int argc,
-                   const char* const* argv) {
+/// Parses, runs the chosen subcommand and returns its ExitStatus.
+int exit_status_of(CLI::App& app, const Chosen& chosen, int argc, const char* const* argv) {
   const std::string program = app.get_name();
   keep_invocation(program, argc, argv);
   try {
@@ -107,12 +95,33 @@ int exit_status_of(CLI::App& app, const std::function<int()>& chosen, int argc,
   }
 }
 
-void prepare_program(char** argv) {
+}  // namespace
+
+void declare_program(CLI::App& app, const Program& program, Chosen& chosen) {
+  app.description(program.description);
+  app.set_version_flag("--version", program.name + " " HQSLAM_VERSION);
+  app.set_help_flag("-h,--help", "Print this help and exit");
+  app.formatter(std::make_shared<HelpFormatter>());
+  app.require_subcommand(1);
+  app.footer(
+      "Exit status: 0 done, 2 wrong input (one line on stderr: what is wrong, how to mend it),\n"
+      "130 interrupted, 1 anything else.");
+  for (const AddSubcommand add : program.subcommands) add(app, chosen);
+}
+
+void when_chosen(CLI::App& app, std::function<void()> call) {
+  app.get_subcommands({}).back()->callback(std::move(call));
+}
+
+int run_program(const Program& program, int argc, char** argv) {
   wait_briefly(argv);
   prepare_standard_streams();
   limit_threads();
+  CLI::App app("", program.name);
+  Chosen chosen;
+  declare_program(app, program, chosen);
+  const int status = exit_status_of(app, chosen, argc, argv);
+  return all_printed() || status != kOk ? status : kFailure;
 }
-
-int final_status(int status) { return all_printed() || status != kOk ? status : kFailure; }
 
 }  // namespace hqslam::tools

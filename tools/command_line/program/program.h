@@ -1,58 +1,45 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <functional>
+#include <memory>
 #include <string>
-#include <tuple>
+#include <vector>
+
+namespace CLI {
+class App;
+}
 
 namespace hqslam::tools {
 
-/// What a program is called and does, for its help.
-struct ProgramText {
-  std::string name;  ///< "hqslam"
-  std::string description;
+/// Runs the subcommand that was chosen, and returns its ExitStatus.
+using Chosen = std::function<int()>;
+using AddSubcommand = void (*)(CLI::App& app, Chosen& chosen);
+
+struct Program {
+  std::string name;         ///< "hqslam"
+  std::string description;  ///< for its help
+  std::vector<AddSubcommand> subcommands;
 };
 
-/// Declares what every program of the project has: version, help, exit statuses.
-void declare_program(CLI::App& app, const ProgramText& text);
+/// Declares what every program of the project has (version, help, exit statuses) and the
+/// subcommands in their order, which is the help's. Parsing sets `chosen`.
+void declare_program(CLI::App& app, const Program& program, Chosen& chosen);
 
-/// Declares one subcommand for each element of `commands`, in this order, which is the help's.
-/// Parsing fills the options of the subcommand that was chosen and sets `chosen` to what runs it.
-/// Each option has one definition, in its command's file: it drives parsing, validation and --help.
-template <typename... Options>
-void declare_commands(CLI::App& app, std::tuple<Options...>& commands,
-                      std::function<int()>& chosen) {
-  const auto add = [&](auto& command) {
-    declare(app, command);
-    app.get_subcommands({}).back()->callback([&] { chosen = [&] { return run(command); }; });
-  };
-  std::apply([&](auto&... each) { (add(each), ...); }, commands);
-}
+/// A program of the project, from main() to its exit status. Never throws; wrong input gives one
+/// line on stderr. The program starts itself once more with a short spin for OpenMP's waiting
+/// threads (see program.cpp).
+int run_program(const Program& program, int argc, char** argv);
 
-/// Parses, runs the chosen subcommand and returns its ExitStatus. Never throws; wrong input gives
-/// one line on stderr.
-int exit_status_of(CLI::App& app, const std::function<int()>& chosen, int argc,
-                   const char* const* argv);
+/// `call` is called when the subcommand that was declared last is the one that was chosen.
+void when_chosen(CLI::App& app, std::function<void()> call);
 
-/// A program of the project, from main() to its exit status. The program starts itself once more
-/// with a short spin for OpenMP's waiting threads (see program.cpp).
-template <typename Commands>
-int run_program(const ProgramText& text, int argc, char** argv);
-
-/// What happens before anything else in run_program: standard streams, thread limits, waiting.
-void prepare_program(char** argv);
-/// kFailure where standard output could not be written, else `status`.
-int final_status(int status);
-
-template <typename Commands>
-int run_program(const ProgramText& text, int argc, char** argv) {
-  prepare_program(argv);
-  CLI::App app("", text.name);
-  Commands commands;
-  std::function<int()> chosen;
-  declare_program(app, text);
-  declare_commands(app, commands, chosen);
-  return final_status(exit_status_of(app, chosen, argc, argv));
+/// An AddSubcommand: declare(app, options) declares the subcommand, run(options) runs it. Each
+/// option has one definition there: it drives parsing, validation and --help.
+template <typename Options>
+void add_subcommand(CLI::App& app, Chosen& chosen) {
+  const auto options = std::make_shared<Options>();
+  declare(app, *options);
+  when_chosen(app, [options, &chosen] { chosen = [options] { return run(*options); }; });
 }
 
 }  // namespace hqslam::tools

@@ -1,13 +1,13 @@
-#include "bench/bench_command.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <omp.h>
 #include <stdlib.h>
 
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "bench/bench_measurement.h"
@@ -20,6 +20,7 @@
 #include "hqslam/nn/compare/compared_networks.h"
 #include "hqslam/nn/instruction_set.h"
 #include "hqslam/nn/weights_file.h"
+#include "laboratory.h"
 #include "recording/recording_choice.h"
 #include "simulate/simulate_command.h"
 #include "terminal/command_options.h"
@@ -27,6 +28,13 @@
 
 namespace hqslam::tools {
 namespace {
+
+struct BenchOptions {
+  std::int64_t scans = 200;          ///< of a simulated drive
+  std::vector<std::string> weights;  ///< empty: those that come with the program
+  bool json = false;
+  bool cpu = false;  ///< print only which instruction set is in use
+};
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
@@ -160,8 +168,6 @@ void print_instruction_sets(bool as_json) {
   to_stdout("in use:    {}\navailable: {}\n", chosen, fmt::join(available, ", "));
 }
 
-}  // namespace
-
 void declare(CLI::App& app, BenchOptions& options) {
   Command command = add_command(
       app, "bench", "Measure the times of SLAM's stages and of networks, with one thread and two");
@@ -201,5 +207,9 @@ int run(const BenchOptions& options) {
   to_stdout("{}", options.json ? text_of(measured) : bench_text(measured));
   return kOk;
 }
+
+}  // namespace
+
+void add_bench(CLI::App& app, Chosen& chosen) { add_subcommand<BenchOptions>(app, chosen); }
 
 }  // namespace hqslam::tools

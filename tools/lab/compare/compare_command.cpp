@@ -1,15 +1,17 @@
-#include "compare/compare_command.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "compare/comparison_text.h"
 #include "compare/upsampling_comparison.h"
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/nn/compare/compared_networks.h"
+#include "laboratory.h"
 #include "pages/text_table.h"
 #include "recording/pose_check.h"
 #include "recording/reading.h"
@@ -23,6 +25,17 @@ namespace hqslam::tools {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+struct CompareOptions : InputChoice {
+  std::vector<std::string> weights;
+  std::string poses;  ///< for networks with a memory; empty: they have none of other scans
+  bool no_look_ahead = false;
+  int rows = 16;  ///< that are measured
+  std::int64_t every = 1;
+  std::string json;  ///< file to write; empty: none
+  bool layers = false;
+  int threads = 0;  ///< 0: what OpenMP chooses
+};
 
 /// In every file that --json writes: tells it from others.
 constexpr const char* kJsonMarker = R"("written_by": "hqslam-lab compare")";
@@ -146,8 +159,6 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
   return used;
 }
 
-}  // namespace
-
 void declare(CLI::App& app, CompareOptions& options) {
   Command command = add_command(
       app, "compare", "Compare methods of upsampling with a recording that has all rows",
@@ -216,5 +227,9 @@ int run(const CompareOptions& options) {
   }
   return interrupt.stop_requested() ? kInterrupted : kOk;
 }
+
+}  // namespace
+
+void add_compare(CLI::App& app, Chosen& chosen) { add_subcommand<CompareOptions>(app, chosen); }
 
 }  // namespace hqslam::tools

@@ -1,5 +1,3 @@
-#include "demo/demo_command.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -18,6 +16,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/point_fields.h"
+#include "laboratory.h"
 #include "pages/open_page.h"
 #include "pages/page.h"
 #include "pages/printed_table.h"
@@ -34,6 +33,11 @@
 
 namespace hqslam::tools {
 namespace {
+
+struct DemoOptions {
+  std::string out = "hqslam-demo";
+  bool open = false;
+};
 
 constexpr const char* kWeights = "du-mix_os1_16to64.npz";
 constexpr int kFewRows = 16;
@@ -188,8 +192,6 @@ std::string demo_html(const TurningView& view, const TextTable& table,
   return page_html("demo", std::move(data));
 }
 
-}  // namespace
-
 void declare(CLI::App& app, DemoOptions& options) {
   Command command = add_command(
       app, "demo",
@@ -252,5 +254,9 @@ int run(const DemoOptions& options) {
   if (options.open) open_page(page);
   return kOk;
 }
+
+}  // namespace
+
+void add_demo(CLI::App& app, Chosen& chosen) { add_subcommand<DemoOptions>(app, chosen); }
 
 }  // namespace hqslam::tools

@@ -1,5 +1,3 @@
-#include "evaluate_map/evaluate_map_command.h"
-
 #include <Eigen/Core>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <unordered_set>
 #include <vector>
 
@@ -15,6 +14,7 @@
 #include "hqslam/evaluation/cloud_error.h"
 #include "hqslam/evaluation/trajectory_error.h"
 #include "hqslam/sim/drive.h"
+#include "laboratory.h"
 #include "recording/recording_choice.h"
 #include "terminal/command_options.h"
 #include "terminal/terminal.h"
@@ -23,6 +23,11 @@ namespace hqslam::tools {
 namespace {
 
 namespace fs = std::filesystem;
+
+struct EvaluateMapOptions {
+  std::vector<std::string> maps;
+  std::string drive;
+};
 
 constexpr double kSample_m = 0.1;
 constexpr double kFar_m = 0.3;
@@ -161,8 +166,6 @@ constexpr const char* kMapDefinitions =
 A map with a trajectory.tum in its folder is aligned first: by the mean rotation and
 translation from the poses of that file to the true ones.)";
 
-}  // namespace
-
 void declare(CLI::App& app, EvaluateMapOptions& options) {
   add_command(app, "evaluate-map", "Compare dense maps of a simulated drive with its true city",
               kMapDefinitions)
@@ -180,6 +183,12 @@ int run(const EvaluateMapOptions& options) {
   spec.scans = std::ssize(truth.poses);  // the simulation may have been stopped
   evaluate_dense_maps(options.maps, spec, sensor, truth);
   return kOk;
+}
+
+}  // namespace
+
+void add_evaluate_map(CLI::App& app, Chosen& chosen) {
+  add_subcommand<EvaluateMapOptions>(app, chosen);
 }
 
 }  // namespace hqslam::tools

@@ -1,5 +1,3 @@
-#include "table/table_command.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -8,7 +6,9 @@
 
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
+#include "laboratory.h"
 #include "pages/page.h"
+#include "table/table_plan.h"
 #include "table/table_report.h"
 #include "terminal/terminal.h"
 
@@ -124,5 +124,7 @@ int run(const TableOptions& options) {
   to_stderr("hqslam-lab: interrupted; finished runs are kept, the same command continues\n");
   return kInterrupted;
 }
+
+void add_table(CLI::App& app, Chosen& chosen) { add_subcommand<TableOptions>(app, chosen); }
 
 }  // namespace hqslam::tools

@@ -1,15 +1,15 @@
-#include "train/train_command.h"
-
 #include <fmt/format.h>
 #include <omp.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
@@ -21,6 +21,7 @@
 #include "hqslam/nn/training/starting_parameters.h"
 #include "hqslam/nn/training/training_configuration.h"
 #include "hqslam/nn/weights_file.h"
+#include "laboratory.h"
 #include "recording/recording_choice.h"
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
@@ -31,6 +32,16 @@
 
 namespace hqslam::tools {
 namespace {
+
+struct TrainOptions {
+  std::string config;
+  InputChoice recording;   ///< to train on, in the place of a configuration
+  std::string start_from;  ///< weights, with a recording
+  std::int64_t steps = 400;
+  std::string out;
+  std::string drives;  ///< empty: the folder "drives" in `out`
+  int threads = 0;     ///< 0: what OpenMP chooses
+};
 
 /// The state of a training beside its trainer.
 struct Training {
@@ -215,8 +226,6 @@ int train(Training& training, nn::Trainer& trainer, const InterruptGuard& interr
   return trainer.state().optimiser.steps < steps ? kInterrupted : kOk;
 }
 
-}  // namespace
-
 void declare(CLI::App& app, TrainOptions& options) {
   Command command = add_command(
       app, "train", "Train a super-resolution network on simulated drives and your own scans",
@@ -294,5 +303,9 @@ int run(const TrainOptions& options) {
   to_stdout("results: {}\n", options.out);
   return status;
 }
+
+}  // namespace
+
+void add_train(CLI::App& app, Chosen& chosen) { add_subcommand<TrainOptions>(app, chosen); }
 
 }  // namespace hqslam::tools

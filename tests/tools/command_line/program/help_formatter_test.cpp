@@ -15,7 +15,7 @@ TEST_CASE("every command's help fits 80 columns") {
       " run live info map view evaluate inspect calibrate upsample weights slam-options");
   for (std::string command; commands >> command;) {
     CAPTURE(command);
-    std::istringstream help(help_of<ProductCommands>(product_text(), command.c_str()));
+    std::istringstream help(help_of(product(), command));
     for (std::string line; std::getline(help, line);) {
       CAPTURE(line);
       CHECK(line.size() <= HelpFormatter::kWidth);
