@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -63,8 +62,6 @@ class Layer {
   /// Called by all threads of a parallel region, they share the work. The result does not depend on
   /// their number.
   virtual void forward(const LayerPass& pass) = 0;
-  /// `forward` written as its formula, for measurements; empty if there is no such thing.
-  virtual std::function<void()> reference(const LayerPass& /*pass*/) const { return {}; }
 
  protected:
   TensorShape output_;

@@ -119,24 +119,6 @@ void LayerGraph::last_row(const Values& values, int row, float* output,
   last_convolution_->forward_row(values[nodes_.back().inputs[0]], row, output, channel_stride);
 }
 
-std::vector<NetworkStep> LayerGraph::steps(Values& values, int passes) {
-  std::vector<NetworkStep> steps;
-  const auto layers = static_cast<int>(nodes_.size());
-  const int random = first_random_layer();
-  GraphForward how;
-  if (passes > 1) how.seed = 0;
-  for (int layer = 0; layer < layers; ++layer) {
-    how.first = layer;
-    how.left_out = layers - 1 - layer;
-    steps.push_back({.name = nodes_[layer].name,
-                     .calls = layer < random ? 1 : passes,
-                     .multiply_adds = nodes_[layer].layer->multiply_adds(),
-                     .run = [this, &values, how] { forward(values, how); },
-                     .reference = nodes_[layer].layer->reference(pass_of(layer, values))});
-  }
-  return steps;
-}
-
 void drop_out(std::uint64_t seed, float share, Tensor& values) {
 #pragma omp for schedule(static)
   for (int channel = 0; channel < values.channels(); ++channel) {

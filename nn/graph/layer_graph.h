@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "convolution_layer.h"
-#include "hqslam/nn/network.h"
 
 namespace hqslam::nn {
 
@@ -55,11 +54,6 @@ class LayerGraph {
   int first_random_layer() const;
   /// One row of the last layer's result, a convolution's, by the calling thread alone.
   void last_row(const Values& values, int row, float* output, std::int64_t channel_stride) const;
-
-  /// The layers, for measurements, those that depend on a seed and all behind them called `passes`
-  /// times; graph and values must outlive them. Where the output is never made as a whole, the
-  /// caller replaces `run` of the last layer.
-  std::vector<NetworkStep> steps(Values& values, int passes = 1);
 
   struct Node {
     std::string name;

@@ -74,27 +74,6 @@ Trace HqsNetwork::trace(const Observation& seen) {
   return trace;
 }
 
-std::vector<NetworkStep> HqsNetwork::steps(const RangeImage& measured) {
-  upsample(measured, 0.5F);
-  const int last = hqs_.layers - 1;
-  std::vector<NetworkStep> steps;
-  steps.push_back(
-      {"data consistency", hqs_.layers, 0, [this, last] { data_step(hqs_, last, state_); }});
-  for (NetworkStep& step : hqs_.prior(last).steps(
-           hqs_.measurement.candidates(), state_.layer(last).prior, {.upsampled = &upsampled_})) {
-    step.calls = hqs_.layers;
-    steps.push_back(std::move(step));
-  }
-  if (hqs_.preset.has_y && hqs_.has_filter() && last > 0) {
-    steps.push_back({"outlier filter", last, 0,
-                     [this, last] {
-                       hqs_.filter.find(hqs_.raster.data(), state_.layer(last - 1).rejected.data());
-                     },
-                     false});
-  }
-  return steps;
-}
-
 void restore_rows(const NetworkDescription& description, TileSize tile, const Tensor& z,
                   const RangeImage& measured, RangeImage& image) {
   const RowSelection rows = description.measured_rows;

@@ -21,7 +21,6 @@ class HqsNetwork final : public Network {
   const UpsampledImage& upsample(const Observation& seen, float tolerance_m) override;
   RangeImage estimate(const RangeImage& measured) override;
   Trace trace(const Observation& seen) override;
-  std::vector<NetworkStep> steps(const RangeImage& measured) override;
 
  private:
   const Tensor& last_z() const { return state_.layer(hqs_.layers - 1).prior.z; }

@@ -97,11 +97,6 @@ class Prior {
   /// Adds the tensors between H and Z to the trace: the convolutions' results.
   virtual void add_inner(const Measurement& measurement, const PriorState& state,
                          const std::string& prefix, Trace& trace) const;
-  /// The parts of `forward`, for measurements (Network::steps).
-  virtual std::vector<NetworkStep> steps(const Candidates& /*candidates*/, PriorState& state,
-                                         const PriorPass& /*pass*/) {
-    return graph_.steps(state.values);
-  }
 
  protected:
   Prior(LayerGraph graph, TileSize tile);

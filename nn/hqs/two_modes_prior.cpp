@@ -237,14 +237,6 @@ void TwoModesPrior::add_inner(const Measurement& measurement, const PriorState& 
   trace.add(traced_pixels("probability", probability, 0, tile()));
 }
 
-std::vector<NetworkStep> TwoModesPrior::steps(const Candidates& candidates, PriorState& state,
-                                              const PriorPass& pass) {
-  std::vector<NetworkStep> steps = Prior::steps(candidates, state, pass);
-  steps.back().name = "head, two modes";
-  steps.back().run = [this, &state, pass] { compute_modes(state, pass); };
-  return steps;
-}
-
 PriorDescription two_modes_prior(const TwoModesShape& shape) {
   validate(shape);
   nlohmann::ordered_json layer = {{"channels", shape.channels},

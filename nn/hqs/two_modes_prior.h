@@ -42,8 +42,6 @@ class TwoModesPrior final : public Prior {
   void forward(const Candidates& candidates, PriorState& state, const PriorPass& pass) override;
   void add_inner(const Measurement& measurement, const PriorState& state, const std::string& prefix,
                  Trace& trace) const override;
-  std::vector<NetworkStep> steps(const Candidates& candidates, PriorState& state,
-                                 const PriorPass& pass) override;
 
   const kernels::RowKernels& row_kernels() const { return kernels_; }
   const LogRanges& ranges() const { return ranges_; }

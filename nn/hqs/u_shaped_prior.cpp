@@ -135,14 +135,6 @@ void UShapedPrior::select_by_row(const Candidates& candidates, PriorState& state
   }
 }
 
-std::vector<NetworkStep> UShapedPrior::steps(const Candidates& candidates, PriorState& state,
-                                             const PriorPass& pass) {
-  std::vector<NetworkStep> steps = Prior::steps(candidates, state, pass);
-  steps.back().name = "head, selection";
-  steps.back().run = [this, &candidates, &state] { select_by_row(candidates, state); };
-  return steps;
-}
-
 /// What the choice weighs, and what is added to it.
 void UShapedPrior::add_inner(const Measurement& measurement, const PriorState& state,
                              const std::string& prefix, Trace& trace) const {

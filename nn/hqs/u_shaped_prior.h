@@ -56,8 +56,6 @@ class UShapedPrior final : public Prior {
   void forward(const Candidates& candidates, PriorState& state, const PriorPass& pass) override;
   void add_inner(const Measurement& measurement, const PriorState& state, const std::string& prefix,
                  Trace& trace) const override;
-  std::vector<NetworkStep> steps(const Candidates& candidates, PriorState& state,
-                                 const PriorPass& pass) override;
 
   /// The neighbours that the choice is among: of L, or of h, which must outlive what is returned.
   CandidatesOf candidates_of(const Candidates& measured, const Tensor& h) const;

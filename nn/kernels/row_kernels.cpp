@@ -8,21 +8,9 @@
 // Compiled once per instruction set, each time under another name (hqslam_kernels in CMakeLists).
 namespace hqslam::nn::kernels {
 
-const RowKernels HQSLAM_KERNELS{accumulate,
-                                correlate,
-                                winograd_input,
-                                winograd_output,
-                                winograd_gradient,
-                                split,
-                                merge,
-                                select,
-                                select_gradient,
-                                fill_measured,
-                                interpolate,
-                                two_modes,
-                                two_modes_loss,
-                                see_points,
-                                multiply_add_chains,
-                                kChainMultiplyAdds};
+const RowKernels HQSLAM_KERNELS{accumulate,        correlate,     winograd_input, winograd_output,
+                                winograd_gradient, split,         merge,          select,
+                                select_gradient,   fill_measured, interpolate,    two_modes,
+                                two_modes_loss,    see_points};
 
 }  // namespace hqslam::nn::kernels

@@ -233,10 +233,6 @@ struct RowKernels {
   /// Returns the row's share of the loss: of the columns alone, though vectors reach beyond them.
   double (*two_modes_loss)(const TwoModesLossRow&);
   void (*see_points)(const SeePoints&);
-  /// For measuring the processor's peak: `rounds` times one multiply-add in every lane of enough
-  /// independent chains to hide their latency. Returns something that depends on all of them.
-  float (*multiply_add_chains)(std::int64_t rounds, float start);
-  int chain_multiply_adds;  ///< of one round
 };
 
 /// The kernels of an instruction set that this processor has.

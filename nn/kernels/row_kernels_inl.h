@@ -288,27 +288,5 @@ void select_gradient(const SelectGradientRow& row) {
   }
 }
 
-/// As many chains as fit the narrower sets' 16 registers beside the two constants.
-constexpr int kChains = 14;
-constexpr int kChainMultiplyAdds = kChains * kVectorFloats;
-
-float multiply_add_chains(std::int64_t rounds, float start) {
-  const Vector factor = Vector{} + (0.9999F + start * 1e-9F);
-  const Vector term = Vector{} + (1e-4F + start * 1e-9F);
-  Vector chain[kChains];
-#pragma GCC unroll 16
-  for (int c = 0; c < kChains; ++c) chain[c] = Vector{} + (start + static_cast<float>(c));
-  for (std::int64_t round = 0; round < rounds; ++round) {
-#pragma GCC unroll 16
-    for (int c = 0; c < kChains; ++c) chain[c] = chain[c] * factor + term;
-  }
-  Vector sum{};
-#pragma GCC unroll 16
-  for (int c = 0; c < kChains; ++c) sum += chain[c];
-  float total = 0.0F;
-  for (int i = 0; i < kVectorFloats; ++i) total += sum[i];
-  return total;
-}
-
 }  // namespace
 }  // namespace hqslam::nn::kernels

@@ -151,30 +151,4 @@ TEST_CASE("gradients inside a parallel region of the caller's are those outside,
   }
 }
 
-TEST_CASE("the steps of a network are all that it multiplies, and running them changes nothing") {
-  for (const NetworkDescription& description : every_kind()) {
-    CAPTURE(name(description));
-    constexpr int kThreads = 2;
-    const auto network = made(description, initial_parameters(description, 5), kThreads);
-    const RangeImage measured = measured_scene(description);
-    const UpsampledImage expected = network->upsample(measured, 0.5F);
-    std::int64_t multiply_adds = 0;
-    int references = 0;
-    for (const NetworkStep& step : network->steps(measured)) {
-      multiply_adds += step.calls * step.multiply_adds;
-#pragma omp parallel num_threads(step.by_team ? kThreads : 1)
-      step.run();
-      if (step.reference) {
-        step.reference();
-        ++references;
-      }
-    }
-    CHECK(multiply_adds == network->multiply_adds());
-    CHECK(references > 0);
-    const UpsampledImage& again = network->upsample(measured, 0.5F);
-    CHECK(again.image.range_m == expected.image.range_m);
-    CHECK(again.confidence == expected.confidence);
-  }
-}
-
 }  // namespace hqslam::nn

@@ -29,7 +29,6 @@ TEST_CASE("bench measures every stage with 64, 16 and 16 upsampled rows, with on
     CHECK(timing["stages_ms"]["odometry"]["median"] >= 0.0);  // it runs where it can change a pose
   }
   const std::size_t sets = nn::available_instruction_sets().size();
-  CHECK(json["peaks"].size() == 2 * sets);
   REQUIRE(json["networks"].size() == 1);
   const nlohmann::json& network = json["networks"][0];
   CHECK(network["network"] == "du-or");
@@ -37,16 +36,8 @@ TEST_CASE("bench measures every stage with 64, 16 and 16 upsampled rows, with on
   REQUIRE(network["runs"].size() == 2 * sets);
   for (const nlohmann::json& run : network["runs"]) {
     CHECK(run["frames_per_second"] > 0.0);
-    CHECK(run["peak_share"] > 0.0);
+    CHECK(run["gflops"] > 0.0);
   }
-  REQUIRE(network["steps"].size() == 2);
-  double gmac = 0.0;
-  for (const nlohmann::json& step : network["steps"][0]["steps"]) {
-    CHECK(step["ms"] > 0.0);
-    gmac += step["gmac"].get<double>();
-  }
-  CHECK(gmac == doctest::Approx(network["gmac"].get<double>()));
-  CHECK(network["reference"]["reference_ms"] > network["reference"]["fast_ms"]);
 }
 
 TEST_CASE("bench --cpu prints the instruction set in use, which the environment may choose") {

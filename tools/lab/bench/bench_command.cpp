@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "bench/bench_measurement.h"
-#include "bench/bench_network.h"
 #include "bench/bench_text.h"
 #include "files/installed_weights.h"
 #include "files/result_files.h"
@@ -82,7 +81,7 @@ std::vector<RangeImage> sample_images(ScanSource& source, std::int64_t scans) {
   return images;
 }
 
-/// Adds what time_network measures, and the processor's peaks.
+/// Adds what time_network measures.
 void measure_networks(const std::vector<std::string>& paths, const std::vector<RangeImage>& images,
                       const InterruptGuard& interrupt, Json& measured) {
   for (const std::string& path : paths) {
@@ -93,10 +92,8 @@ void measure_networks(const std::vector<std::string>& paths, const std::vector<R
                 weights.description.sensor.rows(), weights.description.sensor.columns);
       continue;
     }
-    if (measured["peaks"].empty()) measured["peaks"] = measure_peaks(kMostThreads);
     to_stderr("network {} ...\n", nn::name(weights.description));
-    measured["networks"].push_back(
-        time_network(path, weights, images, measured["peaks"], kMostThreads, interrupt));
+    measured["networks"].push_back(time_network(path, weights, images, kMostThreads, interrupt));
   }
 }
 
@@ -135,7 +132,6 @@ Json measure(const std::string& drive, std::int64_t scans, const std::vector<std
                    {"sensor", kSensor},
                    {"cores", omp_get_num_procs()},
                    {"slam", Json::array()},
-                   {"peaks", Json::array()},
                    {"networks", Json::array()}};
   const std::vector<pipeline::UpsamplingOptions> inputs = slam_inputs(weights);
   for (int threads = 1; threads <= kMostThreads; ++threads) {

@@ -6,7 +6,7 @@
 namespace hqslam::tools {
 
 /// What bench --json prints, as tables for a terminal:
-///   {input, sensor, cores, slam: [time_slam], peaks: [measure_peaks], networks: [time_network]}
+///   {input, sensor, cores, slam: [time_slam], networks: [time_network]}
 std::string bench_text(const nlohmann::ordered_json& measured);
 
 }  // namespace hqslam::tools

@@ -19,9 +19,4 @@ std::vector<InstructionSet> available_instruction_sets();
 /// names. Throws Error if it names one that is not available.
 InstructionSet chosen_instruction_set();
 
-/// The peak of `threads` threads of this processor: float32 multiply-adds in registers, in enough
-/// independent chains for the arithmetic units to be the only limit. GFLOP/s, two operations per
-/// multiply-add; the best of `attempts` attempts of 5 to 30 ms each.
-double multiply_add_peak_gflops(InstructionSet instruction_set, int threads, int attempts = 10);
-
 }  // namespace hqslam::nn

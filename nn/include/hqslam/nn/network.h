@@ -1,11 +1,8 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <span>
-#include <string>
-#include <vector>
 
 #include "hqslam/core/range_image.h"
 #include "hqslam/nn/instruction_set.h"
@@ -25,18 +22,6 @@ struct Observation {
 
   const RangeImage& measured;  ///< the measured rows, metres; 0 = no return, never anything else
   const RecalledImage* recalled = nullptr;  ///< null or empty: nothing is recalled
-};
-
-/// A part of a network that can be run by itself, for measurements.
-struct NetworkStep {
-  std::string name;                ///< "encoder.0"
-  int calls = 1;                   ///< for one scan
-  std::int64_t multiply_adds = 0;  ///< of one call
-  /// Works on what the last scan left; may be called any number of times.
-  std::function<void()> run;
-  bool by_team = true;  ///< called by all threads of a parallel region, which share the work
-  /// The step written as its formula, by one thread; empty if there is none.
-  std::function<void()> reference = {};
 };
 
 /// A network with its weights packed for one image size, and memory for one scan at a time. Scans
@@ -62,10 +47,6 @@ class Network {
 
   /// Every inner tensor by name.
   virtual Trace trace(const Observation& seen) = 0;
-
-  /// Upsamples a scan and returns the parts of the network, in their order; `measured` and the
-  /// network must outlive them. Empty: the network has none.
-  virtual std::vector<NetworkStep> steps(const RangeImage& /*measured*/) { return {}; }
 };
 
 /// description: valid (`validate`), as network_from_json returns it. `columns` may be fewer than
