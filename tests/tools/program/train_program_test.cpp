@@ -79,12 +79,11 @@ TEST_CASE("compare puts interpolation and networks side by side, inspect shows t
   const ProgramResult compared = succeeds("compare '{}' --weights '{}' --json '{}'", drive, weights,
                                           folder.file("table.json"));
   CHECK(missing(compared.out, {"\nnearest ", "\nlinear ", "\ninverse ", "\ndu-or, unfiltered ",
-                               "\ndu-or  ", "2 scans of", "chance in the data"}) == "");
+                               "\ndu-or  ", "2 scans of"}) == "");
   const auto table = json_of(folder.file("table.json"));
   REQUIRE(table["methods"].size() == 5);
   CHECK(table["scans"] == 2);
   CHECK(table["methods"][1]["mae_all_m"] > 0.0);
-  CHECK(table["methods"][4]["good_lost_share"] >= 0.0);
 
   const ProgramResult layers = succeeds("compare '{}' --weights '{}' --layers", drive, weights);
   CHECK(missing(layers.out, {"\nlinear ", "\nlayer 1: H ", "\nlayer 1: Y ", "\nlayer 2: Z "}) ==

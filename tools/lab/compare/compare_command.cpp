@@ -75,11 +75,6 @@ nn::SuperResolver network_of(const std::string& weights, const SensorModel& sens
   return network;
 }
 
-/// The network without the filter at its end.
-nn::Upsampler without_last_filter(const std::string& weights, const SensorModel& sensor, int rows) {
-  return {network_of(weights, sensor, rows, {.filter_result = false}), sensor};
-}
-
 std::vector<ComparedMethod> methods_of(const CompareOptions& options, const SensorModel& sensor) {
   const RowSelection rows = selection_for(sensor.rows(), options.rows);
   std::vector<ComparedMethod> methods;
@@ -99,12 +94,10 @@ std::vector<ComparedMethod> methods_of(const CompareOptions& options, const Sens
     const std::string name = is_alone ? kinds[i] : short_name(weights, options.weights);
     if (last_filter(network.network()->description())) {
       methods.push_back(
-          {name + ", unfiltered", without_last_filter(weights, sensor, options.rows)});
-      methods.push_back(
-          {name, std::move(network), without_last_filter(weights, sensor, options.rows)});
-    } else {
-      methods.push_back({name, std::move(network)});
+          {name + ", unfiltered",
+           {network_of(weights, sensor, options.rows, {.filter_result = false}), sensor}});
     }
+    methods.push_back({name, std::move(network)});
   }
   return methods;
 }
@@ -210,15 +203,10 @@ int run(const CompareOptions& options) {
         comparison.with_memory());
     if (used == 0 && interrupt.stop_requested()) return kInterrupted;
     to_stdout("{}", scores_text(comparison.scores()));
-    to_stdout(
-        "chance in the data: the median of the eight true ranges around each computed pixel has\n"
-        "an MAE of {:.3f} m\n",
-        comparison.true_neighbours_mae_m());
     json = {{"written_by", "hqslam-lab compare"},
             {"input", options.input},
             {"sensor", sensor.name},
             {"scans", used},
-            {"true_neighbours_mae_all_m", comparison.true_neighbours_mae_m()},
             {"methods", scores_json(comparison.scores())}};
   }
   to_stdout("{} scans of {}\n", used, options.input);

@@ -47,7 +47,6 @@ ScoreTable point_table(const UpsamplingScore& linear) {
            {"per scan", "outliers_per_scan", 0, 1.0, &S::outliers_per_scan},
            {"of linear", nullptr, 3, 1.0,
             [=](const S& s) { return s.outliers_per_scan / linear_count; }},
-           {"good lost", "good_lost_share", 2, 100.0, &S::good_lost_share},
            {"time", nullptr, 2, 1.0,
             [](const S& s) {
               return s.upsampling_ms > 0.0 ? std::optional(s.upsampling_ms) : std::nullopt;
@@ -57,7 +56,6 @@ ScoreTable point_table(const UpsamplingScore& linear) {
            {"outliers", "%, points farther than 0.5 m from the true cloud, of all points"},
            {"per scan", "number of outliers in a scan"},
            {"of linear", "outliers per scan divided by those of linear"},
-           {"good lost", "%, computed points within 0.2 m of the truth that the last filter drops"},
            {"time", "ms, median time to upsample a scan"}}};
 }
 

@@ -17,20 +17,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Calls visit(pixel, distance_m) for the computed pixels that have a return. distances_m: of every
-/// return from the nearest true point.
-template <typename Visit>
-void for_each_computed(const OrganizedCloud& cloud, RowSelection measured,
-                       const std::vector<float>& distances_m, const Visit& visit) {
-  std::size_t next = 0;
-  for (std::size_t pixel = 0; pixel < cloud.range_m.size(); ++pixel) {
-    if (cloud.range_m[pixel] <= 0.0F) continue;
-    const float distance_m = distances_m[next++];
-    const int row = static_cast<int>(pixel) / cloud.columns;
-    if (!measured.contains(row)) visit(pixel, distance_m);
-  }
-}
-
 /// An image or a cloud with its measured rows emptied.
 template <typename Pixels>
 Pixels computed_rows(Pixels scan, RowSelection measured) {
@@ -38,28 +24,6 @@ Pixels computed_rows(Pixels scan, RowSelection measured) {
     if (measured.contains(static_cast<int>(pixel) / scan.columns)) scan.range_m[pixel] = 0.0F;
   }
   return scan;
-}
-
-/// Each computed pixel as the median (the mean of the middle two) of the eight true ranges around
-/// it, no return counting as 0; beyond the top and bottom row there is none.
-RangeImage median_of_true_neighbours(const RangeImage& truth, RowSelection measured) {
-  RangeImage image = truth;
-  for (int row = 0; row < truth.rows; ++row) {
-    if (measured.contains(row)) continue;
-    for (int column = 0; column < truth.columns; ++column) {
-      std::vector<float> around;
-      for (int r = std::max(row - 1, 0); r <= std::min(row + 1, truth.rows - 1); ++r) {
-        for (int c = -1; c <= 1; ++c) {
-          if (r == row && c == 0) continue;
-          around.push_back(truth.at(r, (column + c + truth.columns) % truth.columns));
-        }
-      }
-      std::ranges::sort(around);
-      const std::size_t count = around.size();
-      image.at(row, column) = 0.5F * (around[(count - 1) / 2] + around[count / 2]);
-    }
-  }
-  return image;
 }
 
 /// Z where a return is likelier than none.
@@ -124,17 +88,7 @@ const nn::Upsampler* UpsamplingComparison::with_memory() const {
 
 void UpsamplingComparison::add(const OrganizedCloud& truth, const nn::RecalledImage& recalled) {
   for (std::size_t i = 0; i < methods_.size(); ++i) add(methods_[i], truth, recalled, sums_[i]);
-  if (!methods_.empty()) {
-    const RangeImage image = range_image(truth);
-    const RangeImage median =
-        median_of_true_neighbours(image, methods_.front().upsampler.measured_rows());
-    true_neighbours_mae_sum_m_ += image_error(median, image).mae_all_m;
-  }
   ++scans_;
-}
-
-double UpsamplingComparison::true_neighbours_mae_m() const {
-  return true_neighbours_mae_sum_m_ / static_cast<double>(scans_);
 }
 
 void UpsamplingComparison::add(ComparedMethod& method, const OrganizedCloud& truth,
@@ -146,15 +100,6 @@ void UpsamplingComparison::add(ComparedMethod& method, const OrganizedCloud& tru
   sums.times_ms.push_back(
       1e3 * seconds_of([&] { upsampled = method.upsampler.run(measured_image, recalled); }));
   add_errors(upsampled, measured, truth, method.upsampler.sensor(), sums.sum);
-  if (!method.unfiltered) return;
-  const OrganizedCloud unfiltered = nn::upsampled_cloud(
-      method.unfiltered->run(measured_image, recalled), measured, rows, method.upsampler.sensor());
-  for_each_computed(unfiltered, rows, nearest_distances_m(points_of(unfiltered), points_of(truth)),
-                    [&](std::size_t pixel, float distance_m) {
-                      if (distance_m >= kGoodDistance_m) return;
-                      ++sums.good;
-                      if (upsampled.image.range_m[pixel] <= 0.0F) ++sums.good_lost;
-                    });
 }
 
 std::vector<UpsamplingScore> UpsamplingComparison::scores() const {
@@ -165,9 +110,6 @@ std::vector<UpsamplingScore> UpsamplingComparison::scores() const {
     score.method = methods_[i].name;
     make_mean(score, scans_);
     score.upsampling_ms = distribution_of(sums.times_ms).median;
-    if (methods_[i].unfiltered && sums.good > 0) {
-      score.good_lost_share = static_cast<double>(sums.good_lost) / static_cast<double>(sums.good);
-    }
     scores.push_back(score);
   }
   return scores;

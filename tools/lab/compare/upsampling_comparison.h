@@ -15,9 +15,6 @@
 
 namespace hqslam::tools {
 
-/// A computed point nearer than this to a true one is good.
-inline constexpr float kGoodDistance_m = 0.2F;
-
 /// Figures of one method of upsampling, means over the scans.
 struct UpsamplingScore : CloudError {
   std::string method;
@@ -29,9 +26,6 @@ struct UpsamplingScore : CloudError {
   double computed_f1 = 0.0;        ///< f1 of the computed points alone
   double outliers_per_scan = 0.0;  ///< number of points
   double upsampling_ms = 0.0;      ///< median
-  /// Share of the method's good computed points that the filter at its end removes. Nothing for
-  /// methods without such a filter.
-  std::optional<double> good_lost_share;
 };
 
 /// Adds the errors of an upsampled scan with the measured rows `measured` to `sum`; `sensor` has
@@ -44,11 +38,9 @@ void make_mean(UpsamplingScore& sum, std::int64_t scans);
 /// The name of a weights file in a table: without folder and extension, if that is unique.
 std::string short_name(const std::string& weights, const std::vector<std::string>& all);
 
-/// A method of upsampling and, if it ends with a filter, the method without that filter.
 struct ComparedMethod {
   std::string name;
   nn::Upsampler upsampler;
-  std::optional<nn::Upsampler> unfiltered = std::nullopt;
 };
 
 /// Scores methods scan by scan against recordings that have all rows.
@@ -61,23 +53,17 @@ class UpsamplingComparison {
   /// The first of the methods that has a memory; null: none has.
   const nn::Upsampler* with_memory() const;
   std::vector<UpsamplingScore> scores() const;
-  /// A bound for all methods: MAE over all pixels, metres, of the median of the eight true ranges
-  /// around each computed pixel, which no method has.
-  double true_neighbours_mae_m() const;
 
  private:
   struct Sums {
     UpsamplingScore sum;
     std::vector<double> times_ms;
-    std::int64_t good = 0;
-    std::int64_t good_lost = 0;
   };
   void add(ComparedMethod& method, const OrganizedCloud& truth, const nn::RecalledImage& recalled,
            Sums& sums) const;
 
   std::vector<ComparedMethod> methods_;
   std::vector<Sums> sums_;
-  double true_neighbours_mae_sum_m_ = 0.0;
   std::int64_t scans_ = 0;
 };
 
