@@ -17,17 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The variants of methods, a line each.
-std::string variants_help() {
-  std::string help =
-      "METHOD+VARIANT in --methods or --weights, such as du-or+whole-map, is a row with a changed\n"
-      "part of SLAM. Variants:\n";
-  for (const SlamVariant& variant : slam_variants()) {
-    help += fmt::format("  +{:<16} {}\n", variant.name, variant.title);
-  }
-  return help;
-}
-
 /// Throws Error if a table would replace other files.
 void guard_tables(const TableOptions& options) {
   const fs::path folder(options.out);
@@ -55,11 +44,11 @@ bool write_report(const std::vector<DriveRuns>& runs, const TablePlan& plan) {
 }  // namespace
 
 void declare(CLI::App& app, TableOptions& options) {
-  Command command =
-      add_command(app, "table",
-                  "Compare SLAM with 16 rows, with 16 upsampled to 64 by every method, and with 64",
-                  variants_help() +
-                      R"(Writes into --out:
+  Command command = add_command(
+      app, "table",
+      "Compare SLAM with 16 rows, with 16 upsampled to 64 by every method, and with 64",
+      R"(METHOD+as-published in --methods or --weights, such as du-or+as-published, is a row with
+LeGO-LOAM as published. Writes into --out:
   table.md, table.json, table.html  drift, slips and position errors; the page
                                     has maps of them
   results/DRIVE/METHOD-KEY.tum      trajectories of finished runs, for hqslam
@@ -80,7 +69,7 @@ scans, with other weights and by another build of the program. Inertial data are
                           table_method_names()),
               {.delimiter = ','})
       .option("--weights", &options.weights,
-              "Weights files, each an additional row: FILE.npz or FILE.npz+VARIANT",
+              "Weights files, each an additional row: FILE.npz or FILE.npz+as-published",
               {.delimiter = ','})
       .option("--sensor", &options.reading.sensor,
               "Sensor of recordings that have no sensor.json (name or .json file)");

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <limits>
 
 #include "hqslam/core/error.h"
 #include "hqslam/nn/compare/compared_networks.h"
@@ -15,17 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-slam::MappingOptions& mapping_of(SlamSetup& setup) { return setup.options.slam_options.mapping; }
-
-/// "NAME, NAME, ..."
-template <typename Named>
-std::string names_of(const std::vector<Named>& all, const char* before = "") {
-  std::vector<std::string> names;
-  for (const Named& named : all) names.push_back(before + std::string(named.name));
-  return fmt::format("{}", fmt::join(names, ", "));
-}
-
-/// The method of a name without a variant.
+/// The method of a name without kAsPublished.
 TableMethod plain_method(const std::string& name, const char* option) {
   if (fs::path(name).extension() == ".npz") {
     const std::string stem = fs::path(name).stem().string();
@@ -39,25 +28,6 @@ TableMethod plain_method(const std::string& name, const char* option) {
 }
 
 }  // namespace
-
-const std::vector<SlamVariant>& slam_variants() {
-  using S = SlamSetup;
-  constexpr double kNoLimit = std::numeric_limits<double>::max();
-  static const std::vector<SlamVariant> variants = {
-      {"as-published", "LeGO-LOAM as published",
-       [](S& s) { s.options.slam = pipeline::SlamKind::kLegoLoam; }},
-      {"computed-rows", "computed rows matched too", [](S& s) { s.sensor.measured_rows.reset(); }},
-      // For rows-64: the result of an upsampling without errors, used as the others are.
-      {"16-rows", "16 rows of it matched",
-       [](S& s) { s.sensor.measured_rows = selection_for(s.sensor.rows(), kTableMeasuredRows); }},
-      {"whole-map", "the whole map matched", [](S& s) { mapping_of(s).recent_path_m = kNoLimit; }},
-      {"plain-weights", "no robust weights",
-       [](S& s) { mapping_of(s).trusted_residual_m = kNoLimit; }},
-      {"bent-ground", "LeGO-LOAM's ground planes",
-       [](S& s) { mapping_of(s).max_ground_residual_m = mapping_of(s).max_plane_residual_m; }},
-  };
-  return variants;
-}
 
 const std::vector<TableMethod>& table_methods() {
   constexpr int kFew = kTableMeasuredRows;
@@ -76,21 +46,23 @@ const std::vector<TableMethod>& table_methods() {
   return methods;
 }
 
-std::string table_method_names() { return names_of(table_methods()); }
+std::string table_method_names() {
+  std::vector<std::string> names;
+  for (const TableMethod& method : table_methods()) names.push_back(method.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
 
 TableMethod method_named(const std::string& text, const char* option) {
   const std::size_t plus = text.rfind('+');
   if (plus == std::string::npos || text.ends_with(".npz")) return plain_method(text, option);
-  TableMethod method = plain_method(text.substr(0, plus), option);
-  for (const SlamVariant& variant : slam_variants()) {
-    if (text.substr(plus + 1) != variant.name) continue;
-    method.name += fmt::format("+{}", variant.name);
-    method.title += fmt::format(", {}", variant.title);
-    method.variant = &variant;
-    return method;
+  if (text.substr(plus) != kAsPublished) {
+    throw Error("{} {}: expected no '+' but in {}; leave it out", option, text, kAsPublished);
   }
-  throw Error("{} {}: expected one of these at the end: {}; choose one", option, text,
-              names_of(slam_variants(), "+"));
+  TableMethod method = plain_method(text.substr(0, plus), option);
+  method.name += kAsPublished;
+  method.title += ", LeGO-LOAM as published";
+  method.slam = pipeline::SlamKind::kLegoLoam;
+  return method;
 }
 
 pipeline::UpsamplingOptions upsampling_of(const TableMethod& method) {
@@ -106,7 +78,7 @@ SlamSetup slam_setup(const TableMethod& method, const SensorModel& sensor) {
   setup.sensor.elevation_correction_rad.clear();
   setup.sensor.range_correction_m.clear();
   setup.options.slam_options.loop_closing.enabled = false;
-  if (method.variant != nullptr) method.variant->change(setup);
+  setup.options.slam = method.slam;
   return setup;
 }
 

@@ -18,13 +18,8 @@ struct SlamSetup {
   pipeline::PipelineOptions options;  ///< without upsampling
 };
 
-/// A change of one part of SLAM, to measure its effect: METHOD+NAME is METHOD with it.
-struct SlamVariant {
-  const char* name;
-  const char* title;  ///< behind the method's, in the table
-  void (*change)(SlamSetup& setup);
-};
-const std::vector<SlamVariant>& slam_variants();
+/// METHOD+as-published is METHOD in front of LeGO-LOAM as published.
+inline constexpr const char* kAsPublished = "+as-published";
 
 /// A row of the table: what makes SLAM's input from a recording, and which SLAM.
 struct TableMethod {
@@ -34,8 +29,8 @@ struct TableMethod {
   /// The source of the rows between them: "" none, an interpolation, the name of weights that come
   /// with the program, or a weights file.
   std::string source = {};
-  bool filtered = true;                  ///< whether a network's own filter at the end runs
-  const SlamVariant* variant = nullptr;  ///< nullptr: SLAM as it is
+  bool filtered = true;  ///< whether a network's own filter at the end runs
+  pipeline::SlamKind slam = pipeline::SlamKind::kHqslam;
 };
 
 /// The names of LiDAR-16 and of LiDAR-64, between which methods close a gap.
@@ -46,7 +41,7 @@ inline constexpr const char* kAllRows = "rows-64";
 const std::vector<TableMethod>& table_methods();
 /// "rows-16, nearest, ..."
 std::string table_method_names();
-/// One of them or a weights file (.npz), itself or with +VARIANT. option: names it in messages.
+/// One of them or a weights file (.npz), itself or with kAsPublished. option: names it in messages.
 /// Throws Error.
 TableMethod method_named(const std::string& text, const char* option);
 
