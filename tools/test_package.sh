@@ -51,7 +51,7 @@ inside "hqslam --version && test -s /usr/share/man/man1/hqslam.1"
 
 step "simulate, upsample, run"
 inside "
-  weights=/usr/share/hqslam/weights/du-mix_os1_16to64.npz
+  weights=/usr/share/hqslam/weights/du-mix_any-beams.npz
   hqslam-lab simulate --drive block --sensor os1-16 --scans 24 --out drive
   hqslam upsample drive --weights \$weights --out upsampled
   hqslam run drive --upsample \$weights --out results
@@ -62,6 +62,6 @@ install_packages "g++ cmake ninja-build pkg-config \$(dpkg-query -W -f '\${Sugge
 inside "
   cmake -S consumer -B consumer-build -G Ninja -DCMAKE_BUILD_TYPE=Release -Wno-dev >/dev/null
   cmake --build consumer-build
-  consumer-build/drive_to_poses drive /usr/share/hqslam/weights/du-mix_os1_16to64.npz | tail -1"
+  consumer-build/drive_to_poses drive /usr/share/hqslam/weights/du-mix_any-beams.npz | tail -1"
 
 step "The package is enough"

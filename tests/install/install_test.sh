@@ -54,7 +54,7 @@ if [[ -n "$program" ]]; then
       exit !(NR == 24 && truth > 1 && gap < 0.1 && gap > -0.1) }' "$folder/poses" ||
       { echo "$example ends at $(tail -1 "$folder/poses"), $truth m from its start"; exit 1; }
   done
-  "$folder/build/02_upsample_scans" "$source_folder/../../weights/du-mix_os1_16to64.npz" \
+  "$folder/build/02_upsample_scans" "$source_folder/../../weights/du-mix_any-beams.npz" \
     "$folder/drive/scans.npy" "$folder/upsampled.npy"
   (($(stat -c %s "$folder/upsampled.npy") > 24 * 64 * 1024 * 4)) ||
     { echo "02_upsample_scans wrote fewer than 24 images of 64 rows"; exit 1; }

@@ -13,7 +13,7 @@ fi
 cpack --config "$build_folder/CPackConfig.cmake" -B "$folder" >"$folder/log" 2>&1 ||
   { cat "$folder/log"; exit 1; }
 dpkg-deb -x "$folder"/hqslam_*.deb "$folder/root"
-for file in bin/hqslam bin/hqslam-lab share/man/man1/hqslam.1 share/hqslam/weights/du-mix_os1_16to64.npz \
+for file in bin/hqslam bin/hqslam-lab share/man/man1/hqslam.1 share/hqslam/weights/du-mix_any-beams.npz \
   share/doc/hqslam/LICENSE include/hqslam/slam/slam.h; do
   [[ -f "$folder/root/usr/$file" ]] || { echo "usr/$file is not in the package"; exit 1; }
 done

@@ -48,7 +48,7 @@ LABORATORY = sys.argv.pop(1)
 FOLDER = tempfile.TemporaryDirectory()
 SENSOR = hqslam.load_sensor("os1-16")
 RECORDING, DRIVE = simulated("drive", "--sensor", "os1-16", "--scans", "12")
-WEIGHTS = hqslam.weights("du-mix_os1_16to64")
+WEIGHTS = hqslam.weights("du-mix_any-beams")
 
 
 def run_slam(trace=None, **options):

@@ -1,6 +1,8 @@
 #include "hqslam/pipeline/upsampler.h"
 
+#include <algorithm>
 #include <string>
+#include <vector>
 
 #include "hqslam/core/projection.h"
 #include "testing.h"
@@ -141,10 +143,17 @@ TEST_CASE("rows that nothing fills are selected, all of them where none are aske
   CHECK(all.sensor() == os1_64);
 }
 
+TEST_CASE("weights have names if the program reads them: not those of the laboratory's networks") {
+  const std::vector<std::string> names = installed_weights_names();
+  CHECK(std::ranges::count(names, "du-mix") == 1);
+  CHECK(std::ranges::count(names, "du-or") == 1);
+  CHECK(std::ranges::count(names, "srae") == 0);
+}
+
 TEST_CASE("weights that come with hqslam are chosen by name and sensor") {
-  const Upsampler os1(sensor_preset("os1-16"), {.method = "du-mix"});
-  CHECK(os1.sensor().rows() == 64);
-  CHECK_FALSE(fits_any_sensor(os1.method()->network()->description()));
+  const Upsampler hdl_64e(sensor_preset("hdl-64e"), {.method = "du-mix"});
+  CHECK(hdl_64e.sensor().rows() == 64);
+  CHECK_FALSE(fits_any_sensor(hdl_64e.method()->network()->description()));
   const Upsampler hdl_32e(sensor_preset("hdl-32e"), {.method = "du-mix"});
   CHECK(hdl_32e.sensor().rows() == 64);
   CHECK(fits_any_sensor(hdl_32e.method()->network()->description()));

@@ -55,6 +55,14 @@ TEST_CASE("inspect shows weights for any sensor as they are for the recording's 
   CHECK(missing(inspected.out, {"layers.0.z", "confidence"}) == "");
 }
 
+TEST_CASE("inspect and compare take weights that come with hqslam by their name") {
+  const TemporaryDirectory folder;
+  const std::string drive = simulated_drive("--sensor vlp-32c --scans 1 --seed 9");
+  succeeds("inspect '{}' --weights du-mix --out '{}'", drive, folder.file("page.html"));
+  CHECK(holds(file_contents(folder.file("page.html")), "du-mix_any-beams.npz"));
+  CHECK(holds(succeeds("compare '{}' --weights du-mix", drive).out, "\ndu-mix "));
+}
+
 TEST_CASE("inspect --list prints every tensor with its shape and unit, and writes nothing") {
   const Inspected inspected;
   const ProgramResult result = inspected.inspect("--list");

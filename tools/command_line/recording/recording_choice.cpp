@@ -106,6 +106,12 @@ recordings::KeptReturn kept_return_named(const std::string& kept_return) {
 /// The weights of --upsample without a value: those without a memory, which needs poses.
 constexpr const char* kUsualWeights = "du-mix";
 
+std::string weights_help() {
+  return fmt::format(
+      "a weights file (.npz), or weights that come with hqslam and are chosen by the sensor ({})",
+      fmt::join(pipeline::installed_weights_names(), ", "));
+}
+
 void declare_upsampling_method(Command& command, UpsamplingChoice& choice) {
   std::vector<std::string> methods = nn::interpolation_names();
   const std::vector<std::string> weights = pipeline::installed_weights_names();
@@ -113,13 +119,12 @@ void declare_upsampling_method(Command& command, UpsamplingChoice& choice) {
   command
       .option("--rows", &choice.rows, "Use only this many of the sensor's rows, evenly spread",
               {.within = kAnyCount})
-      .option("--upsample", &choice.upsample,
-              fmt::format("Fill the rows between the measured ones first: a weights file (.npz), "
-                          "weights that come with hqslam and are chosen by the sensor ({}), or an "
-                          "interpolation ({}); without a value: {}",
-                          fmt::join(weights, ", "), fmt::join(nn::interpolation_names(), ", "),
-                          kUsualWeights),
-              {.given = Given::kFile, .one_of = methods, .if_bare = kUsualWeights});
+      .option(
+          "--upsample", &choice.upsample,
+          fmt::format("Fill the rows between the measured ones first: {}, or an "
+                      "interpolation ({}); without a value: {}",
+                      weights_help(), fmt::join(nn::interpolation_names(), ", "), kUsualWeights),
+          {.given = Given::kFile, .one_of = methods, .if_bare = kUsualWeights});
 }
 
 void declare_upsampling(Command& command, UpsamplingChoice& choice) {

@@ -49,6 +49,8 @@ struct UpsamplingChoice {
   std::optional<float> tolerance_m = {};       ///< nothing: SuperResolverOptions' own
   std::optional<SensorModel> corrected = {};   ///< UpsamplingOptions::corrected
 };
+/// What a network may be given as, for a help line.
+std::string weights_help();
 /// --rows and --upsample.
 void declare_upsampling_method(Command& command, UpsamplingChoice& choice);
 /// --rows, --upsample and what declare_confidence declares.

@@ -1,5 +1,7 @@
 #include "inspect/inspect_command.h"
 
+#include <fmt/format.h>
+
 #include <functional>
 #include <optional>
 
@@ -117,7 +119,6 @@ LayersReport report_of(const InspectOptions& options, const nn::Weights& weights
   nn::SuperResolver network(weights, {});  // its self-test was run when the recording was opened
   LayersReport report;
   report.recording = options.input;
-  report.weights = options.weights;
   report.scan = options.scan;
   report.network = network.description();
   const auto& measured_rows = upsampler.selected_rows();
@@ -179,7 +180,7 @@ void declare(CLI::App& app, InspectOptions& options) {
       "motion is determined.");
   declare_input(command, options, "Recording (as for hqslam upsample)");
   declare_imu(command, options);
-  command.option("--weights", &options.weights, "Weights file")
+  command.option("--weights", &options.weights, fmt::format("Network: {}", weights_help()))
       .option("--slam", &options.slam,
               "Show every stage of SLAM on the scan, after all scans before it; with --weights the "
               "scans are upsampled first")
@@ -218,10 +219,12 @@ int run(const InspectOptions& options) {
   }
   check_options(options);
   pipeline::UpsampledRecording input = upsampled_recording(options, {options.weights});
-  nn::Weights weights = nn::read_weights(options.weights);
+  const std::string file = pipeline::weights_file(options.weights, input.recording.sensor());
+  nn::Weights weights = nn::read_weights(file);
   weights.description = input.upsampler.method()->network()->description();  // for this sensor
   const SeenScan seen = scan_of(options, input);
   LayersReport report = report_of(options, weights, seen, input.upsampler);
+  report.weights = file;
   if (options.list) {
     print_names(report.trace);
     return kOk;

@@ -132,10 +132,7 @@ void declare(CLI::App& app, UpsampleOptions& options) {
                 "Sensor of the recording (name or .json file; for interpolation with all rows); "
                 "default: determined from the recording, or that of the weights");
   command.alternatives("How", "One of")
-      .option("--weights", &options.upsample,
-              fmt::format("Weights file (.npz), or weights that come with hqslam and are chosen by "
-                          "the sensor ({})",
-                          fmt::join(pipeline::installed_weights_names(), ", ")),
+      .option("--weights", &options.upsample, fmt::format("Network: {}", weights_help()),
               {.given = Given::kFile, .one_of = pipeline::installed_weights_names()})
       .option("--method", &options.upsample, "Interpolation of every fourth row",
               {.one_of = nn::interpolation_names()});

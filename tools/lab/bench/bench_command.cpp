@@ -55,7 +55,7 @@ std::string temporary_folder() {
 
 /// Networks that come with the program, which are measured by default.
 constexpr std::array<const char*, 4> kInstalledNetworks = {
-    "du-mix_os1_16to64.npz", "du-mix-memory_os1_16to64.npz", "du-or_os1_16to64.npz",
+    "du-mix_any-beams.npz", "du-mix-memory_os1_16to64.npz", "du-or_os1_16to64.npz",
     "simple-du_os1_16to64.npz"};
 
 std::vector<std::string> weights_of(const BenchOptions& options) {

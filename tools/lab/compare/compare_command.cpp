@@ -11,6 +11,7 @@
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/nn/compare/compared_networks.h"
+#include "hqslam/pipeline/upsampler.h"
 #include "laboratory.h"
 #include "pages/text_table.h"
 #include "recording/pose_check.h"
@@ -59,7 +60,8 @@ void require_rows_to_compute(const CompareOptions& options, const SensorModel& s
 nn::SuperResolver network_of(const std::string& weights, const SensorModel& sensor, int rows,
                              nn::SuperResolverOptions options = {}) {
   options.architectures = nn::all_architectures();
-  nn::SuperResolver network = nn::SuperResolver::load(weights, options);
+  nn::SuperResolver network =
+      nn::SuperResolver::load(pipeline::weights_file(weights, sensor), options);
   if (fits_any_sensor(network.description())) {
     network = network.for_sensor(sensor, selection_for(sensor.rows(), rows));
   }
@@ -161,7 +163,10 @@ void declare(CLI::App& app, CompareOptions& options) {
       "(unfiltered); the filters inside stay. A line below each table defines each column.");
   declare_input(command, options, "Recording with all rows (as for hqslam run)");
   declare_scans(command, options);
-  command.option("--weights", &options.weights, "Weights files to compare", {.given = Given::kFile})
+  command
+      .option("--weights", &options.weights,
+              fmt::format("Networks to compare, each {}", weights_help()),
+              {.given = Given::kFile, .one_of = pipeline::installed_weights_names()})
       .option("--poses", &options.poses, kMemoryPosesHelp, {.given = Given::kFile})
       .option("--no-look-ahead", &options.no_look_ahead,
               "Give the memory only the scans before each, as run and live do while they read",

@@ -39,7 +39,7 @@ struct DemoOptions {
   bool open = false;
 };
 
-constexpr const char* kWeights = "du-mix_os1_16to64.npz";
+constexpr const char* kWeights = "du-mix_any-beams.npz";
 constexpr int kFewRows = 16;
 /// Image errors are means over every n-th scan.
 constexpr std::int64_t kComparedScans = 10;

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "hqslam/nn/architectures.h"
 #include "hqslam/pipeline/upsampler.h"
 
 namespace hqslam::pipeline {
@@ -27,6 +28,13 @@ std::array<fs::path, 4> folders_of_weights() {
           HQSLAM_WEIGHTS_SOURCE};
 }
 
+/// Whether weights of this name are of a kind that SuperResolver::load reads.
+bool is_of_a_product_kind(const std::string& name) {
+  return std::ranges::any_of(nn::hqs_architectures(), [&](const nn::NamedArchitecture& kind) {
+    return name.starts_with(kind.name);
+  });
+}
+
 }  // namespace
 
 std::vector<std::string> installed_weights_names() {
@@ -36,7 +44,8 @@ std::vector<std::string> installed_weights_names() {
     for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
       if (entry.path().extension() != ".npz") continue;
       const std::string file = entry.path().filename().string();
-      names.push_back(file.substr(0, file.find('_')));
+      const std::string name = file.substr(0, file.find('_'));
+      if (is_of_a_product_kind(name)) names.push_back(name);
     }
     if (!names.empty()) break;
   }

@@ -55,13 +55,16 @@ bool is_weights_name(const std::string& method) {
          !installed_weights_files(method).empty();
 }
 
+std::string weights_file(const std::string& method, const std::optional<SensorModel>& recorded) {
+  return is_weights_name(method) ? weights_for(method, recorded) : method;
+}
+
 UpsamplingMethod load_method(const UpsamplingOptions& options,
                              const std::optional<SensorModel>& recorded) {
   const std::string& method = options.method;
   if (method.empty()) return std::monostate();
   if (nn::is_interpolation(method)) return nn::interpolation_from_name(method);
-  return nn::SuperResolver::load(is_weights_name(method) ? weights_for(method, recorded) : method,
-                                 options.network);
+  return nn::SuperResolver::load(weights_file(method, recorded), options.network);
 }
 
 std::optional<SensorModel> sensor_of(const UpsamplingMethod& method) {

@@ -25,7 +25,7 @@ program = Path(__file__).parent / "bin" / "hqslam"
 
 
 def weights(name: str) -> Path:
-    """The file of weights that come with hqslam: du-mix_os1_16to64, ... Raises Error."""
+    """The file of weights that come with hqslam: du-mix_any-beams, ... Raises Error."""
     folder = Path(__file__).parent / "share" / "hqslam" / "weights"
     path = folder / f"{name}.npz"
     if not path.is_file():

@@ -45,7 +45,7 @@ try() {
 "$program" run drive --rows 16 --upsample linear --dense-map --occupancy-grid --out results >/dev/null 2>&1
 "$program" view results/dense_map.ply results/map.pcd results/map.yaml results/trajectory.tum drive/truth.kitti --out view.html >/dev/null
 for weights in du-or du-mix simple-du; do
-  "$program" inspect drive --weights "$source_folder/weights/${weights}_os1_16to64.npz" \
+  "$program" inspect drive --weights $weights \
     --tensor layers.0.h --scan 3 --out $weights.html >/dev/null 2>&1
 done
 "$program" inspect drive --slam --scan 9 --out slam_scan.html >/dev/null 2>&1

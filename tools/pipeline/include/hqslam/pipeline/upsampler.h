@@ -99,12 +99,15 @@ class Upsampler {
 /// not keep their rate to the percent.
 inline constexpr double kFewestColumnsShare = 0.9;
 
-/// The weights that come with hqslam: names such as "du-mix" and "du-mix-memory".
+/// The weights that come with hqslam and that SuperResolver::load reads: names such as "du-mix" and
+/// "du-mix-memory".
 std::vector<std::string> installed_weights_names();
 /// The weights files of such a name, one for each sensor.
 std::vector<std::string> installed_weights_files(const std::string& name);
 /// Whether a method is such a name, and not a file.
 bool is_weights_name(const std::string& method);
+/// The weights file that a method is or names; recorded as for load_method. Throws Error.
+std::string weights_file(const std::string& method, const std::optional<SensorModel>& recorded);
 /// The path of a weights file that comes with hqslam, such as "du-or_os1_16to64.npz": beside the
 /// installed program (../share/hqslam/weights), where hqslam was installed, or in the source tree
 /// it was built from. Nothing if it is in none of them.
