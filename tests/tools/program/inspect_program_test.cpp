@@ -63,6 +63,16 @@ TEST_CASE("inspect and compare take weights that come with hqslam by their name"
   CHECK(holds(succeeds("compare '{}' --weights du-mix", drive).out, "\ndu-mix "));
 }
 
+TEST_CASE("networks for any sensor are compared on scans of any number of columns") {
+  const TemporaryDirectory folder;
+  SensorModel sensor = sensor_preset("hdl-32e");
+  sensor.columns = 270;
+  write_file(folder.file("sensor.json"), sensor_json(sensor));
+  succeeds("simulate --drive block --sensor '{0}/sensor.json' --scans 1 --out '{0}/drive'",
+           folder.path().string());
+  CHECK(holds(succeeds("compare '{}' --weights du-mix", folder.file("drive")).out, "\ndu-mix "));
+}
+
 TEST_CASE("inspect --list prints every tensor with its shape and unit, and writes nothing") {
   const Inspected inspected;
   const ProgramResult result = inspected.inspect("--list");

@@ -116,9 +116,7 @@ void declare_upsampling_method(Command& command, UpsamplingChoice& choice) {
   std::vector<std::string> methods = nn::interpolation_names();
   const std::vector<std::string> weights = pipeline::installed_weights_names();
   methods.insert(methods.end(), weights.begin(), weights.end());
-  command
-      .option("--rows", &choice.rows, "Use only this many of the sensor's rows, evenly spread",
-              {.within = kAnyCount})
+  command.option("--rows", &choice.rows, kRowsHelp, {.within = kAnyCount})
       .option(
           "--upsample", &choice.upsample,
           fmt::format("Fill the rows between the measured ones first: {}, or an "

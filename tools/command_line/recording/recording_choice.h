@@ -49,7 +49,8 @@ struct UpsamplingChoice {
   std::optional<float> tolerance_m = {};       ///< nothing: SuperResolverOptions' own
   std::optional<SensorModel> corrected = {};   ///< UpsamplingOptions::corrected
 };
-/// What a network may be given as, for a help line.
+/// Help lines: of --rows, and what a network may be given as.
+inline constexpr const char* kRowsHelp = "Use only this many of the sensor's rows, evenly spread";
 std::string weights_help();
 /// --rows and --upsample.
 void declare_upsampling_method(Command& command, UpsamplingChoice& choice);

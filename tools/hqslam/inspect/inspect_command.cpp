@@ -184,8 +184,7 @@ void declare(CLI::App& app, InspectOptions& options) {
       .option("--slam", &options.slam,
               "Show every stage of SLAM on the scan, after all scans before it; with --weights the "
               "scans are upsampled first")
-      .option("--rows", &options.rows, "Use only this many of the sensor's rows",
-              {.within = kAnyCount, .needs = {"--slam"}})
+      .option("--rows", &options.rows, kRowsHelp, {.within = kAnyCount})
       .option("--set", &options.slam_settings.set, "One option of SLAM, NAME=NUMBER",
               {.needs = {"--slam"}})
       .option("--poses", &options.poses, kMemoryPosesHelp,
@@ -218,8 +217,10 @@ int run(const InspectOptions& options) {
     return inspect_slam(options);
   }
   check_options(options);
-  pipeline::UpsampledRecording input = upsampled_recording(options, {options.weights});
-  const std::string file = pipeline::weights_file(options.weights, input.recording.sensor());
+  pipeline::UpsampledRecording input =
+      upsampled_recording(options, {options.weights, options.rows});
+  const std::string file =
+      pipeline::weights_file(options.weights, input.recording.sensor(), options.rows);
   nn::Weights weights = nn::read_weights(file);
   weights.description = input.upsampler.method()->network()->description();  // for this sensor
   const SeenScan seen = scan_of(options, input);

@@ -12,7 +12,7 @@ namespace hqslam::tools {
 struct InspectOptions : InputChoice {  ///< sensor empty: as for hqslam upsample
   std::string weights;
   bool slam = false;  ///< what SLAM makes of it, not the network; weights: upsampled by it first
-  int rows = 0;       ///< of SLAM: of the recording, 0: all
+  int rows = 0;       ///< as UpsamplingChoice::rows
   SlamSettings slam_settings;
   std::string poses;  ///< for networks with a memory; empty: they have none of earlier scans
   std::int64_t scan = 0;

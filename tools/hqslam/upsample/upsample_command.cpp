@@ -136,6 +136,7 @@ void declare(CLI::App& app, UpsampleOptions& options) {
               {.given = Given::kFile, .one_of = pipeline::installed_weights_names()})
       .option("--method", &options.upsample, "Interpolation of every fourth row",
               {.one_of = nn::interpolation_names()});
+  command.option("--rows", &options.rows, kRowsHelp, {.within = kAnyCount});
   command.option("--out", &options.out, "Folder for the results; made if it does not exist",
                  {.required = true});
   declare_scans(command, options);

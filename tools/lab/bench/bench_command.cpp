@@ -109,7 +109,7 @@ std::vector<pipeline::UpsamplingOptions> slam_inputs(const std::vector<std::stri
         nn::SuperResolver::load(path, {.architectures = nn::all_architectures()});
     if (network.multiply_adds() < kMostMultiplyAdds && network.sensor().rows() == sensor.rows() &&
         network.sensor().columns == sensor.columns) {
-      inputs.push_back({.method = path});
+      inputs.push_back({.method = path, .rows = kRowCounts.back()});
     }
   }
   return inputs;

@@ -10,6 +10,7 @@
 #include "compare/upsampling_comparison.h"
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/projection.h"
 #include "hqslam/nn/compare/compared_networks.h"
 #include "hqslam/pipeline/upsampler.h"
 #include "laboratory.h"
@@ -47,6 +48,22 @@ void guard_outputs(const CompareOptions& options) {
   if (!options.json.empty()) guard_output_file(options.json, inputs, kJsonMarker);
 }
 
+/// The sensor's columns become a multiple of this, which every network takes.
+constexpr int kColumnMultiple = 8;
+
+SensorModel sensor_of(const CompareOptions& options) {
+  SensorModel sensor = recordings::Recording::open(options.input, open_options(options)).sensor();
+  if (!options.weights.empty()) sensor.columns -= sensor.columns % kColumnMultiple;
+  return sensor;
+}
+
+/// A scan as it is compared: calibrated, in the sensor's columns.
+OrganizedCloud compared(const OrganizedCloud& recorded, const SensorModel& sensor) {
+  return calibrated(
+      recorded.columns == sensor.columns ? recorded : project(returns_of(recorded), sensor).cloud,
+      sensor);
+}
+
 /// There must be rows between the measured ones.
 void require_rows_to_compute(const CompareOptions& options, const SensorModel& sensor) {
   if (sensor.rows() > options.rows) return;
@@ -61,7 +78,7 @@ nn::SuperResolver network_of(const std::string& weights, const SensorModel& sens
                              nn::SuperResolverOptions options = {}) {
   options.architectures = nn::all_architectures();
   nn::SuperResolver network =
-      nn::SuperResolver::load(pipeline::weights_file(weights, sensor), options);
+      nn::SuperResolver::load(pipeline::weights_file(weights, sensor, rows), options);
   if (fits_any_sensor(network.description())) {
     network = network.for_sensor(sensor, selection_for(sensor.rows(), rows));
   }
@@ -122,9 +139,10 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
   };
   pipeline::LookAheadMemory memory(upsampler, poses, !options.no_look_ahead);
   const auto insert = [&](const ReadScan& read) {
-    memory.insert(measured_of(calibrated(read.scan.cloud, sensor)), read.index, read.scan.stamp_s);
+    memory.insert(measured_of(compared(read.scan.cloud, sensor)), read.index, read.scan.stamp_s);
   };
   auto source = recordings::Recording::open(options.input, open_options(options));
+  source.use_columns(sensor.columns);
   const std::size_t warnings_printed = print_warnings(source, options.input);
   Progress progress("compare", source.size());
   std::int64_t used = 0;
@@ -133,7 +151,7 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
   reading.wanted = wanted_scans(options);
   const auto compare = [&](const ReadScan& read) {
     progress.update(++scans_read, source.read_share());
-    const OrganizedCloud truth = calibrated(read.scan.cloud, sensor);
+    const OrganizedCloud truth = compared(read.scan.cloud, sensor);
     const OrganizedCloud measured = measured_of(truth);
     const nn::RecalledImage recalled = memory.recall(measured, read.index, read.scan.stamp_s);
     if ((scans_read - 1) % options.every != 0) return true;
@@ -188,8 +206,7 @@ int run(const CompareOptions& options) {
   use_threads(options.threads);
   guard_outputs(options);
   const InterruptGuard interrupt;
-  const SensorModel sensor =
-      recordings::Recording::open(options.input, open_options(options)).sensor();
+  const SensorModel sensor = sensor_of(options);
   require_rows_to_compute(options, sensor);
   Json json;
   std::int64_t used = 0;

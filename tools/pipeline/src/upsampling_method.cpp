@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "hqslam/core/error.h"
+#include "hqslam/nn/interpolation.h"
 #include "hqslam/nn/weights_file.h"
 #include "hqslam/pipeline/upsampler.h"
 
@@ -17,11 +18,12 @@ bool takes(const SensorModel& recorded, const SensorModel& full, RowSelection me
 }
 
 /// The file of the weights of this name that was made for the sensor.
-std::string weights_for(const std::string& name, const std::optional<SensorModel>& recorded) {
+std::string weights_for(const std::string& name, const std::optional<SensorModel>& recorded,
+                        int rows) {
   const std::vector<std::string> files = installed_weights_files(name);
   std::vector<std::string> made_for;
   std::optional<std::string> for_any;
-  std::optional<std::string> for_more_columns;
+  std::optional<std::string> for_its_beams;
   for (const std::string& file : files) {
     const nn::NetworkDescription network = nn::read_weights(file).description;
     if (nn::fits_any_sensor(network)) {
@@ -29,13 +31,17 @@ std::string weights_for(const std::string& name, const std::optional<SensorModel
       continue;
     }
     if (recorded && takes(*recorded, network.sensor, network.measured_rows)) {
-      if (recorded->columns >= kFewestColumnsShare * network.sensor.columns) return file;
-      for_more_columns = file;
+      const int measured = nn::measured_row_count(network.sensor.rows(), network.measured_rows);
+      if ((recorded->rows() == measured || rows == measured) &&
+          recorded->columns >= kFewestColumnsShare * network.sensor.columns) {
+        return file;
+      }
+      for_its_beams = file;
     }
     made_for.push_back(network.sensor.name);
   }
   if (for_any) return *for_any;
-  if (for_more_columns) return *for_more_columns;
+  if (for_its_beams) return *for_its_beams;
   if (!recorded) {
     throw Error(
         "{}: expected a recording whose sensor is known, to choose between weights for {}; name "
@@ -55,8 +61,9 @@ bool is_weights_name(const std::string& method) {
          !installed_weights_files(method).empty();
 }
 
-std::string weights_file(const std::string& method, const std::optional<SensorModel>& recorded) {
-  return is_weights_name(method) ? weights_for(method, recorded) : method;
+std::string weights_file(const std::string& method, const std::optional<SensorModel>& recorded,
+                         int rows) {
+  return is_weights_name(method) ? weights_for(method, recorded, rows) : method;
 }
 
 UpsamplingMethod load_method(const UpsamplingOptions& options,
@@ -64,7 +71,7 @@ UpsamplingMethod load_method(const UpsamplingOptions& options,
   const std::string& method = options.method;
   if (method.empty()) return std::monostate();
   if (nn::is_interpolation(method)) return nn::interpolation_from_name(method);
-  return nn::SuperResolver::load(weights_file(method, recorded), options.network);
+  return nn::SuperResolver::load(weights_file(method, recorded, options.rows), options.network);
 }
 
 std::optional<SensorModel> sensor_of(const UpsamplingMethod& method) {

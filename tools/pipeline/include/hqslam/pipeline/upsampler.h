@@ -18,7 +18,8 @@ struct UpsamplingOptions {
   /// ("nearest", "linear", "inverse"); empty: scans stay as they are measured.
   std::string method = {};
   /// How many rows of the recording are used as measured, evenly spread. 0: the network's measured
-  /// rows; every fourth row for an interpolation; all rows where nothing is upsampled.
+  /// rows, all rows of weights for any sensor; every fourth row for an interpolation; all rows
+  /// where nothing is upsampled.
   int rows = 0;
   /// The sensor of the result, for the interpolation of scans that have its measured rows alone.
   std::optional<SensorModel> all_rows = {};
@@ -106,8 +107,11 @@ std::vector<std::string> installed_weights_names();
 std::vector<std::string> installed_weights_files(const std::string& name);
 /// Whether a method is such a name, and not a file.
 bool is_weights_name(const std::string& method);
-/// The weights file that a method is or names; recorded as for load_method. Throws Error.
-std::string weights_file(const std::string& method, const std::optional<SensorModel>& recorded);
+/// The weights file that a method is or names. recorded: as for load_method. rows:
+/// UpsamplingOptions::rows. Of a name with weights for any sensor, those for one sensor are chosen
+/// where their measured rows alone were recorded, or asked for. Throws Error.
+std::string weights_file(const std::string& method, const std::optional<SensorModel>& recorded,
+                         int rows);
 /// The path of a weights file that comes with hqslam, such as "du-or_os1_16to64.npz": beside the
 /// installed program (../share/hqslam/weights), where hqslam was installed, or in the source tree
 /// it was built from. Nothing if it is in none of them.
