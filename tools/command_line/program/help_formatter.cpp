@@ -32,11 +32,12 @@ std::string broken(const std::string& text, std::size_t indent, std::size_t colu
 /// A name and its explanation, side by side or, where the name is long, below each other.
 std::string entry(const std::string& name, const std::string& explanation) {
   constexpr std::size_t kOfGroup = 2;  // by which CLI11 indents the options of a group
-  std::string left = "  " + broken(name, 6, 2, HelpFormatter::kWidth - kOfGroup);
+  constexpr std::size_t kRight = HelpFormatter::kWidth - kOfGroup;
+  std::string left = "  " + broken(name, 6, 2, kRight);
   if (explanation.empty()) return left + '\n';
   const bool fits = left.size() + 2 <= kColumn && left.find('\n') == std::string::npos;
   left += fits ? std::string(kColumn - left.size(), ' ') : '\n' + std::string(kColumn, ' ');
-  return left + broken(explanation, kColumn, kColumn, HelpFormatter::kWidth) + '\n';
+  return left + broken(explanation, kColumn, kColumn, kRight) + '\n';
 }
 
 /// A list "{a,b,c}" with spaces after its commas, where a line can end.
