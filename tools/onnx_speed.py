@@ -2,7 +2,7 @@
 """How fast ONNX Runtime runs the networks of hqslam, and how to measure hqslam on the same.
 
     tools/onnx_speed.py srae-64|tulip-96|srae-8|... [--threads 1,2] [--runs 20] [--out FOLDER]
-    tools/onnx_speed.py weights/du-or_os1_16to64.npz|weights/du-mix_hdl64e_16to64.npz [...]
+    tools/onnx_speed.py weights/du-or_os1_16to64.npz|weights/du-mix-memory_os1_16to64.npz [...]
 
 The number is SRAE's filters or TULIP's channels, of which the published sizes can be had: their weights
 are random, one pass without dropout, and what `hqslam weights pack` takes is written beside
