@@ -2,10 +2,11 @@
 """How fast ONNX Runtime runs the networks of hqslam, and how to measure hqslam on the same.
 
     tools/onnx_speed.py srae-64|srae-8|... [--threads 1,2] [--runs 20] [--out FOLDER]
-    tools/onnx_speed.py weights/du-or_os1_16to64.npz|weights/du-mix_hdl64e_16to64.npz [...]
+    tools/onnx_speed.py weights/du-or_os1_16to64.npz|weights/du-mix-memory_os1_16to64.npz [...]
 
 The number is that of SRAE's filters, 64 as published: its weights are random, one pass without dropout,
-and what `hqslam weights pack` takes is written beside NETWORK.onnx. Of a file the weights are its own. DU-OR's BFS filter, which no graph of ONNX has, is left
+and what `hqslam weights pack` takes is written beside NETWORK.onnx. Of a file the weights are its own.
+DU-OR's BFS filter, which no graph of ONNX has, is left
 out of what ONNX Runtime is given. Needs PyTorch and
 
     pip install onnx onnxscript onnxruntime

@@ -10,7 +10,7 @@ import numpy as np
 import hqslam
 
 recording = hqslam.open_recording(sys.argv[1])
-upsampler = hqslam.Upsampler("du-mix", recording.sensor)
+upsampler = hqslam.Upsampler("du-mix", recording.sensor, measured_rows=16)
 recorded = next(iter(recording)).cloud
 measured_m = upsampler.measured(recorded).range_m
 

@@ -153,7 +153,7 @@ class Recordings(unittest.TestCase):
         samples = np.concatenate([scan.imu for scan in scans])
         self.assertEqual(samples.shape[1], 7)
         self.assertGreater(len(samples), 15)  # a hundred a second
-        upsampled = hqslam.Upsampler(WEIGHTS).upsampled_cloud(scans[1].cloud)
+        upsampled = hqslam.Upsampler(WEIGHTS, SENSOR).upsampled_cloud(scans[1].cloud)
         self.assertEqual(upsampled.intensity.shape, (64, 1024))
         slam = hqslam.Pipeline(SENSOR)
         slam.process(scans[1].cloud, 0.0)
@@ -168,7 +168,7 @@ class Errors(unittest.TestCase):
             lambda: hqslam.load_sensor("os9"),
             lambda: hqslam.weights("du-nothing"),
             lambda: hqslam.open_recording("/nowhere.pcap"),
-            lambda: hqslam.Upsampler(WEIGHTS).run(np.zeros((5, 7), np.float32)),
+            lambda: hqslam.Upsampler(WEIGHTS, SENSOR).run(np.zeros((5, 7), np.float32)),
             lambda: hqslam.Pipeline(SENSOR, options={"mapping.no_such": 1.0}),
             lambda: hqslam.Pipeline(SENSOR, T_map_level_start=np.eye(4)),
             lambda: hqslam.Pipeline(SENSOR, slam="other"),
@@ -255,9 +255,42 @@ class Pipeline(unittest.TestCase):
         self.assertGreater(located[-1].upsampling_s, 0.0)
 
 
+class Maps(unittest.TestCase):
+    def test_are_those_of_the_program(self):
+        recording = hqslam.open_recording(RECORDING)
+        pipeline = hqslam.Pipeline(recording.sensor)
+        clouds = [pipeline.process(scan).cloud for scan in recording]
+        pipeline.finish()
+        of_drive = (clouds, pipeline.sensor, pipeline.trajectory())
+        dense = hqslam.dense_map(*of_drive)
+        grid = hqslam.occupancy_grid(*of_drive, resolution_m=0.2)
+        with tempfile.TemporaryDirectory() as folder:
+            results = Path(folder) / "results"
+            maps = ["--dense-map", "--occupancy-grid", "--grid-cell", "0.2"]
+            command = [hqslam.program, "run", RECORDING, *maps, "--out", results]
+            subprocess.run(command, check=True, capture_output=True)
+            header = (results / "dense_map.pcd").read_bytes()[:400]
+            grid.write(Path(folder) / "own.yaml")
+            for end in (".pgm", ".yaml"):
+                own = (Path(folder) / "own").with_suffix(end).read_bytes()
+                of_program = (results / "map").with_suffix(end).read_bytes()
+                self.assertEqual(own.replace(b"own.pgm", b"map.pgm"), of_program)
+        self.assertIn(b"POINTS %d\n" % len(dense["points_m"]), header)
+        self.assertGreater(dense["confidence"].min(), 0.5)
+        self.assertEqual(set(np.unique(grid.cells)), {0, 1, 2})
+
+    def test_leave_out_scans_whose_pose_is_not_known(self):
+        slam, _ = run_slam()
+        cloud = hqslam.unproject(DRIVE[0].range_m, SENSOR)
+        alone = hqslam.dense_map([cloud] + [None] * 11, SENSOR, slam.trajectory())
+        self.assertEqual(set(alone["times_seen"]), {1})
+        with self.assertRaisesRegex(hqslam.Error, "12 poses"):
+            hqslam.dense_map([cloud], SENSOR, slam.trajectory())
+
+
 class Upsampling(unittest.TestCase):
     def test_keeps_measured_rows_and_says_how_sure_it_is(self):
-        upsampler = hqslam.Upsampler(WEIGHTS)
+        upsampler = hqslam.Upsampler(WEIGHTS, SENSOR)
         upsampled = upsampler.run(DRIVE[0].range_m)
         rows = upsampler.sensor.measured_rows
         np.testing.assert_array_equal(upsampled.range_m[rows], DRIVE[0].range_m)
@@ -321,7 +354,7 @@ class Upsampling(unittest.TestCase):
 
 class Threads(unittest.TestCase):
     def test_go_on_beside_a_call(self):
-        upsampler = hqslam.Upsampler(WEIGHTS, threads=1)
+        upsampler = hqslam.Upsampler(WEIGHTS, SENSOR, threads=1)
         expected = upsampler.run(DRIVE[0].range_m).range_m.copy()
         results = []
         work = lambda: results.append(upsampler.run(DRIVE[0].range_m).range_m)
@@ -357,7 +390,7 @@ class Speed(unittest.TestCase):
         """What a call adds, against what it does: SLAM's own time of a scan, and a network's call
         against one that does next to nothing."""
         slam = hqslam.Pipeline(SENSOR)
-        network = hqslam.Upsampler(WEIGHTS)
+        network = hqslam.Upsampler(WEIGHTS, SENSOR)
         nearest = hqslam.Upsampler("nearest", network.sensor, measured_rows=16)
         taken_s = {"slam": [], "slam inside": [], "network": [], "nearest": []}
 

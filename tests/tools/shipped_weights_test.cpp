@@ -97,7 +97,7 @@ TEST_CASE("DU-OR for the OS1 has a sixth of linear interpolation's outliers") {
 }
 
 TEST_CASE("DU-Mix for the HDL-64E is better than interpolation on simulated scans too") {
-  check("du-mix_hdl64e_16to64.npz", "hdl-64e", {0.25, 1.2});
+  check("du-mix_hdl64e.npz", "hdl-64e", {0.25, 1.2});
 }
 
 TEST_CASE(

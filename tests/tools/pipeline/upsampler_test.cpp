@@ -151,12 +151,12 @@ TEST_CASE("weights have names if the program reads them: not those of the labora
 }
 
 TEST_CASE("weights that come with hqslam are chosen by name and sensor") {
-  const Upsampler of_16_rows(sensor_preset("hdl-64e"), {.method = "du-mix", .rows = 16});
-  CHECK(of_16_rows.sensor().rows() == 64);
-  CHECK_FALSE(fits_any_sensor(of_16_rows.method()->network()->description()));
-  const Upsampler of_all_rows(sensor_preset("hdl-64e"), {.method = "du-mix"});
-  CHECK(of_all_rows.sensor().rows() == 128);
-  CHECK(fits_any_sensor(of_all_rows.method()->network()->description()));
+  SensorModel hdl_64e = sensor_preset("hdl-64e");
+  hdl_64e.columns = 870;
+  CHECK(weights_file("du-mix", hdl_64e, 16).ends_with("/du-mix_hdl64e.npz"));
+  CHECK(weights_file("du-mix", hdl_64e, 0).ends_with("/du-mix_any-beams.npz"));
+  CHECK(Upsampler(hdl_64e, {.method = "du-mix", .rows = 16}).sensor().rows() == 64);
+  CHECK(Upsampler(hdl_64e, {.method = "du-mix"}).sensor().rows() == 128);
   const Upsampler hdl_32e(sensor_preset("hdl-32e"), {.method = "du-mix"});
   CHECK(hdl_32e.sensor().rows() == 64);
   CHECK(fits_any_sensor(hdl_32e.method()->network()->description()));

@@ -230,7 +230,7 @@ TEST_CASE("a wrong table is one line on stderr and status 2, and writes nothing"
   const std::string drive = simulated_drive();  // 16 rows
   for (const std::string& arguments : {
            "--drives block --methods rows-16 --weights '" + golden_folder() +
-               "/../../weights/du-mix_hdl64e_16to64.npz'",
+               "/../../weights/du-or_hdl64e_16to64.npz'",
            "--drives '" + drive + "'",
            "--drives '" + drive + "/bin' --sensor os1-16",
            std::string("--drives block --scans 0"),

@@ -11,6 +11,10 @@
 namespace hqslam::pipeline {
 namespace {
 
+/// The end of the name of weights for every sensor. Others of the same network may have been
+/// trained further with scans of one.
+constexpr const char* kForAnySensor = "_any-beams.npz";
+
 /// Whether weights made for `full` take scans of `recorded`.
 bool takes(const SensorModel& recorded, const SensorModel& full, RowSelection measured_rows) {
   return have_same_beams(recorded, full) ||
@@ -25,17 +29,16 @@ std::string weights_for(const std::string& name, const std::optional<SensorModel
   std::optional<std::string> for_any;
   std::optional<std::string> for_its_beams;
   for (const std::string& file : files) {
-    const nn::NetworkDescription network = nn::read_weights(file).description;
-    if (nn::fits_any_sensor(network)) {
+    if (file.ends_with(kForAnySensor)) {
       for_any = file;
       continue;
     }
+    const nn::NetworkDescription network = nn::read_weights(file).description;
     if (recorded && takes(*recorded, network.sensor, network.measured_rows)) {
       const int measured = nn::measured_row_count(network.sensor.rows(), network.measured_rows);
-      if ((recorded->rows() == measured || rows == measured) &&
-          recorded->columns >= kFewestColumnsShare * network.sensor.columns) {
-        return file;
-      }
+      const bool has_columns = fits_any_sensor(network) ||
+                               recorded->columns >= kFewestColumnsShare * network.sensor.columns;
+      if ((recorded->rows() == measured || rows == measured) && has_columns) return file;
       for_its_beams = file;
     }
     made_for.push_back(network.sensor.name);

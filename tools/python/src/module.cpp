@@ -22,5 +22,6 @@ NB_MODULE(_hqslam, module) {
   add_upsampling(module);
   add_slam(module);
   add_pipeline(module);
+  add_maps(module);
   add_evaluation(module);
 }

@@ -13,6 +13,7 @@ void add_scan_memory(nanobind::module_& module);
 void add_upsampling(nanobind::module_& module);
 void add_slam(nanobind::module_& module);
 void add_pipeline(nanobind::module_& module);
+void add_maps(nanobind::module_& module);
 void add_evaluation(nanobind::module_& module);
 
 }  // namespace hqslam::python
