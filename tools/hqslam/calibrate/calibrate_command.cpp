@@ -1,7 +1,6 @@
-#include "calibrate/calibrate_command.h"
-
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -13,13 +12,22 @@
 #include "pages/open_page.h"
 #include "pages/page.h"
 #include "pages/printed_table.h"
+#include "product.h"
 #include "recording/reading.h"
+#include "recording/recording_choice.h"
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {
 namespace {
+
+struct CalibrateOptions : InputChoice {
+  int rows = 0;                                  ///< of the recording; 0: all
+  double path_m = pipeline::kCalibrationPath_m;  ///< of whose scans the beams are estimated
+  std::string out;
+  bool open = false;
+};
 
 constexpr double kLeastPath_m = 20.0;
 
@@ -55,8 +63,6 @@ bool is_calibrated_sensor(const std::string& path) {
     return false;
   }
 }
-
-}  // namespace
 
 void declare(CLI::App& app, CalibrateOptions& options) {
   Command command = add_command(
@@ -132,5 +138,9 @@ int run(const CalibrateOptions& options) {
   if (options.open) open_page(page);
   return exit_status_of(reading, std::ssize(scans), std::nullopt);
 }
+
+}  // namespace
+
+void add_calibrate(CLI::App& app, Chosen& chosen) { add_subcommand<CalibrateOptions>(app, chosen); }
 
 }  // namespace hqslam::tools

@@ -1,11 +1,10 @@
-#include "evaluate/evaluate_command.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "hqslam/core/angles.h"
 #include "hqslam/core/cloud_file.h"
@@ -17,12 +16,20 @@
 #include "hqslam/evaluation/drift.h"
 #include "hqslam/evaluation/image_error.h"
 #include "hqslam/evaluation/trajectory_error.h"
+#include "product.h"
 #include "recording/reference.h"
 #include "terminal/command_options.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {
 namespace {
+
+struct EvaluateOptions {
+  std::string estimate;
+  std::string reference;
+  std::string alignment = "se3";
+  std::string sensor;  ///< of two .npy stacks: adds the errors in 3-D
+};
 
 constexpr std::array<double, 3> kStretches_m = {10.0, 100.0, 800.0};
 
@@ -184,8 +191,6 @@ Kind kind_of(const EvaluateOptions& options) {
       options.estimate, options.reference);
 }
 
-}  // namespace
-
 void declare(CLI::App& app, EvaluateOptions& options) {
   const OptionRules read = {.required = true, .given = Given::kFile};
   add_command(app, "evaluate", "Errors of a trajectory, a point cloud or a stack of range images",
@@ -210,5 +215,9 @@ int run(const EvaluateOptions& options) {
   if (kind == Kind::kCloud) return evaluate_clouds(options);
   return evaluate_trajectories(options);
 }
+
+}  // namespace
+
+void add_evaluate(CLI::App& app, Chosen& chosen) { add_subcommand<EvaluateOptions>(app, chosen); }
 
 }  // namespace hqslam::tools

@@ -1,9 +1,8 @@
-#include "info/info_command.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <filesystem>
+#include <string>
 #include <utility>
 
 #include "files/result_files.h"
@@ -11,6 +10,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/recordings/recording.h"
 #include "info/capture_check.h"
+#include "product.h"
 #include "program/invocation.h"
 #include "recording/recording_choice.h"
 #include "terminal/command_options.h"
@@ -18,6 +18,13 @@
 
 namespace hqslam::tools {
 namespace {
+
+struct InfoOptions {
+  std::string input;
+  std::string sensor;  ///< empty: the recording's own
+  std::string stream;  ///< empty: the only one with scans
+  std::string write_sensor;
+};
 
 namespace fs = std::filesystem;
 
@@ -93,8 +100,6 @@ std::string command_for(const InfoOptions& options, const std::string& capture) 
   return command + capture + " --out results";
 }
 
-}  // namespace
-
 void declare(CLI::App& app, InfoOptions& options) {
   add_command(app, "info", "Describe a recording, and print the command to run on it",
               "Reads captures and bags to their end, of other recordings the first 100 scans.")
@@ -164,5 +169,9 @@ int run(const InfoOptions& options) {
   print_line("run", command_for(options, capture));
   return kOk;
 }
+
+}  // namespace
+
+void add_info(CLI::App& app, Chosen& chosen) { add_subcommand<InfoOptions>(app, chosen); }
 
 }  // namespace hqslam::tools

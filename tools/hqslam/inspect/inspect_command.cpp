@@ -1,9 +1,10 @@
-#include "inspect/inspect_command.h"
-
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
@@ -14,17 +15,36 @@
 #include "inspect/what_if.h"
 #include "pages/open_page.h"
 #include "pages/page.h"
+#include "product.h"
 #include "recording/pose_check.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
 #include "recording/scan_poses.h"
 #include "run/slam_session.h"
+#include "run/slam_settings.h"
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {
 namespace {
+
+struct InspectOptions : InputChoice {  ///< sensor empty: as for hqslam upsample
+  std::string weights;
+  bool slam = false;  ///< what SLAM makes of it, not the network; weights: upsampled by it first
+  int rows = 0;       ///< as UpsamplingChoice::rows
+  SlamSettings slam_settings;
+  std::string poses;  ///< for networks with a memory; empty: they have none of earlier scans
+  std::int64_t scan = 0;
+  std::vector<std::string> tensors;  ///< by name
+  bool list = false;                 ///< print their names, write nothing
+  bool reference = false;            ///< compare all of them with the reference
+  std::vector<double> pixel;         ///< row and column of one to print, layer by layer; or empty
+  std::vector<std::string> what_if;  ///< changes of the loop (what_if.h)
+  std::string npz;                   ///< empty: tensors are not written
+  std::string out;
+  bool open = false;
+};
 
 /// Hands the scans up to the one that was asked for to `use`.
 void for_scans_up_to(const InspectOptions& options, ScanSource& source,
@@ -167,8 +187,6 @@ int inspect_slam(const InspectOptions& options) {
   return kOk;
 }
 
-}  // namespace
-
 void declare(CLI::App& app, InspectOptions& options) {
   Command command = add_command(
       app, "inspect",
@@ -247,5 +265,9 @@ int run(const InspectOptions& options) {
   if (!options.out.empty()) write_page(layers_html(report), options);
   return kOk;
 }
+
+}  // namespace
+
+void add_inspect(CLI::App& app, Chosen& chosen) { add_subcommand<InspectOptions>(app, chosen); }
 
 }  // namespace hqslam::tools

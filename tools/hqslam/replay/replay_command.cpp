@@ -1,24 +1,33 @@
-#include "replay/replay_command.h"
-
 #include <arpa/inet.h>
 #include <fmt/ranges.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
 #include <set>
+#include <string>
 #include <thread>
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/file_descriptor.h"
 #include "hqslam/recordings/packet.h"
+#include "product.h"
+#include "terminal/command_options.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
 #include "timing/timing.h"
 
 namespace hqslam::tools {
 namespace {
+
+struct ReplayOptions {
+  std::string capture;
+  std::string to = "127.0.0.1";
+  std::uint16_t port = 0;  ///< 0: those of the capture
+  double speed = 1.0;
+};
 
 /// Sends datagrams to the ports of one computer.
 class UdpSender {
@@ -58,8 +67,6 @@ class UdpSender {
   sockaddr_in6 ipv6_{};
   FileDescriptor socket_;
 };
-
-}  // namespace
 
 void declare(CLI::App& app, ReplayOptions& options) {
   Command command =
@@ -109,5 +116,9 @@ int run(const ReplayOptions& options) {
   }
   return interrupt.stop_requested() ? kInterrupted : kOk;
 }
+
+}  // namespace
+
+void add_replay(CLI::App& app, Chosen& chosen) { add_subcommand<ReplayOptions>(app, chosen); }
 
 }  // namespace hqslam::tools

@@ -1,12 +1,26 @@
-#include "run/map_command.h"
+#include <string>
 
 #include "hqslam/core/error.h"
+#include "hqslam/slam/dense_map.h"
+#include "product.h"
 #include "recording/pose_check.h"
+#include "recording/recording_choice.h"
 #include "recording/scan_poses.h"
+#include "run/dense_map.h"
+#include "run/occupancy_grid.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {
 namespace {
+
+struct MapOptions : InputChoice, UpsamplingChoice {
+  std::string poses;
+  std::string out;
+  int threads = 0;  ///< 0: what OpenMP chooses
+  slam::DenseMapOptions map;
+  bool occupancy_grid = false;
+  OccupancyGridChoice grid;
+};
 
 std::string no_scan_message(const DenseMapRun& run, const MapOptions& options) {
   if (run.without_pose == 0 && run.left_out.scans > 0) return run.left_out.text();
@@ -25,8 +39,6 @@ void check_near_origin(const ScanPoses& poses, const std::string& path) {
         path, 1e-3 * kFarthestPose_m, 1e-3 * far_m);
   }
 }
-
-}  // namespace
 
 void declare(CLI::App& app, MapOptions& options) {
   Command command =
@@ -90,5 +102,9 @@ int run(const MapOptions& options) {
   }
   return kOk;
 }
+
+}  // namespace
+
+void add_map(CLI::App& app, Chosen& chosen) { add_subcommand<MapOptions>(app, chosen); }
 
 }  // namespace hqslam::tools

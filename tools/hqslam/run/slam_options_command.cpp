@@ -1,13 +1,17 @@
-#include "run/slam_options_command.h"
-
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "hqslam/slam/options.h"
+#include "product.h"
+#include "terminal/command_options.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {
 namespace {
+
+struct SlamOptionsCommand {
+  bool json = false;
+};
 
 using Json = nlohmann::ordered_json;
 
@@ -23,8 +27,6 @@ std::string json_of_defaults() {
   }
   return json.dump(2) + "\n";
 }
-
-}  // namespace
 
 void declare(CLI::App& app, SlamOptionsCommand& options) {
   add_command(app, "slam-options",
@@ -48,6 +50,12 @@ int run(const SlamOptionsCommand& options) {
               option.expected);
   }
   return kOk;
+}
+
+}  // namespace
+
+void add_slam_options(CLI::App& app, Chosen& chosen) {
+  add_subcommand<SlamOptionsCommand>(app, chosen);
 }
 
 }  // namespace hqslam::tools

@@ -1,5 +1,3 @@
-#include "upsample/upsample_command.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <omp.h>
@@ -10,8 +8,10 @@
 #include <iterator>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "product.h"
 #include "recording/pose_check.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
@@ -24,6 +24,14 @@
 
 namespace hqslam::tools {
 namespace {
+
+/// sensor empty: as upsampled_input has it
+struct UpsampleOptions : InputChoice, UpsamplingChoice {
+  std::string poses;  ///< for networks with a memory; empty: they have none of earlier scans
+  std::string out;
+  int threads = 0;  ///< 0: what OpenMP chooses
+  UpsampledFormats formats;
+};
 
 struct UpsampleRun : Reading {
   std::vector<double> times_s;  ///< of the upsampling alone, per scan
@@ -113,8 +121,6 @@ void print_summary(const UpsampleRun& run, const nn::Upsampler& upsampler,
             options.formats.kitti_bin ? ", bin" : "", options.formats.pcd ? ", pcd" : "");
 }
 
-}  // namespace
-
 void declare(CLI::App& app, UpsampleOptions& options) {
   Command command =
       add_command(app, "upsample", "Compute the rows between those of a LiDAR with few beams",
@@ -163,5 +169,9 @@ int run(const UpsampleOptions& options) {
   if (!run.times_s.empty()) print_summary(run, *input.upsampler.method(), options);
   return exit_status_of(run, std::ssize(run.times_s), source.size());
 }
+
+}  // namespace
+
+void add_upsample(CLI::App& app, Chosen& chosen) { add_subcommand<UpsampleOptions>(app, chosen); }
 
 }  // namespace hqslam::tools

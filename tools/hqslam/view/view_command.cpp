@@ -1,11 +1,12 @@
-#include "view/view_command.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
@@ -16,6 +17,7 @@
 #include "pages/open_page.h"
 #include "pages/page.h"
 #include "pages/turning_view.h"
+#include "product.h"
 #include "recording/recording_choice.h"
 #include "recording/reference.h"
 #include "terminal/command_options.h"
@@ -23,6 +25,14 @@
 
 namespace hqslam::tools {
 namespace {
+
+struct ViewOptions {
+  std::vector<std::string> files;
+  std::string sensor;     ///< of recordings; empty: their own
+  std::int64_t scan = 0;  ///< of recordings
+  std::string out;
+  bool open = false;
+};
 
 ViewCloud cloud_of(Scan points) {
   return {"", std::move(points.points_m), std::move(points.confidence),
@@ -147,8 +157,6 @@ TurningView view_of(const ViewOptions& options, std::vector<std::string>& notes)
   return view;
 }
 
-}  // namespace
-
 void declare(CLI::App& app, ViewOptions& options) {
   Command command = add_command(
       app, "view", "A page on which maps, trajectories and scans can be turned, for any browser",
@@ -186,5 +194,9 @@ int run(const ViewOptions& options) {
   if (options.open) open_page(options.out);
   return kOk;
 }
+
+}  // namespace
+
+void add_view(CLI::App& app, Chosen& chosen) { add_subcommand<ViewOptions>(app, chosen); }
 
 }  // namespace hqslam::tools

@@ -1,5 +1,3 @@
-#include "weights/weights_command.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -7,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
@@ -15,11 +14,19 @@
 #include "hqslam/nn/network.h"
 #include "hqslam/nn/network_json.h"
 #include "hqslam/nn/weights_file.h"
+#include "product.h"
 #include "terminal/command_options.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {
 namespace {
+
+struct WeightsOptions {
+  std::string show;  ///< the weights file of `weights show`; empty: `weights pack`
+  std::string arrays;
+  std::string description;
+  std::string out;
+};
 
 /// The network that a description file names: a network alone, or a recipe of hqslam-lab train.
 nn::NetworkDescription described_network(const std::string& path) {
@@ -139,8 +146,6 @@ int show(const std::string& path) {
   return kOk;
 }
 
-}  // namespace
-
 void declare(CLI::App& app, WeightsOptions& options) {
   Command command =
       add_command(app, "weights", "Look into a weights file, or make one of other programs'");
@@ -164,5 +169,9 @@ void declare(CLI::App& app, WeightsOptions& options) {
 int run(const WeightsOptions& options) {
   return options.show.empty() ? pack(options) : show(options.show);
 }
+
+}  // namespace
+
+void add_weights(CLI::App& app, Chosen& chosen) { add_subcommand<WeightsOptions>(app, chosen); }
 
 }  // namespace hqslam::tools
