@@ -89,7 +89,7 @@ struct Slam::Implementation {
   Registered checked(const Tracking& last, Scan& scan, Notes& notes);
   bool replaced_without_imu(const Tracking& last, double least_gain, Scan& scan, Registered& found,
                             Notes& notes);
-  void compare_turns(const Reference& reference, const Scan& scan, const Registered& found);
+  void compare_turns(const Reference& reference, const Scan& scan, Registered& found);
   Registered first_registered(Tracking& last, Scan& scan, Notes& notes);
   Registered in_corrected_map(Tracking& last, Scan& scan, Notes& notes);
   State tracked(Tracking last, const Registered& found, const Scan& scan, Notes& notes);

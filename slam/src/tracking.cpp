@@ -149,7 +149,7 @@ State Slam::Implementation::tracked(Tracking last, const Registered& found, cons
   if (place_recognition) {
     drift.move(motion);
   } else {
-    drift.grow(motion, found.state, found.inertial.has_value());
+    drift.grow(motion, found.state, found.inertial && inertial_check.is_proven());
   }
   last.reference = reference_of(scan, found.state, found.against_map, notes.report, found.inertial);
   if (last.reference.inertial) {
@@ -158,6 +158,7 @@ State Slam::Implementation::tracked(Tracking last, const Registered& found, cons
   } else {
     gravity_window.interrupt();
   }
+  if (!inertial_check.agrees()) gravity_window = {};
   last.inlier_ratio = found.inlier_ratio;
   last.close_ratio = found.close_ratio;
   if (!place_recognition && is_keyframe(last, found.state.T_map_sensor)) {
@@ -343,13 +344,19 @@ void Slam::Implementation::correct_first_keyframe(Tracking& last, Twist velocity
 void Slam::Implementation::add_keyframe(const Scan& scan, const Twist& velocity,
                                         bool begins_segment, Notes& notes) {
   ScanReport& report = notes.report;
-  LoopKeyframe keyframe{report.T_map_sensor, report.mapping_status,   path.trajectory().size(),
-                        begins_segment,      drift.state(),           std::nullopt,
-                        std::nullopt,        scan.turning.has_value()};
+  LoopKeyframe keyframe{report.T_map_sensor,
+                        report.mapping_status,
+                        path.trajectory().size(),
+                        begins_segment,
+                        drift.state(),
+                        std::nullopt,
+                        {},
+                        scan.turning.has_value()};
   if (begins_segment || loop_closing->wants_view(report.T_map_sensor)) {
     keyframe.view = {scan.cloud, scan.map_features, velocity,
                      begins_segment ? mapping.clear_window() : mapping.slide_window()};
-    keyframe.gravity = gravity_window.take(imu, mounting.turn_to_level());
+    gravity_window.end(keyframe.scan, imu, mounting.turn_to_level());
+    if (inertial_check.is_proven()) keyframe.gravity = gravity_window.take();
   }
   mapping.insert(scan.map_features, report.T_map_sensor, velocity);
   report.keyframe = true;

@@ -33,19 +33,21 @@ Registered Slam::Implementation::checked(const Tracking& last, Scan& scan, Notes
   const bool is_doubtful = !found.is_registered ||
                            found.innovation > InertialCheck::kMostInnovation ||
                            found.close_ratio < kDoubtfulFit * last.close_ratio;
-  // A sensor that passed all other checks is left out for a clear gain only.
-  const double least_gain = is_doubtful ? 1.0 : kClearlyBetter;
-  const bool competes = scan.turning && (is_doubtful || !inertial_check.is_proven());
+  const bool is_proven = inertial_check.is_proven();
+  const bool proves_nothing = found.innovation > InertialCheck::kMostInnovationUnproven;
+  const double least_gain = is_proven ? 1.0 : proves_nothing ? 0.0 : 1.0 / kClearlyBetter;
+  const bool competes = scan.turning && (is_doubtful || !is_proven);
   if (competes && replaced_without_imu(last, least_gain, scan, found, notes)) {
-    inertial_check.add_innovation(InertialCheck::kMostInnovation);
+    if (is_proven) inertial_check.add_innovation(InertialCheck::kMostInnovation);
   } else if (notes.report.predicted_by_imu) {
     inertial_check.add_innovation(found.innovation);
+    if (!is_proven && !proves_nothing) inertial_check.add_gain();
   }
   if (found.is_registered) compare_turns(last.reference, scan, found);
   return found;
 }
 
-/// Replaces a registration by one without the inertial sensor if that fits better, by more than
+/// Replaces a registration by one without the inertial sensor if that fits better, by at least
 /// least_gain; returns whether it does.
 bool Slam::Implementation::replaced_without_imu(const Tracking& last, double least_gain, Scan& scan,
                                                 Registered& found, Notes& notes) {
@@ -63,9 +65,10 @@ bool Slam::Implementation::replaced_without_imu(const Tracking& last, double lea
   return false;
 }
 
-/// Compares the turn since the reference by the inertial sensor with the registered one.
+/// Compares the turn since the reference by the inertial sensor with the registered one. Scans that
+/// were registered without a sensor estimate no bias: that of a sensor which is proven now is set.
 void Slam::Implementation::compare_turns(const Reference& reference, const Scan& scan,
-                                         const Registered& found) {
+                                         Registered& found) {
   const std::vector<ImuStep> steps =
       imu.steps(reference.stamp_s, scan.stamp_s, mounting.turn_to_level());
   if (steps.empty()) return;
@@ -73,7 +76,11 @@ void Slam::Implementation::compare_turns(const Reference& reference, const Scan&
   for (const ImuStep& step : steps) turned_rad += step.duration_s * step.angular_rate_rad_per_s;
   const double duration_s = scan.stamp_s - reference.stamp_s;
   const Pose motion = reference.state.T_map_sensor.inverse() * found.state.T_map_sensor;
-  inertial_check.compare_turns(turned_rad / duration_s, logarithm(motion).angular / duration_s);
+  const auto bias = inertial_check.compare_turns(
+      {scan.stamp_s, turned_rad / duration_s, logarithm(motion).angular / duration_s});
+  if (bias && found.inertial) {
+    set_gyroscope_bias(*found.inertial, bias->rad_per_s, bias->duration_s);
+  }
 }
 
 /// checked(), while the first keyframe is the only one in the better of two maps: it was corrected
@@ -91,15 +98,14 @@ Registered Slam::Implementation::first_registered(Tracking& last, Scan& scan, No
   leave_out_imu(alone);
   alone_last.first_keyframe->turning.reset();
   Reference& reference = alone_last.reference;
-  reference.inertial.reset();
   reference.state = unknown_motion(reference.state.T_map_sensor);
+  if (reference.inertial) reference.inertial = kept(*reference.inertial, reference.state);
   reference.target = {put_first_keyframe(*alone_last.first_keyframe, Twist()), Twist()};
   const Registered by_scan = in_corrected_map(alone_last, alone, alone_notes);
-  if (!is_better(by_scan, found, kClearlyBetter)) {
+  if (is_better(found, by_scan, kClearlyBetter)) {
     mapping = std::move(mapping_by_imu);
     return found;
   }
-  inertial_check.add_innovation(InertialCheck::kMostInnovation);
   last = std::move(alone_last);
   leave_out_imu(scan);
   notes = alone_notes;

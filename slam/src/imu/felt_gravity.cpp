@@ -20,6 +20,7 @@ using Table = Eigen::Matrix<double, Eigen::Dynamic, 3>;  // a row for each pose
 constexpr double kSpan_s = 3.0;
 constexpr double kWholeSpan = 0.8;
 constexpr std::size_t kFewestPoses = 6;
+constexpr std::size_t kMostEnded = 100;
 /// Largest residuals: a sensor pushed between two samples or a wrong pose has larger ones.
 constexpr double kMostResidual_m = 0.05;
 constexpr double kMostOfGravity_mps2 = 0.7;
@@ -102,8 +103,12 @@ std::optional<FeltGravity> felt_gravity(const Trajectory& poses,
         (felt(poses, steps, tried).gravity_mps2 - felt(poses, steps, -tried).gravity_mps2) /
         (2.0 * kTried[i]);
   }
-  return FeltGravity{poses.back().stamp_s, std::hypot(kSigma_mps2, kSigmaPerResidual * residual_m),
-                     gravity_mps2, by_error.leftCols<3>(), by_error.rightCols<8>()};
+  return FeltGravity{poses.back().stamp_s,
+                     std::hypot(kSigma_mps2, kSigmaPerResidual * residual_m),
+                     gravity_mps2,
+                     by_error.leftCols<3>(),
+                     by_error.rightCols<8>(),
+                     0};
 }
 
 void GravityWindow::add(const StampedPose& registered, const Vector3d& gyroscope_bias_rad_per_s) {
@@ -119,16 +124,27 @@ void GravityWindow::correct(const Pose& T_corrected_map) {
   for (StampedPose& pose : poses_) pose.T_map_sensor = T_corrected_map * pose.T_map_sensor;
 }
 
-std::optional<FeltGravity> GravityWindow::take(const ImuBuffer& imu,
-                                               const Matrix3d& R_level_sensor) {
-  if (poses_.empty()) return std::nullopt;
+void GravityWindow::end(std::size_t scan, const ImuBuffer& imu, const Matrix3d& R_level_sensor) {
+  if (poses_.empty()) return;
   const double begin_s = poses_.front().stamp_s;
   const double end_s = poses_.back().stamp_s;
-  if (end_s - begin_s < kWholeSpan * kSpan_s) return std::nullopt;
+  if (end_s - begin_s < kWholeSpan * kSpan_s) return;
   std::vector<ImuStep> steps = imu.steps(begin_s, end_s, R_level_sensor);
-  for (ImuStep& step : steps) step.angular_rate_rad_per_s -= gyroscope_bias_rad_per_s_;
-  const Trajectory poses = std::exchange(poses_, {poses_.back()});
-  return felt_gravity(poses, steps);
+  const StampedPose last = poses_.back();
+  ended_.push_back({scan, std::exchange(poses_, {last}), std::move(steps)});
+  if (ended_.size() > kMostEnded) ended_.pop_front();
+}
+
+std::vector<FeltGravity> GravityWindow::take() {
+  std::vector<FeltGravity> result;
+  for (Ended& window : std::exchange(ended_, {})) {
+    for (ImuStep& step : window.steps) step.angular_rate_rad_per_s -= gyroscope_bias_rad_per_s_;
+    std::optional<FeltGravity> felt = felt_gravity(window.poses, window.steps);
+    if (!felt) continue;
+    felt->scan = window.scan;
+    result.push_back(*felt);
+  }
+  return result;
 }
 
 }  // namespace hqslam::slam

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
+#include <deque>
 #include <optional>
 #include <vector>
 
@@ -22,6 +24,7 @@ struct FeltGravity {
   Eigen::Vector3d gravity_mps2 = Eigen::Vector3d::Zero();                       ///< z
   Eigen::Matrix3d of_bias = Eigen::Matrix3d::Zero();                            ///< L
   Eigen::Matrix<double, 3, 8> of_errors = Eigen::Matrix<double, 3, 8>::Zero();  ///< M
+  std::size_t scan = 0;  ///< the number of the last pose in the trajectory: GravityWindow
 };
 
 /// Gravity at the last of several poses. The specific force f, turned by the gyroscope into the
@@ -35,18 +38,28 @@ struct FeltGravity {
 std::optional<FeltGravity> felt_gravity(const Trajectory& poses, const std::vector<ImuStep>& steps);
 
 /// The poses of the last consecutively registered scans, three seconds of them, and the gyroscope's
-/// bias.
+/// bias. Windows that have ended keep their data until gravity is taken: before a sensor is proven
+/// its bias is unknown, and what it measured then is needed, since the first node is the vertical.
 class GravityWindow {
  public:
   void add(const StampedPose& registered, const Eigen::Vector3d& gyroscope_bias_rad_per_s);
   void interrupt() { poses_.clear(); }
   void correct(const Pose& T_corrected_map);
-  /// Gravity at the last pose; nothing unless the window is full and covered by samples. The next
-  /// window begins there: overlapping windows would not be independent.
-  std::optional<FeltGravity> take(const ImuBuffer& imu, const Eigen::Matrix3d& R_level_sensor);
+  /// Ends the window at the last pose, that of the scan with this number, if it is full and covered
+  /// by samples. The next one begins there: overlapping windows would not be independent.
+  void end(std::size_t scan, const ImuBuffer& imu, const Eigen::Matrix3d& R_level_sensor);
+  /// Gravity at the end of each window (of the last hundred) since the last call, rising; without
+  /// those in which poses and forces contradict each other.
+  std::vector<FeltGravity> take();
 
  private:
+  struct Ended {
+    std::size_t scan = 0;
+    Trajectory poses;
+    std::vector<ImuStep> steps;
+  };
   Trajectory poses_;
+  std::deque<Ended> ended_;
   Eigen::Vector3d gyroscope_bias_rad_per_s_ = Eigen::Vector3d::Zero();
 };
 

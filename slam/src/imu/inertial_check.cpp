@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "hqslam/core/angles.h"
@@ -27,11 +29,23 @@ constexpr double kShareOfScan = 0.05;
 /// data at most 0.003 rad/s remain unexplained on streets and 0.009 indoors, with 16 rows
 /// (simulated drives of all kinds).
 constexpr std::size_t kCompared = 40;
+/// A sensor can be proven by this many: a hand turns at once.
+constexpr std::size_t kFewest = 10;
 constexpr double kTurning_rad_per_s = 0.02;
+/// Smaller turns prove a sensor: what is unexplained of a stuck one is all of them, of a negated
+/// one twice as much.
+constexpr double kProvingTurning_rad_per_s = 0.008;
+/// A sensor that is later (or earlier) than this beyond four standard deviations is left out; one
+/// that is within this and two is on time. Right data: up to 0.004 s, with a standard deviation of
+/// 0.001 to 0.02 (simulated streets).
+constexpr double kLate_s = 0.02;
+constexpr double kOnTime_s = 0.04;
 /// The share of the turns that may remain unexplained while the sensor is used, and the one below
 /// which a sensor that was left out is used again.
 constexpr double kMostUnexplained = 0.5;
 constexpr double kUnexplained = 0.3;
+/// Scans that fit clearly better with a sensor prove it.
+constexpr int kProvingGains = 5;
 /// Smallest cosine of the angle between the mean force and upwards: the sensor leans, and
 /// accelerates.
 constexpr double kLeastUpward = 0.5;
@@ -78,6 +92,41 @@ double deviation(const Turns& turns, const Value& value) {
                    static_cast<double>(sorted.size()));
 }
 
+/// How late the sensor's stamps are.
+struct Lateness {
+  double late_s = 0.0;
+  double sigma_s = 0.0;
+};
+
+/// With a sensor's rates g(t) = w(t - late) + bias and the registered rates w,
+///   w - g = late g' - bias,
+/// solved by least squares; g' by central differences.
+template <typename Turns>
+Lateness lateness(const Turns& turns) {
+  const std::size_t count = turns.size() - 2;
+  Eigen::Matrix3Xd slope(3, count);
+  Eigen::Matrix3Xd left(3, count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto& [before, at, after] = std::tie(turns[i], turns[i + 1], turns[i + 2]);
+    slope.col(i) =
+        (after.gyroscope_rad_per_s - before.gyroscope_rad_per_s) / (after.stamp_s - before.stamp_s);
+    left.col(i) = at.registered_rad_per_s - at.gyroscope_rad_per_s;
+  }
+  slope.colwise() -= slope.rowwise().mean().eval();
+  left.colwise() -= left.rowwise().mean().eval();
+  const double late_s = slope.cwiseProduct(left).sum() / slope.squaredNorm();
+  const double rest = (left - late_s * slope).squaredNorm() / static_cast<double>(left.size());
+  return {late_s, std::sqrt(rest / slope.squaredNorm())};
+}
+
+/// The gyroscope's, by turns that agree.
+template <typename Turns>
+InertialCheck::Bias bias(const Turns& turns) {
+  Vector3d sum = Vector3d::Zero();
+  for (const auto& turn : turns) sum += turn.gyroscope_rad_per_s - turn.registered_rad_per_s;
+  return {sum / static_cast<double>(turns.size()), turns.back().stamp_s - turns.front().stamp_s};
+}
+
 /// "x, -y, -z": which of the sensor's axes are the LiDAR's.
 std::string axes_text(const Matrix3d& axes) {
   std::string text;
@@ -97,6 +146,12 @@ std::string suggestion(const Conversion& fits) {
   return fmt::format("; axes {}?", axes_text(fits.axes));
 }
 
+std::string late_text(double late_s) {
+  constexpr double kMostLinear_s = 0.1;  // beyond, lateness() is not linear
+  if (std::abs(late_s) > kMostLinear_s) return "its turns disagree with the scans; another clock?";
+  return fmt::format("its clock is {:.2f} s {}", std::abs(late_s), late_s < 0.0 ? "early" : "late");
+}
+
 bool is_long_as_gravity(double length_mps2) {
   return std::abs(length_mps2 - kGravity_mps2) <= 0.5 * kGravity_mps2;
 }
@@ -110,23 +165,25 @@ bool is_gravity(const Vector3d& specific_force_mps2) {
 
 void InertialCheck::refute() {
   agrees_ = false;
-  predictions_ = 0;
+  is_proven_ = false;
+  gains_ = 0;
   mean_innovation_ = 0.0;
   turns_.clear();
   if (complaint_.empty()) complaint_ = "its turns and forces disagree with the scans";
 }
 
 void InertialCheck::add_innovation(double innovation) {
-  ++predictions_;
   mean_innovation_ += kShareOfScan * (std::min(innovation, kMostOfScan) - mean_innovation_);
   if (mean_innovation_ > kMostMeanInnovation) refute();
 }
 
-void InertialCheck::compare_turns(const Vector3d& gyroscope_rad_per_s,
-                                  const Vector3d& registered_rad_per_s) {
-  turns_.push_back({gyroscope_rad_per_s, registered_rad_per_s});
+void InertialCheck::add_gain() { is_proven_ = ++gains_ >= kProvingGains; }
+
+std::optional<InertialCheck::Bias> InertialCheck::compare_turns(const Turn& turn) {
+  turns_.push_back(turn);
   if (turns_.size() > kCompared) turns_.pop_front();
-  if (turns_.size() < kCompared) return;
+  const bool is_new = agrees_ && !is_proven_;
+  if (turns_.size() < (is_new ? kFewest : kCompared)) return std::nullopt;
   const double turning =
       deviation(turns_, [](const Turn& t) -> Vector3d { return t.registered_rad_per_s; });
   const double measured =
@@ -134,19 +191,31 @@ void InertialCheck::compare_turns(const Vector3d& gyroscope_rad_per_s,
   const double unexplained = deviation(turns_, [](const Turn& t) {
     return Vector3d(t.registered_rad_per_s - t.gyroscope_rad_per_s);
   });
-  if (agrees_) {  // the registered turns follow the sensor's
-    const double most = std::max(turning, measured);
-    if (most > kTurning_rad_per_s && unexplained > kMostUnexplained * most) refute();
-  } else if (turning > kTurning_rad_per_s && unexplained < kUnexplained * turning) {
+  const double most = std::max(turning, measured);
+  const auto [late_s, sigma_s] = lateness(turns_);
+  const double surely_late_s = std::max(0.0, std::abs(late_s) - 4.0 * sigma_s);
+  const double least = is_new ? kProvingTurning_rad_per_s : kTurning_rad_per_s;
+  const double share = is_new ? kMostUnexplained : kUnexplained;
+  if (!is_proven_ && turning > least && unexplained < share * turning &&
+      std::abs(late_s) + 2.0 * sigma_s < kOnTime_s) {
     agrees_ = true;
-    turns_.clear();
-  } else if (turning > kTurning_rad_per_s) {
-    explain_turns(measured, turning, unexplained);
+    is_proven_ = true;
+    return bias(std::exchange(turns_, {}));
   }
+  if (turns_.size() < kCompared) return std::nullopt;
+  if (agrees_) {
+    const bool is_late = surely_late_s > kLate_s;
+    if (is_late || (most > kTurning_rad_per_s && unexplained > kMostUnexplained * most)) refute();
+    if (is_late) complaint_ = late_text(late_s);
+  } else if (turning > kTurning_rad_per_s) {
+    explain_turns(measured, turning, unexplained, surely_late_s > kLate_s ? late_s : 0.0);
+  }
+  return std::nullopt;
 }
 
 /// Sets the complaint to what would make the turns agree.
-void InertialCheck::explain_turns(double measured, double turning, double unexplained) {
+void InertialCheck::explain_turns(double measured, double turning, double unexplained,
+                                  double late_s) {
   Conversion best;
   for_each_conversion([&](const Conversion& tried) {
     const double left = deviation(turns_, [&](const Turn& t) {
@@ -164,6 +233,8 @@ void InertialCheck::explain_turns(double measured, double turning, double unexpl
   } else if (fits && best.scale != 1.0) {
     complaint_ = fmt::format("its turns disagree with the scans {:.0f}-fold{}",
                              std::max(fold, 1.0 / fold), suggestion(best));
+  } else if (late_s != 0.0 && best.axes.isIdentity()) {
+    complaint_ = late_text(late_s);
   } else {
     complaint_ = fmt::format("its turns disagree with the scans{}",
                              fits ? suggestion(best) : "; another clock?");

@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <cmath>
 
 #include "alignment/rotation_derivatives.h"
 #include "hqslam/core/imu_sample.h"
@@ -169,6 +170,15 @@ void turn(InertialState& inertial, const Matrix3d& R_corrected_map) {
   Matrix18 turn = Matrix18::Identity();
   turn.block<3, 3>(kGravity, kGravity) = R_corrected_map;
   inertial.covariance = (turn * inertial.covariance * turn.transpose()).eval();
+}
+
+void set_gyroscope_bias(InertialState& inertial, const Vector3d& bias_rad_per_s,
+                        double duration_s) {
+  inertial.gyroscope_bias_rad_per_s = bias_rad_per_s;
+  inertial.covariance.middleRows<3>(kGyroscope).setZero();
+  inertial.covariance.middleCols<3>(kGyroscope).setZero();
+  const double sigma_rad_per_s = std::sqrt(2.0) * kRegistration_rad / duration_s;
+  add_variance(inertial.covariance, kGyroscope, sigma_rad_per_s * sigma_rad_per_s);
 }
 
 InertialState kept(const InertialState& inertial, const MotionState& found) {

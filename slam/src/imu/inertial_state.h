@@ -72,6 +72,11 @@ double normalized_innovation(const InertialPrediction& prediction, const MotionS
 /// Applies a rotation of the map.
 void turn(InertialState& inertial, const Eigen::Matrix3d& R_corrected_map);
 
+/// Sets the gyroscope's bias to the mean difference from turns registered without it, over this
+/// time, with the variance of that.
+void set_gyroscope_bias(InertialState& inertial, const Eigen::Vector3d& bias_rad_per_s,
+                        double duration_s);
+
 /// The biases and gravity unchanged, after an interval without integration.
 InertialState kept(const InertialState& inertial, const MotionState& found);
 

@@ -62,13 +62,17 @@ void KeyframeGraph::add_node(const LoopKeyframe& keyframe) {
     T_node_next_.push_back(graph_.odometry.back().T_from_to);
     edge_drift_m_.push_back(drift_m_);
   }
-  if (keyframe.gravity) {
-    gravity_.push_back({nodes_.size() - segments_.back().first_node, *keyframe.gravity});
-  }
   drift_m_ = 0.0;
   graph_.T_map_node.push_back(keyframe.T_map_sensor);
   nodes_.push_back({static_cast<std::uint32_t>(T_map_keyframe_.size() - 1), keyframe.scan, path_m_,
                     keyframe.drift});
+  const auto first = nodes_.begin() + static_cast<std::ptrdiff_t>(segments_.back().first_node);
+  for (const FeltGravity& felt : keyframe.gravity) {
+    const auto node = std::ranges::lower_bound(first, nodes_.end(), felt.scan, {}, &Node::scan);
+    if (node != nodes_.end() && node->scan == felt.scan) {
+      gravity_.push_back({static_cast<std::size_t>(node - first), felt});
+    }
+  }
   last_contexts_ = scan_contexts_from_lanes(keyframe.view->cloud);
   contexts_.push_back(last_contexts_.front());
   recent_.add(keyframe.view->features, keyframe.T_map_sensor, keyframe.view->velocity);

@@ -32,8 +32,8 @@ struct LoopKeyframe {
   bool begins_segment = false;
   DriftState drift;
   std::optional<LoopView> view;  ///< of one every few metres, and of the first of a segment
-  /// A new measurement of gravity, for a keyframe with a view.
-  std::optional<FeltGravity> gravity = std::nullopt;
+  /// New measurements of gravity, here and at keyframes with a view before, for one with a view.
+  std::vector<FeltGravity> gravity = {};
   bool is_inertial = false;  ///< whether the scan has inertial data
 };
 

@@ -86,7 +86,10 @@ TEST_CASE("poses that contradict the forces give no gravity") {
 
 TEST_CASE("gravity is taken from three whole seconds, each once, wherever the map is moved") {
   slam::ImuBuffer imu;
-  const Eigen::Matrix3d level = Eigen::Matrix3d::Identity();
+  const auto taken = [&](slam::GravityWindow& window, std::size_t scan) {
+    window.end(scan, imu, Eigen::Matrix3d::Identity());
+    return window.take();
+  };
   slam::GravityWindow window;
   slam::GravityWindow moved;
   slam::GravityWindow interrupted;
@@ -101,14 +104,34 @@ TEST_CASE("gravity is taken from three whole seconds, each once, wherever the ma
       each->add({kScan_s * scan, Pose::Identity()}, Eigen::Vector3d::Zero());
     }
     if (scan == 20) {
-      CHECK_FALSE(window.take(imu, level));
+      CHECK(taken(window, 20).empty());
       moved.correct(move);
       interrupted.interrupt();
     }
   }
-  const auto felt = window.take(imu, level);
-  REQUIRE(felt);
-  CHECK((felt->gravity_mps2 - test::kGravity).norm() < 1e-6);
-  CHECK_FALSE(window.take(imu, level));
-  CHECK_FALSE(interrupted.take(imu, level));
+  const std::vector<slam::FeltGravity> felt = taken(window, 30);
+  REQUIRE(felt.size() == 1);
+  CHECK(felt[0].scan == 30);
+  CHECK((felt[0].gravity_mps2 - test::kGravity).norm() < 1e-6);
+  CHECK(taken(window, 31).empty());
+  CHECK(taken(interrupted, 30).empty());
+}
+
+TEST_CASE("a bias that becomes known later is removed from windows that ended before") {
+  const Eigen::Vector3d bias_rad_per_s(0.01, -0.02, 0.015);
+  slam::ImuBuffer imu;
+  std::vector<ImuSample> samples;
+  for (int k = 0; k <= 310; ++k) samples.push_back({kStep_s * k, bias_rad_per_s, -test::kGravity});
+  imu.add(samples);
+  slam::GravityWindow window;
+  for (int scan = 0; scan <= 30; ++scan) {
+    window.add({kScan_s * scan, Pose::Identity()}, Eigen::Vector3d::Zero());
+  }
+  window.end(30, imu, Eigen::Matrix3d::Identity());
+  imu = {};
+  window.interrupt();
+  window.add({3.1, Pose::Identity()}, bias_rad_per_s);
+  const std::vector<slam::FeltGravity> felt = window.take();
+  REQUIRE(felt.size() == 1);
+  CHECK((felt[0].gravity_mps2 - test::kGravity).norm() < 1e-6);
 }
