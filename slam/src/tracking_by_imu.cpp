@@ -33,6 +33,8 @@ Registered Slam::Implementation::checked(const Tracking& last, Scan& scan, Notes
   const bool is_doubtful = !found.is_registered ||
                            found.innovation > InertialCheck::kMostInnovation ||
                            found.close_ratio < kDoubtfulFit * last.close_ratio;
+  // A sensor that is not proven is left out unless the scan fits clearly better with it, and then,
+  // too, where its prediction is so far off that the fit proves nothing.
   const bool is_proven = inertial_check.is_proven();
   const bool proves_nothing = found.innovation > InertialCheck::kMostInnovationUnproven;
   const double least_gain = is_proven ? 1.0 : proves_nothing ? 0.0 : 1.0 / kClearlyBetter;

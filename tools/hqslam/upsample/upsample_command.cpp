@@ -140,7 +140,8 @@ void declare(CLI::App& app, UpsampleOptions& options) {
   command.alternatives("How", "One of")
       .option("--weights", &options.upsample, fmt::format("Network: {}", weights_help()),
               {.given = Given::kFile, .one_of = pipeline::installed_weights_names()})
-      .option("--method", &options.upsample, "Interpolation of every fourth row",
+      .option("--method", &options.upsample,
+              "Interpolation between the measured rows (default: every fourth)",
               {.one_of = nn::interpolation_names()});
   command.option("--rows", &options.rows, kRowsHelp, {.within = kAnyCount});
   command.option("--out", &options.out, "Folder for the results; made if it does not exist",

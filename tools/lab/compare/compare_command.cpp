@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/nn/compare/compared_networks.h"
+#include "hqslam/nn/weights_file.h"
 #include "hqslam/pipeline/upsampler.h"
 #include "laboratory.h"
 #include "pages/text_table.h"
@@ -48,12 +50,18 @@ void guard_outputs(const CompareOptions& options) {
   if (!options.json.empty()) guard_output_file(options.json, inputs, kJsonMarker);
 }
 
-/// The sensor's columns become a multiple of this, which every network takes.
-constexpr int kColumnMultiple = 8;
-
+/// The recording's sensor, with as many of its columns as all networks for any sensor take.
 SensorModel sensor_of(const CompareOptions& options) {
   SensorModel sensor = recordings::Recording::open(options.input, open_options(options)).sensor();
-  if (!options.weights.empty()) sensor.columns -= sensor.columns % kColumnMultiple;
+  int multiple = 1;
+  for (const std::string& weights : options.weights) {
+    const nn::NetworkDescription network =
+        nn::read_weights(pipeline::weights_file(weights, sensor, options.rows),
+                         nn::all_architectures())
+            .description;
+    if (fits_any_sensor(network)) multiple = std::lcm(multiple, column_multiple(network));
+  }
+  sensor.columns -= sensor.columns % multiple;
   return sensor;
 }
 

@@ -21,7 +21,7 @@ bool takes(const SensorModel& recorded, const SensorModel& full, RowSelection me
          have_same_beams(recorded, select_rows(full, measured_rows));
 }
 
-/// The file of the weights of this name that was made for the sensor.
+/// The file of the weights of this name that weights_file() chooses.
 std::string weights_for(const std::string& name, const std::optional<SensorModel>& recorded,
                         int rows) {
   const std::vector<std::string> files = installed_weights_files(name);

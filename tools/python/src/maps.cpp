@@ -1,9 +1,9 @@
 #include <nanobind/stl/optional.h>
-#include <nanobind/stl/string.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <string>
+#include <vector>
 
 #include "hqslam/core/error.h"
 #include "hqslam/slam/dense_map.h"
@@ -19,12 +19,12 @@ using slam::OccupancyMap;
 using slam::SensorPath;
 
 using Clouds = nb::typed<nb::sequence, std::optional<OrganizedCloud>>;
+using Use = std::function<void(const OrganizedCloud&, const SensorPath&)>;
 using NamedArrays = nb::typed<nb::dict, nb::str, nb::any>;
 
 /// Hands each cloud that is not None to `use`, with its sensor's path, while other threads of
 /// Python go on.
-void for_each_scan(const Clouds& clouds, const Trajectory& trajectory,
-                   const std::function<void(const OrganizedCloud&, const SensorPath&)>& use) {
+void for_each_scan(const Clouds& clouds, const Trajectory& trajectory, const Use& use) {
   if (nb::len(clouds) != trajectory.size()) {
     throw Error("clouds: expected one for each of the {} poses, or None, found {}",
                 trajectory.size(), nb::len(clouds));
@@ -38,20 +38,24 @@ void for_each_scan(const Clouds& clouds, const Trajectory& trajectory,
   }
 }
 
-OrganizedCloud measured(const OrganizedCloud& cloud, const SensorModel& sensor) {
-  return sensor.measured_rows ? select_rows(cloud, *sensor.measured_rows) : cloud;
+/// for_each_scan with the measured rows of each cloud alone.
+void for_each_measured(const Clouds& clouds, const SensorModel& sensor,
+                       const Trajectory& trajectory, const Use& use) {
+  if (!sensor.measured_rows) return for_each_scan(clouds, trajectory, use);
+  for_each_scan(clouds, trajectory, [&](const OrganizedCloud& cloud, const SensorPath& path) {
+    use(select_rows(cloud, *sensor.measured_rows), path);
+  });
 }
 
 NamedArrays dense_map(const Clouds& clouds, const SensorModel& sensor, const Trajectory& trajectory,
                       double voxel_m, double max_range_m, double least_confidence) {
   slam::DenseMap map(
       {.voxel_m = voxel_m, .max_range_m = max_range_m, .least_confidence = least_confidence});
-  for_each_scan(clouds, trajectory, [&](const OrganizedCloud& cloud, const SensorPath& path) {
+  for_each_scan(clouds, trajectory, [&](const auto& cloud, const auto& path) {
     map.insert(cloud, sensor.measured_rows, path);
   });
-  for_each_scan(clouds, trajectory, [&](const OrganizedCloud& cloud, const SensorPath& path) {
-    map.see_through(measured(cloud, sensor), path);
-  });
+  for_each_measured(clouds, sensor, trajectory,
+                    [&](const auto& cloud, const auto& path) { map.see_through(cloud, path); });
   std::vector<float> intensity;
   std::vector<Eigen::Vector3f> points_m;
   std::vector<float> confidence;
@@ -77,15 +81,14 @@ OccupancyMap occupancy_grid(const Clouds& clouds, const SensorModel& sensor,
   slam::OccupancyGrid grid({.resolution_m = resolution_m});
   const SensorModel measuring =
       sensor.measured_rows ? select_rows(sensor, *sensor.measured_rows) : sensor;
-  for_each_scan(clouds, trajectory, [&](const OrganizedCloud& cloud, const SensorPath& path) {
-    grid.add_ground(measured(cloud, sensor), measuring, path);
+  for_each_measured(clouds, sensor, trajectory, [&](const auto& cloud, const auto& path) {
+    grid.add_ground(cloud, measuring, path);
   });
-  for_each_scan(clouds, trajectory, [&](const OrganizedCloud& cloud, const SensorPath& path) {
+  for_each_scan(clouds, trajectory, [&](const auto& cloud, const auto& path) {
     grid.insert(cloud, sensor.measured_rows, path);
   });
-  for_each_scan(clouds, trajectory, [&](const OrganizedCloud& cloud, const SensorPath& path) {
-    grid.see_through(measured(cloud, sensor), path);
-  });
+  for_each_measured(clouds, sensor, trajectory,
+                    [&](const auto& cloud, const auto& path) { grid.see_through(cloud, path); });
   return grid.map();
 }
 
