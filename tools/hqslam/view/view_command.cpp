@@ -185,10 +185,11 @@ int run(const ViewOptions& options) {
   const TurningView view = view_of(options, notes);
   std::size_t points = 0;
   for (const ViewCloud& cloud : view.clouds) points += cloud.points_m.size();
-  write_text_file(page_html("view", {{"title", short_name(options.files.front())},
-                                     {"notes", notes},
-                                     {"view", turning_view_json(view)}}),
-                  options.out);
+  std::string title = short_name(options.files.front());
+  if (options.files.size() > 1) title += fmt::format(" and {} more", options.files.size() - 1);
+  write_text_file(
+      page_html("view", {{"title", title}, {"notes", notes}, {"view", turning_view_json(view)}}),
+      options.out);
   for (const std::string& note : notes) to_stdout("{}\n", note);
   to_stdout("{} points, {} trajectories\nresults: {}\n", points, view.paths.size(), options.out);
   if (options.open) open_page(options.out);
