@@ -207,7 +207,7 @@ void WinogradConvolution::transform_output(const float* bias, const LayerEnd& en
 void WinogradConvolution::forward(const Tensor& input, const float* bias, const LayerEnd& end,
                                   Tensor& output) const {
   const int tasks = (tile_rows_ + rows_per_task_ - 1) / rows_per_task_;
-  // Not all threads of a team may come at the same time (look_for_outliers in hqs_loop.cpp).
+  // Not all threads of a team may come at the same time (find_outliers_of_h in hqs_loop.cpp).
 #pragma omp for schedule(dynamic)
   for (int task = 0; task < tasks; ++task) {
     Scratch& scratch = scratch_of_thread(forward_panel_);
