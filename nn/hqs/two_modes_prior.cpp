@@ -37,8 +37,9 @@ std::vector<std::optional<int>> recalled_rows(const TwoModesShape& shape) {
 LayerGraph two_modes_graph(const TwoModesShape& shape, int rows, int columns,
                            const Engine& engine) {
   const float slope = shape.negative_slope;
-  const auto rows_recalled = static_cast<int>(recalled_rows(shape).size());
-  const int recalled = shape.scan_memory ? 2 * rows_recalled * shape.tile.columns : 0;
+  const auto recalled = shape.scan_memory
+                            ? 2 * static_cast<int>(recalled_rows(shape).size()) * shape.tile.columns
+                            : 0;
   const int ranges = shape.any_beams ? shape.tile.columns : shape.tile.pixels();
   LayerGraph graph({ranges + 2 * shape.tile.columns + recalled, rows, columns}, engine);
   ConvolutionOptions first = three_by_three(shape.channels, slope);
