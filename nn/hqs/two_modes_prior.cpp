@@ -14,13 +14,32 @@
 namespace hqslam::nn {
 namespace {
 
+/// Rows for which a tile's input has what is recalled, with a network for any table of beams.
+constexpr int kRecalledRows = 4;
+
 int computed_pixels_of(TileSize tile) { return tile.pixels() - tile.columns; }
+
+/// The tile's pixel rows of what is recalled in the input, from the top; nothing: none is there.
+/// For any table of beams they are 3/4, 1/2 and 1/4 of the gap above the measured row, and that
+/// row.
+std::vector<std::optional<int>> recalled_rows(const TwoModesShape& shape) {
+  const int rows = shape.tile.rows;
+  std::vector<std::optional<int>> result(shape.any_beams ? kRecalledRows : rows);
+  for (int row = 0; row < rows; ++row) {
+    const int above = rows - 1 - row;  // the measured row, which is the last one
+    const int place = (2 * kRecalledRows * above + rows) / (2 * rows);  // rounded
+    result[shape.any_beams ? kRecalledRows - 1 - place : row] = row;
+  }
+  return result;
+}
 
 /// rows x columns: of the tiles.
 LayerGraph two_modes_graph(const TwoModesShape& shape, int rows, int columns,
                            const Engine& engine) {
   const float slope = shape.negative_slope;
-  const int recalled = shape.scan_memory ? 2 * shape.tile.pixels() : 0;
+  const auto recalled = shape.scan_memory
+                            ? 2 * static_cast<int>(recalled_rows(shape).size()) * shape.tile.columns
+                            : 0;
   const int ranges = shape.any_beams ? shape.tile.columns : shape.tile.pixels();
   LayerGraph graph({ranges + 2 * shape.tile.columns + recalled, rows, columns}, engine);
   ConvolutionOptions first = three_by_three(shape.channels, slope);
@@ -50,7 +69,8 @@ void validate(const TwoModesShape& shape) {
   constexpr int kLargestTile = 16;
   constexpr int kMostBlocks = 32;
   check_field("tile.columns", shape.tile.columns, 1, kLargestTile);
-  check_field("tile.rows", shape.tile.rows, 2, kLargestTile);
+  const bool recalls_any = shape.scan_memory && shape.any_beams;
+  check_field("tile.rows", shape.tile.rows, 2, recalls_any ? kRecalledRows : kLargestTile);
   check_field("memory", shape.memory, 0, kMostChannels);
   check_field("channels", shape.channels, 1, kMostChannels);
   check_field("lower_channels", shape.lower_channels, 1, kMostChannels);
@@ -58,7 +78,14 @@ void validate(const TwoModesShape& shape) {
   check_slope(shape.negative_slope);
 }
 
-void check_rows(TileSize tile, const NetworkDescription& d) {
+void check_rows(const TwoModesShape& shape, const NetworkDescription& d) {
+  const TileSize tile = shape.tile;
+  if (shape.scan_memory && shape.any_beams && d.measured_rows.offset != tile.rows - 1) {
+    throw Error(
+        "denoiser: measured rows {} + n {}, expected the last of every {} for a network with a "
+        "memory for any table of beams",
+        d.measured_rows.offset, d.measured_rows.stride, tile.rows);
+  }
   if (tile.rows != d.measured_rows.stride || d.measured_rows.offset >= tile.rows ||
       d.sensor.rows() % (2 * tile.rows) != 0) {
     throw Error(
@@ -78,6 +105,7 @@ TwoModesPrior::TwoModesPrior(const TwoModesShape& shape, LayerGraph graph,
       ranges_(d, shape.tile, columns, shape.scan_memory, engine),
       pixels_(computed_pixels_of(shape.tile)),
       outputs_(two_modes_outputs(shape.scan_memory)) {
+  if (shape.scan_memory) recalled_rows_ = recalled_rows(shape);
   if (shape.any_beams) {
     beams_.emplace(d.sensor, d.measured_rows, shape.tile, graph_.parameter_shapes());
   }
@@ -119,12 +147,14 @@ void TwoModesPrior::take_row(int row, const PriorState* /*before*/, PriorState& 
     const float* below = ranges_.log_row(phase, row);
     put(channel++, [&](int x) { return std::clamp(above[x] - below[x], -1.0F, 1.0F); });
   }
-  if (channel == input.channels()) return;
-  for (int pixel = 0; pixel < tile().pixels(); ++pixel) {
-    const float* step = ranges_.recalled_step_row(pixel, row);
-    const float* share = ranges_.recalled_share_row(pixel, row);
-    put(channel++, [&](int x) { return std::clamp(step[x], -1.0F, 1.0F); });
-    put(channel++, [&](int x) { return share[x] - 0.5F; });
+  for (const std::optional<int> row_in_tile : recalled_rows_) {
+    for (int phase = 0; phase < tile().columns; ++phase) {
+      const int pixel = row_in_tile.value_or(0) * tile().columns + phase;
+      const float* step = row_in_tile ? ranges_.recalled_step_row(pixel, row) : nullptr;
+      const float* share = row_in_tile ? ranges_.recalled_share_row(pixel, row) : nullptr;
+      put(channel++, [&](int x) { return step ? std::clamp(step[x], -1.0F, 1.0F) : 0.0F; });
+      put(channel++, [&](int x) { return share ? share[x] - 0.5F : -0.5F; });
+    }
   }
 }
 
@@ -249,22 +279,22 @@ PriorDescription two_modes_prior(const TwoModesShape& shape) {
                                   {"layers", nlohmann::ordered_json::array({std::move(layer)})}};
   if (shape.scan_memory) sizes["scan_memory"] = true;
   if (shape.any_beams) sizes["any_beams"] = true;
-  PriorDescription prior{
-      .sizes = std::move(sizes),
-      .multiple = {2 * shape.tile.rows, 2 * shape.tile.columns},
-      .scan_memory = shape.scan_memory,
-      .any_beams = shape.any_beams ? shape.tile : TileSize{},
-      .graph =
-          [shape](int rows, int columns, const Engine& engine) {
-            return two_modes_graph(shape, rows / shape.tile.rows, columns / shape.tile.columns,
-                                   engine);
-          },
-      .make =
-          [shape](LayerGraph graph, const NetworkDescription& d, int columns,
-                  const Engine& engine) {
-            return std::make_unique<TwoModesPrior>(shape, std::move(graph), d, columns, engine);
-          },
-      .check = [tile = shape.tile](const NetworkDescription& d) { check_rows(tile, d); }};
+  PriorDescription prior{.sizes = std::move(sizes),
+                         .multiple = {2 * shape.tile.rows, 2 * shape.tile.columns},
+                         .scan_memory = shape.scan_memory,
+                         .any_beams = shape.any_beams ? shape.tile : TileSize{},
+                         .graph =
+                             [shape](int rows, int columns, const Engine& engine) {
+                               return two_modes_graph(shape, rows / shape.tile.rows,
+                                                      columns / shape.tile.columns, engine);
+                             },
+                         .make =
+                             [shape](LayerGraph graph, const NetworkDescription& d, int columns,
+                                     const Engine& engine) {
+                               return std::make_unique<TwoModesPrior>(shape, std::move(graph), d,
+                                                                      columns, engine);
+                             },
+                         .check = [shape](const NetworkDescription& d) { check_rows(shape, d); }};
   if (shape.any_beams) {
     prior.with_tile_rows = [shape](int tile_rows) {
       TwoModesShape other = shape;

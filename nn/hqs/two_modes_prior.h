@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+#include <vector>
+
 #include "kernels/row_kernels.h"
 #include "kernels/two_modes.h"
 #include "prior.h"
@@ -17,9 +20,9 @@ namespace hqslam::nn {
 /// with leaky ReLU after all but the head. For any table of beams the head has weights for each
 /// row, and the input has L of the measured row in the place of H. The input: (H - ln 20) / 2,
 /// where something was measured, and ln above - ln below of the measured rows; with a memory also M
-/// minus the start (of a measured pixel minus L) within +-1, and W^2 / (W^2 + 1) - 1/2. Z is the
-/// likelier mode, all in y = ln(range in metres); what is known to a centimetre needs no penalty,
-/// so b -> 0.
+/// minus the start (of a measured pixel minus L) within +-1, and W^2 / (W^2 + 1) - 1/2, for any
+/// table of beams in four rows, whatever the tile has. Z is the likelier mode, all in y = ln(range
+/// in metres); what is known to a centimetre needs no penalty, so b -> 0.
 struct TwoModesShape {
   TileSize tile{4, 4};
   int channels = 48;
@@ -59,6 +62,7 @@ class TwoModesPrior final : public Prior {
                         UpsampledImage& upsampled) const;
 
   NetworkDescription description_;
+  std::vector<std::optional<int>> recalled_rows_;  ///< those of a tile in the input; empty: none
   const kernels::RowKernels& kernels_;
   LogRanges ranges_;
   int pixels_;                               ///< of a tile that are computed

@@ -44,6 +44,24 @@ TEST_CASE("every inner tensor of a network with a memory is that of the referenc
   }
 }
 
+TEST_CASE("a network with a memory for any beams equals the reference, whatever rows it computes") {
+  for (const RowSelection rows : {RowSelection{3, 4}, RowSelection{1, 2}}) {
+    CAPTURE(rows.stride);
+    const NetworkDescription description = small_any_beams(rows, true);
+    const std::vector<float> parameters = large_start(description);
+    const RangeImage measured = select_rows(small_scene(), rows);
+    const Trace trace = made(description, parameters)->trace({measured, recalled_scene()});
+    const auto differences = differences_from_reference(description, parameters, trace);
+    CHECK(differences.size() > 10);
+    for (const ReferenceDifference& difference : differences) {
+      CAPTURE(difference.name);
+      CHECK(difference.largest < 2e-3);
+    }
+  }
+  CHECK(test::refused_with([] { small_any_beams({0, 4}, true); }, "the last of every 4"));
+  CHECK(test::refused_with([] { small_any_beams({7, 8}, true); }, "tile.rows", "2 to 4"));
+}
+
 TEST_CASE("what is recalled changes computed pixels alone, the same with any number of threads") {
   const NetworkDescription description = small_du_mix_with_memory();
   const std::vector<float> parameters = large_parameters(description, 9);

@@ -115,9 +115,10 @@ inline NetworkDescription small_du_mix(const TwoModesShape& shape = small_two_mo
 }
 
 /// For any beams, with an uneven table and other rows than the tests' usual ones.
-inline NetworkDescription small_any_beams(RowSelection rows) {
+inline NetworkDescription small_any_beams(RowSelection rows, bool scan_memory = false) {
   TwoModesShape shape = small_two_modes();
   shape.any_beams = true;
+  shape.scan_memory = scan_memory;
   SensorModel sensor = small_du_or().sensor;
   for (std::size_t row = 0; row < sensor.beam_elevation_rad.size(); ++row) {
     const auto place = static_cast<double>(row);

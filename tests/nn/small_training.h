@@ -26,8 +26,6 @@ class ScansInMemory final : public TrainingScans {
  public:
   explicit ScansInMemory(std::vector<TrainingScan> scans) : scans_(std::move(scans)) {}
   std::int64_t size() const override { return std::ssize(scans_); }
-  int rows() const override { return scans_.front().truth.rows; }
-  int columns() const override { return scans_.front().truth.columns; }
   TrainingScan read(std::int64_t i) const override { return scans_.at(i); }
 
  private:

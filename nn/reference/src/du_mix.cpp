@@ -92,11 +92,13 @@ Image input_of(const Run& run, const Measured& m, const Image& start, const Reca
   const bool any_beams = run.network["denoiser"].value("any_beams", false);
   const Image tiles =
       any_beams ? measured_tiles(run, m, tile_columns) : tiled(centred, tile_rows, tile_columns);
-  const auto pixels = static_cast<int>(tiles.dimension(0));  // of a tile
+  const auto pixels = static_cast<int>(tiles.dimension(0));  // of a tile, for any beams of a row
+  // For any beams the rows 3/4, 1/2 and 1/4 of the gap above the measured one, and that one.
+  const int recalled_rows = any_beams ? 4 : tile_rows;
   const bool has_memory = run.network["denoiser"].value("scan_memory", false);
   const int first_recalled = pixels + 2 * tile_columns;
-  const Image others = zeros(2 * tile_columns + (has_memory ? 2 * pixels : 0), tiles.dimension(1),
-                             tiles.dimension(2));
+  const Image others = zeros(2 * tile_columns + (has_memory ? 2 * recalled_rows * tile_columns : 0),
+                             tiles.dimension(1), tiles.dimension(2));
   Image input = tiles.concatenate(others, 0);
   for (int y = 0; y < tiles.dimension(1); ++y) {
     for (int x = 0; x < run.columns(); ++x) {
@@ -107,9 +109,15 @@ Image input_of(const Run& run, const Measured& m, const Image& start, const Reca
       input(channel + tile_columns, y, x / tile_columns) = std::clamp(step, -1.0, 1.0);
     }
   }
+  for (int channel = first_recalled + 1; channel < input.dimension(0); channel += 2) {
+    input.chip(channel, 0).setConstant(-0.5);  // where no row of the tile is
+  }
   for (int y = 0; y < run.rows() && has_memory; ++y) {
+    const double above =
+        static_cast<double>(tile_rows - 1 - y % tile_rows) / tile_rows;  // of a gap
+    const int slot = any_beams ? 3 - static_cast<int>(std::round(4.0 * above)) : y % tile_rows;
     for (int x = 0; x < run.columns(); ++x) {
-      const int channel = first_recalled + 2 * (y % tile_rows * tile_columns + x % tile_columns);
+      const int channel = first_recalled + 2 * (slot * tile_columns + x % tile_columns);
       const double share = recalled.share(0, y, x);
       const double without =
           run.is_measured(y) ? std::log(m.filled(0, y / tile_rows, x)) : start(0, y, x);

@@ -115,7 +115,7 @@ DrawnBeams with_rows(const SensorModel& all, const std::vector<double>& elevatio
 
 }  // namespace
 
-DrawnBeams draw_beams(const SensorModel& all, std::uint64_t seed) {
+DrawnBeams draw_beams(const SensorModel& all, std::uint64_t seed, bool any_offset) {
   constexpr double kPresets = 0.25;
   constexpr double kShortSighted = 0.3;
   Random random(seed);
@@ -129,7 +129,7 @@ DrawnBeams draw_beams(const SensorModel& all, std::uint64_t seed) {
   const bool is_centred = std::fabs(middle_deg) < 1e-9;
   for (double& elevation : table) elevation += is_centred ? shift_deg : 0.15 * shift_deg;
   RowSelection rows{count.stride - 1, count.stride};
-  if (random.unit() < 0.4) rows.offset = static_cast<int>(random.below(count.stride));
+  if (random.unit() < 0.4 && any_offset) rows.offset = static_cast<int>(random.below(count.stride));
   DrawnBeams beams = with_rows(all, with_rows_between(table, rows));
   beams.measured_rows = rows;
   beams.column_step = random.unit() < 0.5 ? 1 : 2;

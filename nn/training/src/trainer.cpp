@@ -46,11 +46,12 @@ void check_shape(int rows, int columns, const SensorModel& sensor) {
   }
 }
 
-void check_scans(const std::vector<TrainingScan>& scans, const SensorModel& sensor) {
-  for (const auto& [truth, recalled] : scans) {
-    check_shape(truth.rows, truth.columns, sensor);
-    if (!recalled.is_empty()) check_shape(recalled.image.rows, recalled.image.columns, sensor);
-  }
+/// usual: the sensor of scans that do not name theirs.
+void check_scan(const TrainingScan& scan, const SensorModel& usual) {
+  const SensorModel& sensor = scan.sensor ? scan.sensor->sensor : usual;
+  const RangeImage& recalled = scan.recalled.image;
+  check_shape(scan.truth.rows, scan.truth.columns, sensor);
+  if (!scan.recalled.is_empty()) check_shape(recalled.rows, recalled.columns, sensor);
 }
 
 void check_state(const TrainingState& state, const NetworkDescription& description) {
@@ -122,6 +123,9 @@ struct Trainer::Implementation {
     std::uint64_t seed = 0;                   ///< of what is random in the network
     std::optional<NetworkDescription> other;  ///< the network for the sensor that was drawn
   };
+  /// The network for the scan's own sensor, or for one that is drawn from its rows, of which the
+  /// scan is then what that sensor sees; nothing: the network is the training's.
+  std::optional<NetworkDescription> own_network(TrainingScan& scan, std::uint64_t seed) const;
   Drawn draw(int place) const;
   std::span<float> gradient(int call) {
     const std::size_t parameters = state.parameters.size();
@@ -167,7 +171,7 @@ Trainer::Trainer(const NetworkDescription& description, const TrainingPlan& plan
     throw Error("training: sensors are drawn for a network of one sensor, expected any_beams");
   }
   if (scans == nullptr || scans->size() == 0) throw Error("training: no scans to train on");
-  check_shape(scans->rows(), scans->columns(), plan.drawn_from.value_or(description.sensor));
+  check_scan(scans->read(0), plan.drawn_from.value_or(description.sensor));
   check_state(state, description);
   implementation_ = std::make_unique<Implementation>(
       Implementation{description, plan, std::move(scans), std::move(state), decays_of(description),
@@ -186,20 +190,25 @@ Trainer::~Trainer() = default;
 
 const TrainingState& Trainer::state() const { return implementation_->state; }
 
+std::optional<NetworkDescription> Trainer::Implementation::own_network(TrainingScan& scan,
+                                                                       std::uint64_t seed) const {
+  if (scan.sensor) return for_sensor(description, scan.sensor->sensor, scan.sensor->measured_rows);
+  if (!plan.drawn_from) return std::nullopt;
+  const DrawnBeams beams = draw_beams(*plan.drawn_from, seed);
+  scan = seen_by(beams, scan);
+  return for_sensor(description, beams.sensor, beams.measured_rows);
+}
+
 Trainer::Implementation::Drawn Trainer::Implementation::draw(int place) const {
   const auto number = static_cast<std::uint64_t>(state.optimiser.steps * plan.batch + place);
   Random random(plan.seed * 0x9E3779B97F4A7C15ULL + number);
   TrainingScan scan = scans->read(random.below(scans->size()));
-  std::optional<NetworkDescription> drawn;
-  if (plan.drawn_from) {
-    const DrawnBeams beams = draw_beams(*plan.drawn_from, random.bits());
-    drawn = for_sensor(description, beams.sensor, beams.measured_rows);
-    scan = seen_by(beams, scan);
-  }
-  const NetworkDescription& network = drawn ? *drawn : description;
+  check_scan(scan, plan.drawn_from.value_or(description.sensor));
+  std::optional<NetworkDescription> own = own_network(scan, plan.drawn_from ? random.bits() : 0);
+  const NetworkDescription& network = own ? *own : description;
   TrainingSample sample = augmented_sample(scan, network.sensor, network.measured_rows,
                                            plan.augmentation, random.bits());
-  return {std::move(sample), random.bits() >> 20, std::move(drawn)};
+  return {std::move(sample), random.bits() >> 20, std::move(own)};
 }
 
 /// One call of the network: of one sample, or of all together.
@@ -210,7 +219,7 @@ void Trainer::Implementation::run_call(int worker, int call) {
   for (int place = call * samples_of_call; place < (call + 1) * samples_of_call; ++place) {
     Drawn drawn = draw(place);
     if (drawn.other) {  // made for this sensor, and for this call alone
-      network = make_trainable(*drawn.other, columns(), chosen_instruction_set());
+      network = make_trainable(*drawn.other, drawn.sample.truth.columns, chosen_instruction_set());
       network->set_parameters(state.parameters);
     }
     samples.push_back(std::move(drawn.sample));
@@ -281,7 +290,9 @@ TrainingStep Trainer::step() {
 Validation Trainer::validate(const std::vector<TrainingScan>& scans) {
   Implementation& self = *implementation_;
   const NetworkDescription& description = self.description;
-  check_scans(scans, self.plan.drawn_from.value_or(description.sensor));
+  for (const TrainingScan& scan : scans) {
+    check_scan(scan, self.plan.drawn_from.value_or(description.sensor));
+  }
   const int workers = static_cast<int>(self.workers.size());
   const auto network_of = [&](const NetworkDescription& own) {
     auto network = make_network(own, own.sensor.columns, chosen_instruction_set(), 1);
@@ -291,10 +302,11 @@ Validation Trainer::validate(const std::vector<TrainingScan>& scans) {
   std::vector<std::unique_ptr<Network>> whole(workers);
   std::vector<ValidatedScan> each(scans.size());
   in_parallel(workers, static_cast<int>(scans.size()), [&](int worker, int item) {
-    if (self.plan.drawn_from) {  // the same sensor for the same scan at every validation
-      const DrawnBeams beams = draw_beams(*self.plan.drawn_from, static_cast<std::uint64_t>(item));
-      const NetworkDescription own = for_sensor(description, beams.sensor, beams.measured_rows);
-      each[item] = validated_scan(*network_of(own), own, seen_by(beams, scans[item]));
+    if (self.plan.drawn_from || scans[item].sensor) {
+      TrainingScan scan = scans[item];
+      // The same sensor for the same scan at every validation.
+      const auto own = *self.own_network(scan, static_cast<std::uint64_t>(item));
+      each[item] = validated_scan(*network_of(own), own, scan);
       return;
     }
     if (whole[worker] == nullptr) whole[worker] = network_of(description);

@@ -46,6 +46,7 @@ SimulatedScans simulated_scans(JsonFields fields) {
   }
   if (fields.has("sensor_errors")) scans.sensor_errors = fields.text("sensor_errors");
   fields.optional("look_ahead", scans.look_ahead);
+  scans.own_sensors = fields.has("sensor") && fields.choice("sensor", {"drawn"}) == 0;
   fields.finish();
   if (scans.seeds.empty()) fields.complain("seeds", "at least one seed");
   for (const int seed : scans.seeds) {
@@ -56,19 +57,37 @@ SimulatedScans simulated_scans(JsonFields fields) {
   return scans;
 }
 
-ScanSet scan_set(JsonFields& fields, const std::string& field, const NetworkDescription& network) {
+/// The sensor of a stack, with all rows, and how many of them are measured: "sensor" and
+/// "measured_rows".
+std::optional<ScanSensor> stack_sensor(JsonFields& entry, const NetworkDescription& network,
+                                       const std::string& source) {
+  if (!entry.has("sensor")) return std::nullopt;
+  if (!fits_any_sensor(network)) entry.complain("sensor", "a network for any_beams, or nothing");
+  ScanSensor of_stack{read_sensor_field("sensor", source, entry), {}};
+  const auto measured = static_cast<int>(entry.integer("measured_rows"));
+  of_stack.measured_rows = selection_for(of_stack.sensor.rows(), measured);
+  return of_stack;
+}
+
+/// can_draw: there are rows that sensors can be drawn from.
+ScanSet scan_set(JsonFields& fields, const std::string& field, const NetworkDescription& network,
+                 bool can_draw, const std::string& source) {
   ScanSet set;
   for (JsonFields& entry : fields.objects(field)) {
     if (entry.has("stack")) {
       std::int64_t repeat = 1;
       entry.optional("repeat", repeat);
       if (repeat < 1 || repeat > 10'000) entry.complain("repeat", "1 to 10000");
-      set.stacks.insert(set.stacks.end(), static_cast<std::size_t>(repeat), entry.text("stack"));
+      set.stacks.insert(set.stacks.end(), static_cast<std::size_t>(repeat),
+                        {entry.text("stack"), stack_sensor(entry, network, source)});
       entry.finish();
     } else {
       set.simulated.push_back(simulated_scans(entry));
       if (set.simulated.back().look_ahead && !has_scan_memory(network)) {
         entry.complain("look_ahead", "a network with scan_memory, or nothing");
+      }
+      if (set.simulated.back().own_sensors && !can_draw) {
+        entry.complain("sensor", "a training with drawn_from, or nothing");
       }
     }
   }
@@ -78,8 +97,8 @@ ScanSet scan_set(JsonFields& fields, const std::string& field, const NetworkDesc
   return set;
 }
 
-std::filesystem::path path_of(const std::string& stack) {
-  return std::filesystem::path(stack).lexically_normal();
+std::filesystem::path path_of(const StackedScans& stack) {
+  return std::filesystem::path(stack.path).lexically_normal();
 }
 
 /// Drives of one family and seed have one city: town and town-busy.
@@ -87,9 +106,9 @@ std::string_view family_of(std::string_view drive) { return drive.substr(0, driv
 
 /// Scans that are trained on are no measure for those that are not.
 void check_apart(const ScanSet& training, const ScanSet& validation, const std::string& source) {
-  for (const std::string& stack : validation.stacks) {
+  for (const StackedScans& stack : validation.stacks) {
     if (std::ranges::count(training.stacks, path_of(stack), path_of) > 0) {
-      throw Error("{}: '{}' is in both training and validation", source, stack);
+      throw Error("{}: '{}' is in both training and validation", source, stack.path);
     }
   }
   for (const SimulatedScans& v : validation.simulated) {
@@ -122,8 +141,9 @@ TrainingConfiguration training_configuration(const std::string& text, const std:
   JsonFields fields(text, source);
   TrainingConfiguration c;
   c.network = network_from_json(fields.dumped("network"), source + ": network", architectures);
-  c.training = scan_set(fields, "training", c.network);
-  c.validation = scan_set(fields, "validation", c.network);
+  const bool can_draw = fields.has("drawn_from");
+  c.training = scan_set(fields, "training", c.network, can_draw, source);
+  c.validation = scan_set(fields, "validation", c.network, can_draw, source);
   check_apart(c.training, c.validation, source);
   fields.optional("steps", c.plan.steps);
   fields.optional("batch", c.plan.batch);
@@ -135,8 +155,9 @@ TrainingConfiguration training_configuration(const std::string& text, const std:
   fields.optional("average_steps", c.plan.average_steps);
   fields.optional("seed", c.plan.seed);
   fields.optional("validate_every", c.validate_every);
-  if (fields.has("drawn_from")) {
-    c.plan.drawn_from = read_sensor_field("drawn_from", source, fields);
+  if (can_draw) {
+    c.drawn_from = read_sensor_field("drawn_from", source, fields);
+    if (!has_scan_memory(c.network)) c.plan.drawn_from = c.drawn_from;
   }
   if (fields.has("start_from")) c.start_from = fields.text("start_from");
   if (fields.has("augmentation")) {

@@ -63,6 +63,28 @@ TEST_CASE("a network for any beams is trained on drawn sensors, the same ones by
       "272 x"));
 }
 
+TEST_CASE("a network for any beams is trained and validated on scans of several sensors") {
+  const NetworkDescription description = small_any_beams({3, 4}, true);
+  TrainingScan usual{small_scene()};
+  TrainingScan wide{RangeImage(8, 128), {}, ScanSensor{description.sensor, {1, 2}}};
+  wide.sensor->sensor.columns = 128;
+  wide.sensor->sensor.beam_elevation_rad.resize(8);
+  wide.sensor->sensor.beam_azimuth_offset_rad.resize(8);
+  wide.truth.range_m.assign(wide.truth.range_m.size(), 7.0F);
+  TrainingPlan plan = small_plan();
+  plan.augmentation.crop_columns = 0;  // whole circles, of as many columns as each sensor has
+  const auto trained_by = [&](int threads) {
+    Trainer trainer(description, plan, in_memory({usual, wide}), fresh_state(description), threads);
+    train(trainer, 4);
+    CHECK(trainer.validate({wide, usual}).network.mae_all_m > 0.0);
+    return trainer.state();
+  };
+  check_same(trained_by(1), trained_by(3));
+  wide.sensor->sensor.columns = 64;
+  Trainer trainer(description, plan, in_memory({usual, wide}), fresh_state(description), 1);
+  CHECK(test::refused_with([&] { train(trainer, 4); }, "8 x 128", "8 x 64"));
+}
+
 TEST_CASE("another seed trains other bytes") {
   const HqsPlan description = small_du_or();
   TrainingPlan plan = small_plan();

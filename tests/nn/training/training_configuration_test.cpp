@@ -42,7 +42,9 @@ TEST_CASE("a configuration is read field by field, the rest keeps its default") 
   REQUIRE(c.training.simulated.size() == 1);
   CHECK(c.training.simulated[0].seeds == std::vector<int>{1, 2});
   CHECK(c.training.simulated[0].every == 10);
-  CHECK(c.training.stacks == std::vector<std::string>{"a.npy"});
+  REQUIRE(c.training.stacks.size() == 1);
+  CHECK(c.training.stacks[0].path == "a.npy");
+  CHECK_FALSE(c.training.stacks[0].sensor.has_value());
   CHECK(c.plan.steps == 12);
   CHECK(c.plan.learning_rate == doctest::Approx(0.01));
   CHECK(c.plan.augmentation.crop_columns == 256);
@@ -59,6 +61,27 @@ TEST_CASE("seeds are a list or a span, conditions usual or varied") {
   CHECK(c.training.simulated[0].seeds == std::vector<int>{1000, 1001, 1002});
   CHECK(c.training.simulated[0].conditions == DriveConditions::kVaried);
   CHECK(c.validation.simulated[0].conditions == DriveConditions::kUsual);
+}
+
+TEST_CASE("drives and stacks of a network for any beams have sensors of their own") {
+  std::string text = kText;
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    text.replace(text.find(from), from.size(), to);
+  };
+  replace(R"("kind": "du-or")", R"("kind": "du-mix")");
+  replace(R"("layers": 4,)", "");
+  replace(R"({"channels": [8, 16], "memory": 2})", R"({"any_beams": true, "scan_memory": true})");
+  replace(R"("every": 10})", R"("every": 10, "sensor": "drawn"})");
+  replace(R"("stack": "a.npy")", R"("stack": "a.npy", "sensor": "hdl-32e", "measured_rows": 8)");
+  replace(R"("steps": 12)", R"("drawn_from": "vls-128", "steps": 12)");
+  const TrainingConfiguration c = training_configuration(text, "recipe.json");
+  CHECK(c.training.simulated[0].own_sensors);
+  CHECK_FALSE(c.validation.simulated[0].own_sensors);
+  REQUIRE(c.training.stacks[0].sensor.has_value());
+  CHECK(c.training.stacks[0].sensor->sensor.name == "hdl-32e");
+  CHECK(c.training.stacks[0].sensor->measured_rows == RowSelection{3, 4});
+  CHECK(c.drawn_from->name == "vls-128");
+  CHECK_FALSE(c.plan.drawn_from.has_value());  // its scans recall others of the same sensor
 }
 
 TEST_CASE("mistakes in a configuration are named with field, expected and found") {
@@ -87,6 +110,11 @@ TEST_CASE("mistakes in a configuration are named with field, expected and found"
   CHECK(one_line_with(message_after("[3]", R"([3], "look_ahead": true)"), "look_ahead",
                       "scan_memory"));
   CHECK(one_line_with(message_after("{\n", "["), "expected JSON"));
+  CHECK(one_line_with(message_after(R"("every": 10})", R"("every": 10, "sensor": "drawn"})"),
+                      "drawn_from"));
+  CHECK(one_line_with(message_after(R"("stack": "a.npy")",
+                                    R"("stack": "a.npy", "sensor": "vlp-16", "measured_rows": 4)"),
+                      "any_beams"));
 }
 
 TEST_CASE("training and validation never share a drive or a stack") {

@@ -132,6 +132,11 @@ TEST_CASE("weights for any sensor go on with a recorded drive, and stay where th
                                        weights, folder.file("few"));
   CHECK(few.status == 2);
   CHECK(holds(few.error, "expected at least 100 scans"));
+  nn::write_weights(weights, untrained_weights(sensor_preset("os1-64"), "du-mix", "scan_memory"));
+  CHECK(holds(refused("train --from-recording '{}' --start-from '{}' --out '{}'", drive, weights,
+                      folder.file("memory"))
+                  .error,
+              "expected weights without a memory"));
 }
 
 TEST_CASE("a scan without a return costs a comparison that scan and no more") {

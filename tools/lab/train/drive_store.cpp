@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 constexpr int kMemoryRevision = 2;
 
 /// Everything that determines the bytes of a stored drive.
-std::string key_of(const StoredDrive& drive, const SensorModel& sensor) {
+std::string key_of(const StoredDrive& drive) {
   const sim::DriveSpec& spec = drive.spec;
   nlohmann::ordered_json key;
   key["revision"] = sim::kDriveRevision;
@@ -42,7 +42,7 @@ std::string key_of(const StoredDrive& drive, const SensorModel& sensor) {
   if (spec.sensor_errors != sim::SensorErrors::kNone) {
     key["sensor_errors"] = sim::name_of(spec.sensor_errors);
   }
-  key["sensor"] = sensor_json(sensor);
+  key["sensor"] = sensor_json(drive.sensor);
   if (drive.recalled_rows) {
     key["memory"] = {kMemoryRevision, drive.recalled_rows->offset, drive.recalled_rows->stride};
     if (drive.look_ahead) key["memory"].push_back("look ahead");
@@ -89,12 +89,11 @@ void remove_abandoned_parts(const fs::path& folder) {
 
 /// Simulates a drive with recall. Of scans that are not stored only the recalled rows are
 /// simulated.
-bool simulate_with_memory(const StoredDrive& drive, const SensorModel& sensor,
-                          NpyStackWriter& writer, const std::function<bool()>& stopping,
-                          Progress& progress) {
+bool simulate_with_memory(const StoredDrive& drive, NpyStackWriter& writer,
+                          const std::function<bool()>& stopping, Progress& progress) {
   const RowSelection rows = *drive.recalled_rows;
-  sim::DriveSimulator simulator(drive.spec, sensor);
-  DriveRecall recall(sensor, rows, drive.look_ahead, drive.spec.seed);
+  sim::DriveSimulator simulator(drive.spec, drive.sensor);
+  DriveRecall recall(drive.sensor, rows, drive.look_ahead, drive.spec.seed);
   const auto write_finished = [&](bool is_last) {
     while (const auto image = recall.finished(is_last)) {
       writer.append(*image);
@@ -114,11 +113,12 @@ bool simulate_with_memory(const StoredDrive& drive, const SensorModel& sensor,
 }
 
 /// Returns false if it stopped before the end.
-bool simulate(const StoredDrive& drive, const SensorModel& sensor, const std::string& path,
+bool simulate(const StoredDrive& drive, const std::string& path,
               const std::function<bool()>& stopping, Progress& progress) {
+  const SensorModel& sensor = drive.sensor;
   if (drive.recalled_rows) {
     NpyStackWriter writer(path, 3 * sensor.rows(), sensor.columns);
-    return simulate_with_memory(drive, sensor, writer, stopping, progress);
+    return simulate_with_memory(drive, writer, stopping, progress);
   }
   sim::DriveSimulator simulator(drive.spec, sensor);
   NpyStackWriter writer(path, sensor.rows(), sensor.columns);
@@ -133,20 +133,20 @@ bool simulate(const StoredDrive& drive, const SensorModel& sensor, const std::st
 
 /// Simulates a drive into a file that gets its name when it is complete. Two programs may simulate
 /// the same drive at once. Returns false if it stopped before the end.
-bool store_drive(const StoredDrive& drive, const SensorModel& sensor, const std::string& path,
+bool store_drive(const StoredDrive& drive, const std::string& path,
                  const std::function<bool()>& stopping, Progress& progress) {
   const std::string part = fmt::format("{}.{}.part", path, getpid());
   const RemovedAtEnd part_removed(part);  // unless it was renamed
   std::ofstream(part).close();
   const FileLock lock(part);
-  const bool whole = simulate(drive, sensor, part, stopping, progress);
+  const bool whole = simulate(drive, part, stopping, progress);
   if (whole) rename_to(part, path);
   return whole;
 }
 
 /// Returns false if it stopped before the end.
-bool store_all(const DriveStore& store, const std::vector<StoredDrive>& drives,
-               const SensorModel& sensor, const char* label, const InterruptGuard& interrupt) {
+bool store_all(const DriveStore& store, const std::vector<StoredDrive>& drives, const char* label,
+               const InterruptGuard& interrupt) {
   make_result_folder(store.path);
   std::int64_t scans = 0;
   for (const StoredDrive& drive : drives) scans += drive.scans();
@@ -156,7 +156,7 @@ bool store_all(const DriveStore& store, const std::vector<StoredDrive>& drives,
       side_by_side(drives.size(), workers, std::max(1, store.threads / workers),
                    [&](std::size_t i, const std::atomic<bool>& stopped) {
                      return store_drive(
-                         drives[i], sensor, path_in_store(store.path, drives[i], sensor),
+                         drives[i], path_in_store(store.path, drives[i]),
                          [&] { return stopped || interrupt.stop_requested(); }, progress);
                    });
   progress.finish();
@@ -165,25 +165,24 @@ bool store_all(const DriveStore& store, const std::vector<StoredDrive>& drives,
 
 }  // namespace
 
-std::string path_in_store(const fs::path& folder, const StoredDrive& drive,
-                          const SensorModel& sensor) {
-  return (folder / fmt::format("{}_{}_{}.npy", drive.spec.name, drive.spec.seed,
-                               text_hash(key_of(drive, sensor))))
+std::string path_in_store(const fs::path& folder, const StoredDrive& drive) {
+  return (folder /
+          fmt::format("{}_{}_{}.npy", drive.spec.name, drive.spec.seed, text_hash(key_of(drive))))
       .string();
 }
 
 bool store_drives(const DriveStore& store, const std::vector<StoredDrive>& drives,
-                  const SensorModel& sensor, const char* label, const InterruptGuard& interrupt) {
+                  const char* label, const InterruptGuard& interrupt) {
   remove_abandoned_parts(store.path);
   std::vector<StoredDrive> missing;
   std::set<std::string> named;  // a drive may be in a recipe twice, to be shown more often
   for (const StoredDrive& drive : drives) {
     sim::validate(drive.spec);
-    const std::string path = path_in_store(store.path, drive, sensor);
+    const std::string path = path_in_store(store.path, drive);
     const bool is_first = named.insert(path).second;
     if (is_first && !is_stored(path, drive)) missing.push_back(drive);
   }
-  return missing.empty() || store_all(store, missing, sensor, label, interrupt);
+  return missing.empty() || store_all(store, missing, label, interrupt);
 }
 
 }  // namespace hqslam::tools

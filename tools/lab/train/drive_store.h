@@ -15,6 +15,7 @@ namespace hqslam::tools {
 /// Scans 0, every, 2 every, ... of a simulated drive.
 struct StoredDrive {
   sim::DriveSpec spec;
+  SensorModel sensor;
   std::int64_t every = 1;
   /// Rows whose points in other scans each scan recalls (nn::ScanMemory); nothing: no recall.
   std::optional<RowSelection> recalled_rows = std::nullopt;
@@ -26,8 +27,7 @@ struct StoredDrive {
 /// Path of a drive in a folder of drives: an .npy stack of its range images, with the recall below
 /// each (M, then W^2, rows x columns each), named by drive and seed and by a hash of everything
 /// that determines its bytes.
-std::string path_in_store(const std::filesystem::path& folder, const StoredDrive& drive,
-                          const SensorModel& sensor);
+std::string path_in_store(const std::filesystem::path& folder, const StoredDrive& drive);
 
 /// The folder of simulated drives and the number of threads that fill it.
 struct DriveStore {
@@ -40,6 +40,6 @@ struct DriveStore {
 /// several programs may share a folder. Shows progress on stderr. Returns false if it was
 /// interrupted. Throws Error.
 bool store_drives(const DriveStore& store, const std::vector<StoredDrive>& drives,
-                  const SensorModel& sensor, const char* label, const InterruptGuard& interrupt);
+                  const char* label, const InterruptGuard& interrupt);
 
 }  // namespace hqslam::tools

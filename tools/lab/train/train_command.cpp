@@ -139,7 +139,9 @@ void write_results(const Training& training, const nn::TrainingState& state) {
         static_cast<float>(std::pow(v.least_confidence, v.confidence_exponent));
     network.confidence_exponent = static_cast<float>(v.confidence_exponent);
   }
-  nn::TrainingScan scan = training.validation.front();
+  const auto usual = std::ranges::find_if(
+      training.validation, [](const nn::TrainingScan& each) { return !each.sensor; });
+  nn::TrainingScan scan = *usual;
   if (const auto& all = training.configuration.plan.drawn_from) {
     scan = nn::seen_by(nn::beams_like(*all, network.sensor, network.measured_rows), scan);
   }
@@ -157,14 +159,16 @@ void write_results(const Training& training, const nn::TrainingState& state) {
 std::unique_ptr<const nn::TrainingScans> load_scans(Training& training, const DriveStore& store,
                                                     const InterruptGuard& interrupt) {
   const nn::TrainingConfiguration& c = training.configuration;
-  nn::NetworkDescription scanned = c.network;
-  if (c.plan.drawn_from) scanned.sensor = *c.plan.drawn_from;
-  const auto validation = stored_scans(c.validation, scanned, store, "validation scans", interrupt);
+  const auto validation = stored_scans(c.validation, c, store, "validation scans", interrupt);
   if (validation == nullptr) return nullptr;
   for (std::int64_t i = 0; i < validation->size(); ++i) {
     training.validation.push_back(validation->read(i));
   }
-  auto scans = stored_scans(c.training, scanned, store, "training scans", interrupt);
+  if (std::ranges::all_of(training.validation,
+                          [](const auto& scan) { return scan.sensor.has_value(); })) {
+    throw Error("validation: expected a drive or stack of the network's own sensor among them");
+  }
+  auto scans = stored_scans(c.training, c, store, "training scans", interrupt);
   if (scans != nullptr) training.training_scans = scans->size();
   return scans;
 }

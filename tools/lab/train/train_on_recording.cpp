@@ -35,8 +35,6 @@ class ScansInMemory final : public nn::TrainingScans {
  public:
   explicit ScansInMemory(std::vector<nn::TrainingScan> scans) : scans_(std::move(scans)) {}
   std::int64_t size() const override { return std::ssize(scans_); }
-  int rows() const override { return scans_.front().truth.rows; }
-  int columns() const override { return scans_.front().truth.columns; }
   nn::TrainingScan read(std::int64_t i) const override { return scans_[i]; }
 
  private:
@@ -144,6 +142,12 @@ std::optional<std::vector<float>> trained(const nn::NetworkDescription& network,
 int train_on_recording(const RecordingTraining& training) {
   const InterruptGuard interrupt;
   nn::Weights weights = nn::read_weights(training.start_from);
+  if (has_scan_memory(weights.description)) {  // which would learn to expect no recall
+    throw Error(
+        "{}: expected weights without a memory, which a recording cannot teach, found some with "
+        "one; start from those of du-mix",
+        training.start_from);
+  }
   guard_results(training.out, std::array{"weights.npz"}, false, "would be replaced",
                 {training.recording.input, training.start_from});
   make_result_folder(training.out);

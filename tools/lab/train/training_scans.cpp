@@ -12,11 +12,18 @@
 #include "hqslam/core/npy.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/core/whole_file.h"
+#include "hqslam/nn/training/drawn_beams.h"
 #include "hqslam/recordings/recording.h"
 #include "recording/reading.h"
 
 namespace hqslam::tools {
 namespace {
+
+/// Of scans without a sensor of their own.
+const SensorModel& usual_sensor(const nn::TrainingConfiguration& configuration) {
+  const std::optional<SensorModel>& drawn_from = configuration.plan.drawn_from;
+  return drawn_from ? *drawn_from : configuration.network.sensor;
+}
 
 /// "$NAME/rest" with the environment variable's value.
 std::string expanded(const std::string& path) {
@@ -51,23 +58,29 @@ std::string stack_of_recording(const std::string& folder, const SensorModel& sen
   return path.string();
 }
 
-std::vector<StoredDrive> drives_of(const nn::ScanSet& set, const nn::NetworkDescription& network) {
-  std::vector<StoredDrive> drives;
-  for (const nn::SimulatedScans& simulated : set.simulated) {
-    for (const int seed : simulated.seeds) {
-      sim::DriveSpec spec = sim::drive_preset(simulated.drive);
-      spec.seed = static_cast<std::uint64_t>(seed);
-      spec.scans = simulated.scans;
-      spec.sensor_errors = sim::sensor_errors_named(simulated.sensor_errors);
-      if (simulated.conditions == nn::DriveConditions::kVaried) {
-        spec = sim::with_varied_conditions(spec);
-      }
-      drives.push_back({spec, simulated.every});
-      if (has_scan_memory(network)) drives.back().recalled_rows = network.measured_rows;
-      drives.back().look_ahead = simulated.look_ahead;
-    }
+/// The drive of a seed and, where it is not the training's, its sensor.
+std::pair<StoredDrive, std::optional<nn::ScanSensor>> drive_of(
+    const nn::SimulatedScans& simulated, int seed, const nn::TrainingConfiguration& configuration) {
+  const nn::NetworkDescription& network = configuration.network;
+  sim::DriveSpec spec = sim::drive_preset(simulated.drive);
+  spec.seed = static_cast<std::uint64_t>(seed);
+  spec.scans = simulated.scans;
+  spec.sensor_errors = sim::sensor_errors_named(simulated.sensor_errors);
+  if (simulated.conditions == nn::DriveConditions::kVaried) {
+    spec = sim::with_varied_conditions(spec);
   }
-  return drives;
+  std::optional<nn::ScanSensor> own;
+  if (simulated.own_sensors) {
+    const nn::DrawnBeams beams =
+        nn::draw_beams(*configuration.drawn_from, spec.seed, !has_scan_memory(network));
+    own = {beams.sensor, beams.measured_rows};
+  }
+  StoredDrive drive{spec, own ? own->sensor : usual_sensor(configuration), simulated.every};
+  if (has_scan_memory(network)) {
+    drive.recalled_rows = own ? own->measured_rows : network.measured_rows;
+  }
+  drive.look_ahead = simulated.look_ahead;
+  return {drive, own};
 }
 
 /// Throws Error if none of five evenly spread images of a stack has a range that the sensor can
@@ -91,18 +104,18 @@ void require_returns(const std::string& path, const SensorModel& sensor) {
 
 }  // namespace
 
-StoredScans::StoredScans(const std::vector<std::string>& paths, const SensorModel& sensor)
-    : rows_(sensor.rows()), columns_(sensor.columns) {
-  for (const std::string& path : paths) {
-    const NpyStackReader reader(path);
-    const bool fits = reader.rows() == rows_ || reader.rows() == 3 * rows_;
-    if (!fits || reader.columns() != columns_) {
-      throw Error("{}: images of {} x {}, expected the {} x {} of {}", path, reader.rows(),
-                  reader.columns(), rows_, columns_, sensor.name);
+StoredScans::StoredScans(const std::vector<ScanStack>& stacks, const SensorModel& usual) {
+  for (const ScanStack& stack : stacks) {
+    const SensorModel& sensor = stack.sensor ? stack.sensor->sensor : usual;
+    const NpyStackReader reader(stack.path);
+    const bool fits = reader.rows() == sensor.rows() || reader.rows() == 3 * sensor.rows();
+    if (!fits || reader.columns() != sensor.columns) {
+      throw Error("{}: images of {} x {}, expected the {} x {} of {}", stack.path, reader.rows(),
+                  reader.columns(), sensor.rows(), sensor.columns, sensor.name);
     }
-    require_returns(path, sensor);
+    require_returns(stack.path, sensor);
     const std::int64_t begin = size();
-    files_.push_back({path, begin, begin + reader.images()});
+    files_.push_back({stack, sensor.rows(), sensor.columns, begin, begin + reader.images()});
   }
 }
 
@@ -110,44 +123,50 @@ nn::TrainingScan StoredScans::read(std::int64_t i) const {
   if (i < 0 || i >= size()) {
     throw Error("training: scan {}, expected 0 to {}", i, size() - 1);
   }
-  const auto file = std::ranges::upper_bound(files_, i, {}, &File::end);
-  RangeImage image = NpyStackReader(file->path).read(i - file->begin);
-  const bool recalls = image.rows == 3 * rows_;
-  if ((image.rows != rows_ && !recalls) || image.columns != columns_) {
-    throw Error("{}: changed while it was read", file->path);
+  const File& file = *std::ranges::upper_bound(files_, i, {}, &File::end);
+  RangeImage image = NpyStackReader(file.stack.path).read(i - file.begin);
+  const bool recalls = image.rows == 3 * file.rows;
+  if ((image.rows != file.rows && !recalls) || image.columns != file.columns) {
+    throw Error("{}: changed while it was read", file.stack.path);
   }
   for (float& range_m : image.range_m) {
     if (!std::isfinite(range_m) || range_m < 0.0F) range_m = 0.0F;
   }
-  if (!recalls) return {std::move(image)};
+  if (!recalls) return {std::move(image), {}, file.stack.sensor};
   const auto part = [&](int k) {
-    RangeImage result(rows_, columns_);
+    RangeImage result(file.rows, file.columns);
     std::copy_n(image.range_m.begin() + k * std::ssize(result.range_m), result.range_m.size(),
                 result.range_m.begin());
     return result;
   };
-  return {part(0), {part(1), part(2).range_m}};
+  return {part(0), {part(1), part(2).range_m}, file.stack.sensor};
 }
 
 std::unique_ptr<const StoredScans> stored_scans(const nn::ScanSet& set,
-                                                const nn::NetworkDescription& network,
+                                                const nn::TrainingConfiguration& configuration,
                                                 const DriveStore& store, const char* label,
                                                 const InterruptGuard& interrupt) {
-  const SensorModel& sensor = network.sensor;
-  std::vector<std::string> paths;
-  for (const std::string& stack : set.stacks) {
-    const std::string path = expanded(stack);
-    paths.push_back(std::filesystem::is_directory(path) ? stack_of_recording(path, sensor, store)
-                                                        : path);
+  const SensorModel& usual = usual_sensor(configuration);
+  std::vector<ScanStack> stacks;
+  for (const nn::StackedScans& stack : set.stacks) {
+    std::string path = expanded(stack.path);
+    if (std::filesystem::is_directory(path)) {
+      path = stack_of_recording(path, stack.sensor ? stack.sensor->sensor : usual, store);
+    }
+    stacks.push_back({path, stack.sensor});
   }
   // Errors in a stack are reported before hours of simulation.
-  static_cast<void>(StoredScans(paths, sensor));
-  const std::vector<StoredDrive> drives = drives_of(set, network);
-  if (!store_drives(store, drives, sensor, label, interrupt)) {
-    return nullptr;
+  static_cast<void>(StoredScans(stacks, usual));
+  std::vector<StoredDrive> drives;
+  for (const nn::SimulatedScans& simulated : set.simulated) {
+    for (const int seed : simulated.seeds) {
+      auto [drive, own] = drive_of(simulated, seed, configuration);
+      stacks.push_back({path_in_store(store.path, drive), std::move(own)});
+      drives.push_back(std::move(drive));
+    }
   }
-  for (const StoredDrive& drive : drives) paths.push_back(path_in_store(store.path, drive, sensor));
-  return std::make_unique<const StoredScans>(paths, sensor);
+  if (!store_drives(store, drives, label, interrupt)) return nullptr;
+  return std::make_unique<const StoredScans>(stacks, usual);
 }
 
 }  // namespace hqslam::tools

@@ -9,6 +9,7 @@
 #include "hqslam/core/npy.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/nn/network_json.h"
+#include "hqslam/nn/training/drawn_beams.h"
 #include "hqslam/sim/drive.h"
 #include "points_file.h"
 #include "testing.h"
@@ -24,12 +25,15 @@ SensorModel tiny_sensor() {
   return sensor;
 }
 
-nn::NetworkDescription network_for(const SensorModel& sensor, bool with_memory = false) {
-  return nn::network_from_json(
+nn::TrainingConfiguration training_for(const SensorModel& sensor, bool with_memory = false,
+                                       bool any_beams = false) {
+  nn::TrainingConfiguration configuration;
+  configuration.network = nn::network_from_json(
       fmt::format(R"({{"kind": "du-mix", "sensor": {}, "measured_rows": {}, "denoiser":
-                      {{"scan_memory": {}}}}})",
-                  sensor_json(sensor), sensor.rows() / 4, with_memory),
+                      {{"scan_memory": {}, "any_beams": {}}}}})",
+                  sensor_json(sensor), sensor.rows() / 4, with_memory, any_beams),
       "test");
+  return configuration;
 }
 
 /// A file with the points of a scan all of whose ranges are alike.
@@ -55,7 +59,7 @@ std::string stack(const TemporaryDirectory& folder, int number, int images) {
 
 TEST_CASE("scans of several files are numbered through, many threads read them at once") {
   const TemporaryDirectory folder;
-  const StoredScans scans({stack(folder, 1, 2), stack(folder, 2, 1), stack(folder, 3, 3)},
+  const StoredScans scans({{stack(folder, 1, 2)}, {stack(folder, 2, 1)}, {stack(folder, 3, 3)}},
                           tiny_sensor());
   const std::vector<float> expected = {10.0F, 11.0F, 20.0F, 30.0F, 31.0F, 32.0F};
   REQUIRE(scans.size() == 6);
@@ -85,14 +89,15 @@ TEST_CASE("what is no range is no return; what is no scan is an Error") {
     image.range_m[3] = 4.0F;
     writer.append(image);
   }
-  const StoredScans scans({folder.file("bad.npy")}, tiny_sensor());
+  const StoredScans scans({{folder.file("bad.npy")}}, tiny_sensor());
   const RangeImage image = scans.read(0).truth;
   CHECK(std::vector(image.range_m.begin(), image.range_m.begin() + 4) ==
         std::vector{0.0F, 0.0F, 0.0F, 4.0F});
   CHECK(test::refused_with([&] { scans.read(1); }, "scan 1", "0 to 0"));
   CHECK(test::refused_with([&] { scans.read(-1); }, "scan -1"));
-  CHECK(test::refused_with([&] { StoredScans({folder.file("bad.npy")}, sensor_preset("os1-16")); },
-                           "16 x 64", "16 x 1024"));
+  CHECK(
+      test::refused_with([&] { StoredScans({{folder.file("bad.npy")}}, sensor_preset("os1-16")); },
+                         "16 x 64", "16 x 1024"));
   test::write_file(folder.file("bad.npy"), "no longer");
   CHECK(test::refused_with([&] { scans.read(0); }, "bad.npy"));
 }
@@ -100,12 +105,12 @@ TEST_CASE("what is no range is no return; what is no scan is an Error") {
 TEST_CASE("a set is its stacks, then its drives, usual or varied, of a sensor that is off") {
   const TemporaryDirectory folder;
   nn::ScanSet set;
-  set.stacks = {stack(folder, 1, 1)};
+  set.stacks = {{stack(folder, 1, 1)}};
   set.simulated = {
       {.drive = "block", .seeds = {5}, .scans = 1},
       {.drive = "block", .seeds = {6}, .scans = 1, .conditions = nn::DriveConditions::kVaried}};
   const InterruptGuard interrupt;
-  const auto scans = stored_scans(set, network_for(tiny_sensor()), {folder.path() / "drives", 2},
+  const auto scans = stored_scans(set, training_for(tiny_sensor()), {folder.path() / "drives", 2},
                                   "scans", interrupt);
   REQUIRE(scans != nullptr);
   REQUIRE(scans->size() == 3);
@@ -128,11 +133,13 @@ TEST_CASE("a network with a memory gets what every scan recalls of those before 
   set.simulated = {{.drive = "block", .seeds = {5}, .scans = 7, .every = 3}};
   const InterruptGuard interrupt;
   const DriveStore store{folder.path(), 1};
-  const auto scans = stored_scans(set, network_for(tiny_sensor(), true), store, "scans", interrupt);
-  const auto without = stored_scans(set, network_for(tiny_sensor()), store, "scans", interrupt);
+  const auto scans =
+      stored_scans(set, training_for(tiny_sensor(), true), store, "scans", interrupt);
+  const auto without = stored_scans(set, training_for(tiny_sensor()), store, "scans", interrupt);
   REQUIRE(scans->size() == 3);
   for (std::int64_t i = 0; i < 3; ++i) {
-    const auto [truth, recalled] = scans->read(i);
+    const auto [truth, recalled, own_sensor] = scans->read(i);
+    CHECK_FALSE(own_sensor.has_value());
     CHECK(truth.range_m == without->read(i).truth.range_m);
     CHECK(without->read(i).recalled.is_empty());
     int agreeing = 0;
@@ -145,6 +152,34 @@ TEST_CASE("a network with a memory gets what every scan recalls of those before 
   }
 }
 
+TEST_CASE("a drive with a sensor of its own is simulated and recalls with that one's rows") {
+  const TemporaryDirectory folder;
+  const InterruptGuard interrupt;
+  nn::TrainingConfiguration configuration = training_for(tiny_sensor(), true, true);
+  SensorModel many = tiny_sensor();
+  many.beam_elevation_rad.clear();
+  for (int row = 0; row < 272; ++row) many.beam_elevation_rad.push_back(0.6 - 0.004 * row);
+  many.beam_azimuth_offset_rad.assign(272, 0.0);
+  configuration.drawn_from = many;
+  nn::ScanSet set;
+  set.simulated = {{.drive = "block", .seeds = {5, 6}, .scans = 3, .every = 2, .own_sensors = true},
+                   {.drive = "block", .seeds = {7}, .scans = 1}};
+  const auto scans = stored_scans(set, configuration, {folder.path(), 1}, "scans", interrupt);
+  REQUIRE(scans->size() == 5);
+  for (const std::uint64_t seed : {5U, 6U}) {
+    const nn::TrainingScan scan = scans->read(seed == 5 ? 1 : 3);
+    const nn::DrawnBeams beams = nn::draw_beams(many, seed, false);
+    REQUIRE(scan.sensor.has_value());
+    CHECK(scan.sensor->sensor.beam_elevation_rad == beams.sensor.beam_elevation_rad);
+    CHECK(scan.sensor->measured_rows == beams.measured_rows);
+    CHECK(scan.truth.rows == beams.sensor.rows());
+    CHECK(scan.truth.columns == beams.sensor.columns);
+    CHECK_FALSE(scan.recalled.is_empty());
+  }
+  CHECK_FALSE(scans->read(4).sensor.has_value());
+  CHECK(scans->read(4).truth.rows == 16);
+}
+
 TEST_CASE("a drive that looks ahead gets what every scan recalls of those around it") {
   const TemporaryDirectory folder;
   const InterruptGuard interrupt;
@@ -152,8 +187,8 @@ TEST_CASE("a drive that looks ahead gets what every scan recalls of those around
     nn::ScanSet set;
     set.simulated = {{.drive = "block", .seeds = {5}, .scans = 30, .every = 4}};
     set.simulated.front().look_ahead = look_ahead;
-    const auto scans =
-        stored_scans(set, network_for(tiny_sensor(), true), {folder.path(), 1}, "scans", interrupt);
+    const auto scans = stored_scans(set, training_for(tiny_sensor(), true), {folder.path(), 1},
+                                    "scans", interrupt);
     REQUIRE(scans->size() == 8);
     std::vector<std::int64_t> pixels;
     for (std::int64_t i = 0; i < 8; ++i) {
@@ -175,9 +210,9 @@ TEST_CASE("a recording's folder is what is in it now, without the scans that are
   std::filesystem::create_directory(folder.file("scans"));
   const InterruptGuard interrupt;
   nn::ScanSet set;
-  set.stacks = {folder.file("scans")};
+  set.stacks = {{folder.file("scans")}};
   const auto scans_now = [&] {
-    return stored_scans(set, network_for(sensor), {folder.path() / "store", 1}, "scans", interrupt)
+    return stored_scans(set, training_for(sensor), {folder.path() / "store", 1}, "scans", interrupt)
         ->size();
   };
   for (int i = 0; i < 3; ++i) {

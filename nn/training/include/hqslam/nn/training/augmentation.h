@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"
@@ -12,12 +13,20 @@ namespace hqslam::nn {
 /// The truth of a pixel of which nothing is known.
 inline constexpr float kUnknownTruth_m = -1e6F;
 
+/// A sensor with all rows, and those that are measured.
+struct ScanSensor {
+  SensorModel sensor;
+  RowSelection measured_rows;
+};
+
 /// A scan to learn from.
 struct TrainingScan {
   /// All rows. Minus a range where it is known how far the surface is, because other scans measured
   /// it, but not whether this beam would have a return.
   RangeImage truth;
   RecalledImage recalled = {};  ///< of the scans before it; may be empty
+  /// Of the scan, where it is not the network's; for a network that fits any sensor.
+  std::optional<ScanSensor> sensor = {};
 };
 
 /// The random changes that make many samples of one scan.

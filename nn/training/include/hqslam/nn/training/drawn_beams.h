@@ -18,8 +18,9 @@ struct DrawnBeams {
 
 /// A sensor with 8 to 64 measured rows and twice or four times as many in all: evenly spaced, with
 /// gaps that change smoothly, or with the table of a preset; some see less far than others. Every
-/// other one has half of the columns.
-DrawnBeams draw_beams(const SensorModel& all, std::uint64_t seed);
+/// other one has half of the columns. In every group of rows the last one is measured or, with
+/// any_offset, in two of five sensors another one.
+DrawnBeams draw_beams(const SensorModel& all, std::uint64_t seed, bool any_offset = true);
 /// The beams of `all` that are nearest to those of a sensor, in its columns. Throws Error unless
 /// `all` has a multiple of them.
 DrawnBeams beams_like(const SensorModel& all, const SensorModel& sensor,

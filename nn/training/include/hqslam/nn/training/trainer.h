@@ -34,14 +34,12 @@ struct TrainingPlan {
 /// Throws Error with field, value and constraint.
 void validate(const TrainingPlan& plan, const SensorModel& sensor);
 
-/// The scans that a network is trained on: all of one shape, ranges in metres, 0
-/// where nothing returned, never NaN, infinite or negative.
+/// The scans that a network is trained on: ranges in metres, 0 where nothing returned, never NaN,
+/// infinite or negative.
 class TrainingScans {
  public:
   virtual ~TrainingScans() = default;
   virtual std::int64_t size() const = 0;
-  virtual int rows() const = 0;
-  virtual int columns() const = 0;
   /// Scan i, 0 to size() - 1. Many threads may read at once. Throws Error if it cannot be read.
   virtual TrainingScan read(std::int64_t i) const = 0;
 };
@@ -87,13 +85,14 @@ struct TrainingState {
 /// number of threads nor on interruptions.
 class Trainer {
  public:
-  /// Throws Error, also if the scans do not have the sensor's shape or the state not the network's
-  /// number of parameters.
+  /// Throws Error, also if the first scan does not have its sensor's shape or the state not the
+  /// network's number of parameters.
   Trainer(const NetworkDescription& description, const TrainingPlan& plan,
           std::unique_ptr<const TrainingScans> scans, TrainingState state, int threads);
   ~Trainer();
 
-  /// Throws Error if a scan cannot be read or the loss is not finite.
+  /// Throws Error if a scan cannot be read or does not have its sensor's shape, or if the loss is
+  /// not finite.
   TrainingStep step();
   /// Throws Error if a scan does not have the sensor's shape.
   Validation validate(const std::vector<TrainingScan>& scans);

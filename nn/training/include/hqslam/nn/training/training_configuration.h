@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,15 +25,24 @@ struct SimulatedScans {
   std::string sensor_errors = "typical";  ///< as `hqslam-lab simulate --sensor-errors` names them
   /// Whether networks with a memory recall what was measured after a scan, too (kLookAheadScans).
   bool look_ahead = false;
+  /// Whether each drive has a sensor of its own, drawn from TrainingConfiguration::drawn_from by
+  /// its seed.
+  bool own_sensors = false;
 };
 
-/// Where scans come from; a stack is an .npy file of range images of the network's sensor, or the
-/// folder of a recording of it.
+/// An .npy file of range images, or the folder of a recording.
+struct StackedScans {
+  /// A leading $NAME is that environment variable's value.
+  std::string path;
+  std::optional<ScanSensor> sensor = {};  ///< nothing: the network's
+};
+
+/// Where scans come from.
 struct ScanSet {
   std::vector<SimulatedScans> simulated;
-  /// A leading $NAME is that environment variable's value. Each stack is listed as often as the
-  /// recipe repeats it: a few real scans can be drawn as often as many simulated ones.
-  std::vector<std::string> stacks;
+  /// Each is listed as often as the recipe repeats it: a few real scans can be drawn as often as
+  /// many simulated ones.
+  std::vector<StackedScans> stacks;
 };
 
 /// What `hqslam-lab train --config` reads.
@@ -41,6 +51,8 @@ struct TrainingConfiguration {
   TrainingPlan plan;
   ScanSet training;
   ScanSet validation;
+  /// A sensor with many rows, of which drives or, without a memory, samples get some.
+  std::optional<SensorModel> drawn_from;
   std::int64_t validate_every = 2000;  ///< steps; also when checkpoints are written
   std::string start_from;              ///< weights file to begin with; empty: random
 };
