@@ -123,7 +123,16 @@ FoundSensor sensor_of_points(const std::string& path, const std::optional<Sensor
       return {stated ? *measured : found->sensor, {}, "", false};
     }
   }
-  return held_against_points(full, found, path);
+  FoundSensor chosen = held_against_points(full, found, path);
+  if (!found || !chosen.note.empty()) return chosen;
+  if (auto own = with_own_beams(full, found->beam_elevation_rad)) {
+    chosen.sensor = std::move(*own);
+    chosen.note = fmt::format(
+        "the beams are off the table of sensor '{}'; read with those of this unit, from its first "
+        "scans",
+        full.name);
+  }
+  return chosen;
 }
 
 /// Files of scans.

@@ -34,6 +34,12 @@ std::optional<FoundSensor> found_if_any(const std::function<FoundSensor()>& find
 FoundSensor held_against_points(const SensorModel& stated, const std::optional<FoundSensor>& found,
                                 const std::string& source);
 
+/// The sensor with the elevations of this very unit, where as many beams were found as it has and
+/// they are off its table: half of them by a tenth of a degree or more, none by more than 1.5.
+/// Nothing otherwise.
+std::optional<SensorModel> with_own_beams(const SensorModel& sensor,
+                                          const std::vector<double>& found_rad);
+
 /// The sensor of a recording with one scan per file, determined from some of at least one file. The
 /// rate of turning follows from the stamps, else from the points' times. Files that cannot be read
 /// are skipped. Throws Error where the points do not determine a sensor.

@@ -290,21 +290,24 @@ TEST_CASE("turns are counted on over scans that cannot be read or have no points
 TEST_CASE("a unit whose beams are off the table by a degree is read with its own") {
   const TemporaryDirectory directory;
   const SensorModel sensor = sensor_preset("vlp-16");
-  for (int i = 0; i < 3; ++i) {
-    write_file(directory.file(std::to_string(i) + ".txt"), firing_order(0.0, 360.0, 0.8));
-  }
-  const auto source = open_scan_files(directory.path().string(), sensor);
-  CHECK(source->warnings().size() == 1);
+  write_file(directory.file("0.txt"), firing_order(0.0, 360.0, 0.8));
+  const auto opened = [](const TemporaryDirectory& folder) {
+    return Recording::open(
+        folder.path().string(),
+        {.sensor = "vlp-16", .files = {.without_times = CaptureTime::kMotionCorrected}});
+  };
+  auto source = opened(directory);
+  CHECK(source.warnings().size() == 1);
   for (int row = 0; row < 16; ++row) {
     const auto at = static_cast<std::size_t>(row);
-    CHECK(source->sensor().beam_elevation_rad[at] - sensor.beam_elevation_rad[at] ==
+    CHECK(source.sensor().beam_elevation_rad[at] - sensor.beam_elevation_rad[at] ==
           doctest::Approx(0.8 * kTurn_rad / 360.0).epsilon(0.001));
   }
-  for (int i = 0; i < 3; ++i) CHECK(source->next()->counts.outside_rows == 0);
+  CHECK(source.next()->counts.outside_rows == 0);
   // A sensor that is on its table keeps it, to the last bit.
   const TemporaryDirectory other;
   write_file(other.file("0.txt"), firing_order(0.0, 360.0, 0.01));
-  CHECK(open_scan_files(other.path().string(), sensor)->sensor() == sensor);
+  CHECK(opened(other).sensor() == sensor);
 }
 
 /// Four scans of a VLP-16 whose rings are numbered so, 0 the lowest; beams under these stay out.
