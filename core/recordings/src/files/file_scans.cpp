@@ -36,6 +36,13 @@ class FileScanSource : public ScanSource {
     if (!chosen.note.empty()) {
       warnings_.push_back(fmt::format("{}: {}", paths_.front(), chosen.note));
     }
+    if (auto own = with_own_beams(sensor_, chosen.beam_elevation_rad); own && !chosen.is_found) {
+      warnings_.push_back(fmt::format(
+          "{}: the beams are off the table of sensor '{}'; read with those of this unit, from its "
+          "first scans",
+          paths_.front(), sensor_.name));
+      sensor_ = std::move(*own);
+    }
     azimuth_times_ = AzimuthTimes(sensor_.scan_period_s);
     look_at_first_scans();
   }

@@ -244,6 +244,7 @@ FoundSensor held_against_points(const SensorModel& stated, const std::optional<F
                                 const std::string& source) {
   FoundSensor result{stated, {}, "", false};
   if (!found) return result;
+  result.beam_elevation_rad = found->beam_elevation_rad;
   const SensorModel& other = found->sensor;
   const auto presets = sensor_preset_names();
   const bool is_other_preset = std::ranges::find(presets, other.name) != presets.end() &&

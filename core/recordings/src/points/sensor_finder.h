@@ -12,7 +12,7 @@ namespace hqslam::recordings {
 
 struct FoundSensor {
   SensorModel sensor;  ///< a preset where all beams are one's, else without azimuth offsets
-  std::vector<double> beam_elevation_rad;  ///< measured in the points, highest first
+  std::vector<double> beam_elevation_rad;  ///< measured in the points, highest first; or empty
   std::string note;      ///< how it was found and how well it fits, for one line; or ""
   bool is_found = true;  ///< in the points; otherwise stated
 };
