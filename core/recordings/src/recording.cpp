@@ -141,36 +141,6 @@ std::unique_ptr<ScanSource> open_files(const std::string& path, const OpenOption
   return open_scan_files(path, of_images, choose, options.files);
 }
 
-/// Examines the first scans; later ones are many.
-void look_at_scans(ScanSource& source, RecordingInfo& info) {
-  constexpr std::int64_t kMostScans = 100;
-  LeftOut left_out;
-  std::string end;  // why it cannot be read on
-  for (std::int64_t i = 0; i < kMostScans && end.empty(); ++i) {
-    try {
-      const auto scan = source.next();
-      if (!scan) break;
-      if (!info.format.empty()) continue;
-      info.first_stamp_s = scan->stamp_s;
-      info.has_point_times = !scan->cloud.time_offset_s.empty();
-      info.format = fmt::format("{} returns in the first scan{}", scan->counts.kept,
-                                left_out.scans > 0 ? " that can be read" : "");
-    } catch (const ScanError& error) {
-      left_out.add(error.what());
-    } catch (const Error& error) {
-      end = error.what();
-    }
-  }
-  info.warnings = source.warnings();
-  if (left_out.scans > 0) info.warnings.push_back(left_out.text());
-  if (!end.empty()) {
-    info.warnings.push_back(end);
-  } else if (info.scans > kMostScans) {
-    info.warnings.push_back(
-        fmt::format("only the first {} of {} scans were examined", kMostScans, info.scans));
-  }
-}
-
 /// The file that hqslam-lab simulate wrote; "" where it did not.
 std::string imu_of_drive(const std::string& path) {
   const fs::path samples = fs::path(path) / "imu.csv";
@@ -204,12 +174,12 @@ RecordingInfo info_of_files(const std::string& path, const OpenOptions& options,
   return info;
 }
 
-RecordingInfo inspect_files(const std::string& path, const OpenOptions& options) {
-  std::optional<SensorModel> of_points;  // the file's own beams are shown instead
-  const auto source = ordered(open_files(path, options, of_points));
-  RecordingInfo info = info_of_files(path, options, *source);
-  look_at_scans(*source, info);
-  return info;
+/// What the first scan of files that can be read tells of all.
+void note_first(const RecordedScan& scan, const LeftOut& left_out, RecordingInfo& info) {
+  info.first_stamp_s = scan.stamp_s;
+  info.has_point_times = !scan.cloud.time_offset_s.empty();
+  info.format = fmt::format("{} returns in the first scan{}", scan.counts.kept,
+                            left_out.scans > 0 ? " that can be read" : "");
 }
 
 }  // namespace
@@ -241,11 +211,11 @@ void refuse_idle_options(const std::string& path, const OpenOptions& options) {
   }
 }
 
-Recording::Recording(std::string path, OpenOptions options)
+Recording::Recording(std::string path, OpenOptions options, bool with_points)
     : path_(std::move(path)), options_(std::move(options)) {
   refuse_idle_options(path_, options_);
   if (is_capture_or_bag(path_)) {
-    auto stream = open_stream(path_, options_, true);
+    auto stream = open_stream(path_, options_, with_points);
     stream_ = stream.get();
     source_ = std::move(stream);
   } else {
@@ -266,7 +236,7 @@ Recording::Recording(Recording&&) noexcept = default;
 Recording& Recording::operator=(Recording&&) noexcept = default;
 
 Recording Recording::open(const std::string& path, const OpenOptions& options) {
-  return {path, options};
+  return {path, options, true};
 }
 
 void Recording::use_columns(int columns) {
@@ -287,24 +257,40 @@ RecordingInfo Recording::info() const {
 }
 
 RecordingInfo inspect(const std::string& path, const OpenOptions& options) {
-  refuse_idle_options(path, options);
-  if (!is_capture_or_bag(path)) return inspect_files(path, options);
-  auto stream = open_stream(path, options, false);
-  const StreamScans& scans = *stream;
-  const auto source = scans.has_packets() ? std::unique_ptr<ScanSource>(std::move(stream))
-                                          : ordered(std::move(stream));
+  constexpr std::int64_t kMostScansOfFiles = 100;  // later ones are many
+  const bool is_stream = is_capture_or_bag(path);
+  // The scans of a stream are only counted and timed.
+  Recording recording(path, options, !is_stream);
+  RecordingInfo first;
   LeftOut left_out;
   std::string end;  // why it cannot be read on
   try {
-    while (next_usable(*source, left_out)) continue;
+    for (std::int64_t i = 0; is_stream || i < kMostScansOfFiles; ++i) {
+      try {
+        const auto scan = recording.next();
+        if (!scan) break;
+        if (first.format.empty()) note_first(*scan, left_out, first);
+      } catch (const ScanError& error) {
+        left_out.add(error.what());
+      }
+    }
   } catch (const Error& error) {
-    if (scans.info().scans == 0) throw;
+    if (is_stream && recording.info().scans == 0) throw;
     end = error.what();
   }
-  RecordingInfo info = scans.info();
-  info.warnings = source->warnings();
-  if (!end.empty()) info.warnings.push_back(end);
+  RecordingInfo info = recording.info();
+  if (!is_stream) {
+    info.sensor = recording.source_->sensor();  // with the file's own beams
+    info.first_stamp_s = first.first_stamp_s;
+    info.has_point_times = first.has_point_times;
+    info.format = first.format;
+  }
   if (left_out.scans > 0) info.warnings.push_back(left_out.text());
+  if (!end.empty()) info.warnings.push_back(end);
+  if (!is_stream && end.empty() && info.scans > kMostScansOfFiles) {
+    info.warnings.push_back(
+        fmt::format("only the first {} of {} scans were examined", kMostScansOfFiles, info.scans));
+  }
   return info;
 }
 

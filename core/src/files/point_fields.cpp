@@ -260,16 +260,19 @@ std::optional<PointTimes> point_times(const PointTimeField& field, double scan_p
   return times;
 }
 
+std::optional<PointTimes> usable_times(const PointTimeField& field, double scan_period_s) {
+  try {
+    return point_times(field, scan_period_s, "");
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
 bool times_rise(const std::vector<PointTimeField>& fields, double scan_period_s) {
   std::optional<double> before_s;
   int rises = 0;
   for (const PointTimeField& field : fields) {
-    std::optional<PointTimes> times;
-    try {
-      times = point_times(field, scan_period_s, "");
-    } catch (const Error&) {
-      continue;  // reported with its scan
-    }
+    const auto times = usable_times(field, scan_period_s);
     if (!times) continue;
     if (before_s && times->middle_s - *before_s < 0.5 * scan_period_s) return false;
     if (before_s) ++rises;

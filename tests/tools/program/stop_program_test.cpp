@@ -2,9 +2,7 @@
 #include <fmt/format.h>
 #include <signal.h>
 
-#include <chrono>
 #include <filesystem>
-#include <thread>
 
 #include "hqslam/core/trajectory.h"
 #include "hqslam/nn/weights_file.h"
@@ -33,8 +31,9 @@ TEST_CASE("a closed or full stderr costs nothing, and nothing is written into th
 TEST_CASE("a reader that goes away stops no training and is not complained about") {
   const TemporaryDirectory folder;
   const ProgramResult result = run_shell(fmt::format(
-      "{{ sleep 0.2; {}; echo $? >'{}'; }} | true",
-      command_line(train_arguments(folder, folder.file("out"))), folder.file("status")));
+      "{{ until [ -e '{0}/gone' ]; do sleep 0.01; done; {1}; echo $? >'{0}/status'; }} | "
+      "{{ exec <&-; touch '{0}/gone'; }}",
+      folder.path().string(), command_line(train_arguments(folder, folder.file("out")))));
   CHECK(file_contents(folder.file("status")) == "1\n");
   CHECK_FALSE(holds(result.error, "printed"));
   CHECK_NOTHROW(nn::read_weights(folder.file("out/weights.npz")));
@@ -55,10 +54,11 @@ TEST_CASE("a terminal that is closed, and a polite kill, leave a checkpoint to g
 TEST_CASE("a program that was told to ignore hang-ups ignores them") {
   const TemporaryDirectory folder;
   const std::string out = folder.file("out");
-  const ProgramResult result =
-      run_shell(fmt::format("trap '' HUP; {} & pid=$!; sleep 0.3; kill -HUP $pid; wait $pid",
-                            command_line(train_arguments(folder, out, 30))));
-  CHECK(result.status == 0);
+  ::signal(SIGHUP, SIG_IGN);  // which a child inherits
+  Child child(train_arguments(folder, out, 30));
+  ::signal(SIGHUP, SIG_DFL);
+  child.wait_for(out + "/checkpoint.npz");
+  CHECK(child.end(SIGHUP) == 0);
 }
 
 TEST_CASE("a run says that it is running until it has ended") {
@@ -101,10 +101,8 @@ TEST_CASE("a simulation that was stopped is used, and said to be one") {
   const std::string drive = folder.file("drive");
   {
     Child child(simulate_arguments(drive, 5000));
-    child.wait_for(drive + "/truth.tum");
-    while (!(fs::exists(drive + "/truth.tum") && fs::file_size(drive + "/truth.tum") > 500)) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
+    const fs::path truth = drive + "/truth.tum";
+    child.wait_until([&] { return fs::exists(truth) && fs::file_size(truth) > 500; });
     child.end(SIGKILL);
   }
   const ProgramResult result = succeeds("run '{}' --out '{}'", drive, folder.file("out"));
@@ -115,8 +113,9 @@ TEST_CASE("a simulation that was stopped is used, and said to be one") {
 TEST_CASE("a running program has its own name, by which killall and top find it") {
   const TemporaryDirectory folder;
   const ProgramResult result = run_shell(fmt::format(
-      "env -u OMP_WAIT_POLICY -u GOMP_SPINCOUNT '{}' simulate --drive block --sensor os1-64 "
-      "--scans 100000 --out '{}' >/dev/null & sleep 1; cat /proc/$!/comm; kill $!; wait",
+      "env -u OMP_WAIT_POLICY -u GOMP_SPINCOUNT '{0}' simulate --drive block --sensor os1-64 "
+      "--scans 100000 --out '{1}' >/dev/null & while kill -0 $! && [ ! -e '{1}' ]; do sleep 0.01; "
+      "done; cat /proc/$!/comm; kill $!; wait",
       HQSLAM_LAB_PROGRAM, folder.file("drive")));
   CHECK(result.out == "hqslam-lab\n");
 }

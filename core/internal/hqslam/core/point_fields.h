@@ -100,6 +100,8 @@ struct PointTimes {
 /// 0). Throws Error if a time is not finite or if they last more than five quarters of a turn.
 std::optional<PointTimes> point_times(const PointTimeField& field, double scan_period_s,
                                       const std::string& source);
+/// The same; nothing also where it throws Error, which is reported with the scan.
+std::optional<PointTimes> usable_times(const PointTimeField& field, double scan_period_s);
 
 /// Rows from the numbers of rings, one per point. Some drivers number them from the highest beam
 /// (Ouster), some from the lowest (Velodyne), which the correlation of ring and elevation decides;

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "hqslam/core/angles.h"
-#include "hqslam/core/error.h"
 #include "hqslam/core/median.h"
 
 namespace hqslam::recordings {
@@ -27,7 +26,7 @@ constexpr std::size_t kMostPointsOfTurn = 2'000'000;
 /// By how much the azimuth goes on from the first to the last point in time, over the time; nothing
 /// for points without times.
 std::optional<double> turn_s(const RawPoints& message, double period_s) {
-  const auto times = point_times(message.time, period_s, "");
+  const auto times = usable_times(message.time, period_s);
   if (!times || message.scan.points_m.size() < kFewestPointsOfTurn) return std::nullopt;
   if (std::abs(times->duration_s / period_s - 1.0) > kSameTime) return std::nullopt;
   std::vector<std::size_t> order(times->offset_s.size());
@@ -58,11 +57,7 @@ void append(const Scan& from, std::size_t i, float offset_s, Scan& to) {
 std::optional<double> turn_of_parts_s(const std::vector<RawPoints>& messages, double period_s) {
   std::vector<double> turns_s;
   for (const RawPoints& message : messages) {
-    try {
-      if (const auto turn = turn_s(message, period_s)) turns_s.push_back(*turn);
-    } catch (const Error&) {
-      continue;  // reported with its scan
-    }
+    if (const auto turn = turn_s(message, period_s)) turns_s.push_back(*turn);
   }
   if (turns_s.empty() || 2 * turns_s.size() < messages.size()) return std::nullopt;
   const double middle_s = median(turns_s);

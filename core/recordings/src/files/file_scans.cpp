@@ -2,16 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "files/scan_files.h"
-#include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
-#include "hqslam/core/median.h"
 #include "hqslam/core/point_fields.h"
 #include "points/azimuth_times.h"
 #include "points/recorded_scan.h"
@@ -21,68 +18,6 @@
 namespace hqslam::recordings {
 
 namespace {
-
-constexpr double kFits_rad = 0.1 * kDegree_rad;
-constexpr double kFarthest_rad = 1.5 * kDegree_rad;
-constexpr std::size_t kFewestPointsOfRow = 100;
-
-/// How far each row is from the table, where it has points enough.
-std::vector<std::optional<double>> deviations_rad(const SensorModel& sensor,
-                                                  const std::vector<Scan>& scans) {
-  std::vector<std::vector<double>> elevations(static_cast<std::size_t>(sensor.rows()));
-  for (const Scan& scan : scans) {
-    for (std::size_t i = 0; i < scan.row.size(); ++i) {
-      const Eigen::Vector3f& point_m = scan.points_m[i];
-      const float range_m = point_m.norm();
-      if (!(range_m >= sensor.min_range_m && range_m <= sensor.max_range_m)) continue;
-      elevations[scan.row[i]].push_back(
-          std::atan2(double{point_m.z()}, double{point_m.head<2>().norm()}));
-    }
-  }
-  std::vector<std::optional<double>> result(elevations.size());
-  for (std::size_t row = 0; row < elevations.size(); ++row) {
-    if (elevations[row].size() < kFewestPointsOfRow) continue;
-    result[row] = median(elevations[row]) - sensor.beam_elevation_rad[row];
-  }
-  return result;
-}
-
-/// The deviation of the nearest row that has one.
-double nearest(const std::vector<std::optional<double>>& deviations, std::size_t row) {
-  for (std::size_t away = 0; away < deviations.size(); ++away) {
-    if (row >= away && deviations[row - away]) return *deviations[row - away];
-    if (row + away < deviations.size() && deviations[row + away]) return *deviations[row + away];
-  }
-  return 0.0;
-}
-
-/// The sensor with the beams of this very unit.
-///
-/// In:  its first scans with rows; the beam table of its kind.
-/// Out: per row the median elevation of its points; rows with few points are as far from the table
-///      as their neighbours. Nothing if the table fits (half of the rows within a tenth of a degree
-///      of it), if any row is farther than 1.5 degrees from it, so that it is another sensor, or if
-///      the elevations do not fall from row to row.
-std::optional<SensorModel> with_own_elevations(const SensorModel& sensor,
-                                               const std::vector<Scan>& scans) {
-  const auto deviations = deviations_rad(sensor, scans);
-  std::vector<double> known;
-  for (const auto& deviation : deviations) {
-    if (deviation) known.push_back(std::abs(*deviation));
-  }
-  if (known.size() < 2 || *std::ranges::max_element(known) > kFarthest_rad ||
-      median(known) < kFits_rad) {
-    return std::nullopt;
-  }
-  SensorModel own = sensor;
-  for (std::size_t row = 0; row < deviations.size(); ++row) {
-    own.beam_elevation_rad[row] += nearest(deviations, row);
-    if (row > 0 && own.beam_elevation_rad[row] >= own.beam_elevation_rad[row - 1]) {
-      return std::nullopt;
-    }
-  }
-  return own;
-}
 
 namespace fs = std::filesystem;
 
@@ -101,8 +36,15 @@ class FileScanSource : public ScanSource {
     if (!chosen.note.empty()) {
       warnings_.push_back(fmt::format("{}: {}", paths_.front(), chosen.note));
     }
+    if (auto own = with_own_beams(sensor_, chosen.beam_elevation_rad); own && !chosen.is_found) {
+      warnings_.push_back(fmt::format(
+          "{}: the beams are off the table of sensor '{}'; read with those of this unit, from its "
+          "first scans",
+          paths_.front(), sensor_.name));
+      sensor_ = std::move(*own);
+    }
     azimuth_times_ = AzimuthTimes(sensor_.scan_period_s);
-    look_at_first_scans(!chosen.is_found);
+    look_at_first_scans();
   }
 
   const SensorModel& sensor() const override { return sensor_; }
@@ -156,70 +98,42 @@ class FileScanSource : public ScanSource {
     }
   }
 
-  /// Reads the first scans, whose points are kept until their turn. may_be_off: whether the beams
-  /// may be others than the sensor's.
-  void look_at_first_scans(bool may_be_off) {
-    has_stamps_ = !stamps_s_.empty();
+  /// Reads the first scans, whose points are kept until their turn.
+  void look_at_first_scans() {
     std::vector<PointTimeField> times;
+    std::vector<RawPoints> with_rings;
     for (std::size_t i = 0; i < std::min(kScansToLearnFrom, paths_.size()); ++i) {
       try {
         first_points_[i] = read_point_file(paths_[i]);
-        times.push_back(first_points_[i]->time);
       } catch (const Error&) {
         continue;  // reported when its turn comes
       }
+      times.push_back(first_points_[i]->time);
+      if (!first_points_[i]->ring.empty()) with_rings.push_back(*first_points_[i]);
     }
     has_clock_ = times_rise(times, sensor_.scan_period_s);
-    std::vector<RawPoints> readable;
-    for (const auto& points : first_points_) {
-      if (points && !points->ring.empty()) readable.push_back(*points);
-    }
-    ring_numbers_ = ring_numbers(readable, sensor_);
-    std::vector<Scan> scans;
-    for (std::size_t i = 0; i < first_points_.size(); ++i) {
-      if (!first_points_[i]) continue;
-      try {
-        RawPoints& points = *first_points_[i];
-        points.time.is_of_clock = has_clock_;
-        ring_numbers_.count_from_0(points.ring);
-        scans.push_back(scan_of(points, &sensor_, paths_[i]));
-        has_stamps_ = has_stamps_ || scans.back().stamp_s != 0.0;
-        set_rows(scans.back(), paths_[i], false);
-      } catch (const Error&) {
-        continue;
-      }
-    }
-    if (!may_be_off) return;
-    if (auto own = with_own_elevations(sensor_, scans)) {
-      warnings_.push_back(fmt::format(
-          "{}: the beams are off the table of sensor '{}'; read with those of this unit, from its "
-          "first scans",
-          paths_.front(), sensor_.name));
-      sensor_ = std::move(*own);
-    }
-  }
-
-  /// A .pcd file is a driver's, with rings where they are known; else elevations determine rows.
-  void set_rows(Scan& scan, const std::string& path, bool must_fit) const {
-    if (!path.ends_with(".pcd")) set_rows_by_order(scan, sensor_, path, must_fit);
+    has_stamps_ = !stamps_s_.empty() || std::ranges::any_of(times, [&](PointTimeField field) {
+      field.is_of_clock = has_clock_;
+      const auto found = usable_times(field, sensor_.scan_period_s);
+      return found && found->absolute;
+    });
+    ring_numbers_ = ring_numbers(with_rings, sensor_);
   }
 
   RawPoints points_of(std::size_t index) {
     const bool is_kept = index < first_points_.size() && first_points_[index].has_value();
     RawPoints points = is_kept ? std::move(*first_points_[index]) : read_point_file(paths_[index]);
-    if (is_kept) {
-      first_points_[index].reset();
-    } else {
-      ring_numbers_.count_from_0(points.ring);
-      points.time.is_of_clock = has_clock_;
-    }
+    if (is_kept) first_points_[index].reset();
+    ring_numbers_.count_from_0(points.ring);
+    points.time.is_of_clock = has_clock_;
     return points;
   }
 
   RecordedScan recorded(std::size_t index) {
     const std::string& path = paths_[index];
     Scan scan = scan_of(points_of(index), &sensor_, path);
-    set_rows(scan, path, true);
+    // A .pcd file is a driver's, with rings where they are known; else elevations determine rows.
+    if (!path.ends_with(".pcd")) set_rows_by_order(scan, sensor_, path);
     const bool has_times = !scan.time_offset_s.empty();
     if (!has_times && without_times_ == CaptureTime::kRolling) {
       azimuth_times_.set(scan, sensor_, index);

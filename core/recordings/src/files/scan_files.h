@@ -32,10 +32,9 @@ using ChooseSensor = std::function<FoundSensor(const std::function<FoundSensor()
 /// drives), else the middle of its points' times where those are a clock's or as
 /// options.without_times says, else its index times sensor.scan_period_s. In a folder of images
 /// with truth.tum and no timestamps.txt the stamps are those of truth.tum: (index + 1/2) times the
-/// period for a simulated drive, the middle of each scan. A unit whose beams are off the sensor's
-/// by up to 1.5 degrees is read with its own, estimated from its first scans. Pixels of images that
-/// are not finite or negative count as invalid points. Throws Error: which file, what was expected,
-/// what was found, what to do; also for scans that cannot be the sensor's.
+/// period for a simulated drive, the middle of each scan. Pixels of images that are not finite or
+/// negative count as invalid points. Throws Error: which file, what was expected, what was found,
+/// what to do; also for scans that cannot be the sensor's.
 std::unique_ptr<ScanSource> open_scan_files(const std::string& path,
                                             const std::optional<SensorModel>& sensor,
                                             const RecordingOptions& options = {});

@@ -27,14 +27,6 @@ std::set<std::size_t> scans_to_look_at(std::size_t scans) {
   return indices;
 }
 
-std::optional<PointTimes> times_of(const RawPoints& points, const std::string& path) {
-  try {
-    return point_times(points.time, kLongestTurn_s, path);
-  } catch (const Error&) {
-    return std::nullopt;  // reported with its scan
-  }
-}
-
 /// Most steps from stamp to stamp are one turn, and so is the time from a scan's first point to its
 /// last.
 std::optional<double> period_of(std::vector<double> turns_s) {
@@ -60,7 +52,7 @@ FoundSensor find_sensor_of_files(const std::vector<std::string>& paths,
     }
     points += scans.back().scan.points_m.size();
     if (points > kMostPoints) break;
-    const auto times = times_of(scans.back(), paths[i]);
+    const auto times = usable_times(scans.back().time, kLongestTurn_s);
     if (times) lasted_s.push_back(times->duration_s);
   }
   for (std::size_t i = 1; i < stamps_s.size(); ++i) {

@@ -86,7 +86,8 @@ void HesaiDecoder::add(const Packet& packet) {
     ++counts_.foreign;
     return;
   }
-  if (!take_time(header->time_ns, packet.capture_time_ns, header->scan_period_s)) return;
+  const int first = azimuth_of(packet.payload, header->lasers, 0);
+  if (!take_time(header->time_ns, packet.capture_time_ns, header->scan_period_s, first)) return;
   if (header->number && last_number_) {
     const std::uint32_t missing = *header->number - *last_number_ - 1;
     if (missing < kMostLost) counts_.lost += missing;

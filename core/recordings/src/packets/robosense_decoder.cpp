@@ -209,7 +209,9 @@ void RobosenseDecoder::add(const Packet& packet) {
     ++counts_.foreign;
     return;
   }
-  if (!take_time(header->time_ns, packet.capture_time_ns, unit_.sensor.scan_period_s)) return;
+  const double period_s = unit_.sensor.scan_period_s;
+  const int first = azimuth_of(packet.payload, 0);
+  if (!take_time(header->time_ns, packet.capture_time_ns, period_s, first)) return;
   ++counts_.used;
   const std::vector<Firing> firings = firings_of(packet.payload);
   const double packet_s =

@@ -14,6 +14,10 @@ namespace hqslam::recordings {
 namespace {
 
 constexpr double kMostOfAScan = 0.75;
+/// After this share of a turn without packets the azimuth may be about what it was before.
+constexpr double kWholeTurn = 0.99;
+/// A head may tremble by some hundredths of a degree; more is a new turn.
+constexpr int kSmallestFall = 200;
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 /// The gaps that two clocks measure differ by less.
 constexpr double kMostApart_s = 0.5;
@@ -40,8 +44,11 @@ double period_at(int turns_per_minute) {
   return 60.0 / (10.0 * std::round(turns_per_minute / 10.0));  // 599 or 601 are 600
 }
 
-bool TurnDecoder::take_time(std::int64_t sensor_ns, std::int64_t capture_ns, double scan_period_s) {
+bool TurnDecoder::take_time(std::int64_t sensor_ns, std::int64_t capture_ns, double scan_period_s,
+                            int azimuth) {
   passed_s_ = 0.0;
+  cuts_ = 0;
+  const int turned = modulo_turn(azimuth - cut_);
   if (last_sensor_ns_) {
     const std::int64_t passed_ns = sensor_ns - *last_sensor_ns_;
     if (passed_ns <= 0 && passed_ns > -kSecond_ns) {
@@ -51,16 +58,18 @@ bool TurnDecoder::take_time(std::int64_t sensor_ns, std::int64_t capture_ns, dou
     const double passed_s = 1e-9 * static_cast<double>(passed_ns);
     const double recorded_s =
         1e-9 * (static_cast<double>(capture_ns) - static_cast<double>(last_capture_ns_));
-    const bool clock_was_set = std::abs(passed_s - recorded_s) > kMostApart_s;
-    const bool turned = passed_s >= kWholeTurn * scan_period_s;
-    if (!clock_was_set) passed_s_ = passed_s;
-    if (turned && !clock_was_set) {
-      lost_scans_ += std::max<std::int64_t>(0, std::llround(passed_s / scan_period_s) - 1);
+    if (std::abs(passed_s - recorded_s) <= kMostApart_s) {  // otherwise a clock was set
+      passed_s_ = passed_s;
+      const double ahead = static_cast<double>(last_packet_turned_ - turned) / kTurn;
+      cuts_ = std::llround(passed_s / scan_period_s + ahead);
+      // At the end of the turn before, of each lost one, and no other time.
+      lost_scans_ += std::max<std::int64_t>(0, cuts_ - 1);
     }
-    if (turned || passed_s < 0.0) finish();
+    if (passed_s >= kWholeTurn * scan_period_s || passed_s < 0.0) finish();
   }
   last_sensor_ns_ = sensor_ns;
   last_capture_ns_ = capture_ns;
+  last_packet_turned_ = turned;
   return true;
 }
 

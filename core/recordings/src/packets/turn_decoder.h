@@ -14,13 +14,7 @@
 
 namespace hqslam::recordings {
 
-/// After this share of a turn without packets the azimuth may be about what it was before.
-inline constexpr double kWholeTurn = 0.99;
-
 inline constexpr int kTurn = 36000;  ///< of a head, hundredths of a degree
-/// It may tremble by some of these; more is a new turn.
-inline constexpr int kSmallestFall = 200;
-
 inline int modulo_turn(int azimuth) { return (azimuth % kTurn + kTurn) % kTurn; }
 
 struct PulseReturn {
@@ -63,9 +57,11 @@ class TurnDecoder : public ScanAssembler {
         field_of_view_deg_(field_of_view_deg),
         name_(std::move(name)) {}
 
-  /// A packet has this time by the sensor's clock: false if it is left out, as late. Where nothing
-  /// came for a turn, or that clock was set back, the scan ends.
-  bool take_time(std::int64_t sensor_ns, std::int64_t capture_ns, double scan_period_s);
+  /// A packet has this time by the sensor's clock, and its first firing this azimuth: false if it
+  /// is left out, as late. Where nothing came for a turn, or that clock was set back, the scan
+  /// ends.
+  bool take_time(std::int64_t sensor_ns, std::int64_t capture_ns, double scan_period_s,
+                 int azimuth);
   /// The time of a packet by the clock of stamps. Where the recorder's clock was set, the scan
   /// ends.
   std::int64_t recorded_ns(std::int64_t sensor_ns, std::int64_t capture_ns);
@@ -81,6 +77,7 @@ class TurnDecoder : public ScanAssembler {
   std::int64_t last_capture_ns_ = 0;  ///< of the packet before
   /// Between the last packet and the one before; 0 for the first one and where a clock was set.
   double passed_s_ = 0.0;
+  std::int64_t cuts_ = 0;  ///< how often the head passed the cut in that time
   PacketCounts counts_;
   std::int64_t lost_scans_ = 0;
 
@@ -93,6 +90,7 @@ class TurnDecoder : public ScanAssembler {
   Scan spare_;  ///< empty, with memory
   SensorClock clock_;
   std::optional<std::int64_t> last_sensor_ns_;
+  int last_packet_turned_ = 0;
   bool began_with_cut_ = false;
   bool empty_ = true;
   int first_turned_ = 0;

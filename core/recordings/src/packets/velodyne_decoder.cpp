@@ -60,72 +60,29 @@ VelodyneDecoder::VelodyneDecoder(const VelodyneStream& stream, const SensorModel
   rate_ = expected_rate();
 }
 
-/// The time since the packet before. The sensor's clock gives it but for whole hours; from a second
-/// on the recorder's clock decides whether no packet came in that time, or the sensor's was set.
-std::int64_t VelodyneDecoder::passed_us(std::int64_t now_us, std::int64_t capture_ns,
-                                        bool& clock_was_set) const {
-  std::int64_t passed_us = now_us - *last_us_;
-  if (passed_us < -kHour_us / 2) passed_us += kHour_us;
-  if (passed_us > kHour_us / 2) passed_us -= kHour_us;
-  clock_was_set = false;
-  if (std::abs(passed_us) < kSecond_us) return passed_us;
+/// The packet's time by a clock that goes on over the hours, of which the sensor's tells none: from
+/// a second on the recorder's clock decides how many passed, unless one of the two was set.
+std::int64_t VelodyneDecoder::continued_us(const Packet& packet) const {
+  const std::int64_t now_us = little_endian<std::uint32_t>(packet.payload, kTimeAt);
+  if (!sensor_us_) return now_us;
+  const double passed_us = std::remainder(static_cast<double>(now_us - *sensor_us_), kHour_us);
+  const std::int64_t time_us = *sensor_us_ + std::llround(passed_us);
+  if (std::abs(passed_us) < kSecond_us) return time_us;
   const double recorded_us =
-      1e-3 * (static_cast<double>(capture_ns) - static_cast<double>(last_capture_ns_));
-  const double hours = std::round((recorded_us - static_cast<double>(passed_us)) / kHour_us);
-  const double apart_us = recorded_us - static_cast<double>(passed_us) - hours * kHour_us;
+      1e-3 * (static_cast<double>(packet.capture_time_ns) - static_cast<double>(last_capture_ns_));
+  const double hours = std::round((recorded_us - passed_us) / kHour_us);
+  const double apart_us = recorded_us - passed_us - hours * kHour_us;
   const bool agree =
       std::abs(apart_us) < kMostApart * kSecond_us && hours >= 0.0 && hours < kMostHours;
-  clock_was_set = !agree;
-  return agree ? passed_us + static_cast<std::int64_t>(hours) * kHour_us : passed_us;
+  return agree ? time_us + static_cast<std::int64_t>(hours) * kHour_us : time_us;
 }
 
-/// The time of a packet; false if the packet is left out. A time a turn or more behind the last one
-/// is a gap, one far from it a clock that was set: the scan ends there.
-bool VelodyneDecoder::take_time(const Packet& packet) {
-  const std::int64_t now_us = little_endian<std::uint32_t>(packet.payload, kTimeAt);
-  if (!last_us_) {
-    sensor_us_ = now_us;
-    last_us_ = now_us;
-    last_capture_ns_ = packet.capture_time_ns;
-    return true;
-  }
-  bool clock_was_set = false;
-  const std::int64_t passed = passed_us(now_us, packet.capture_time_ns, clock_was_set);
-  if (passed <= 0 && passed > -kSecond_us) {
-    ++counts_.late;
-    return false;
-  }
-  if (!clock_was_set) count_lost(passed, block_azimuth(packet.payload, 0));
-  if (passed < 0 || static_cast<double>(passed) >= kWholeTurn * 1e6 * stream_.scan_period_s) {
-    finish();
-  }
-  last_us_ = now_us;
-  last_capture_ns_ = packet.capture_time_ns;
-  sensor_us_ += passed;
-  return true;
-}
-
-/// Packets that never came between the last one and this one, and whole turns of which none did.
-void VelodyneDecoder::count_lost(std::int64_t passed_us, int azimuth) {
+/// Packets that never came between the last one and this one.
+void VelodyneDecoder::count_lost() {
   const double spacing_us = stream_.dual_return ? timing_.packet_us_dual : timing_.packet_us_single;
-  const double period_us = 1e6 * stream_.scan_period_s;
-  const double blind = 1.0 - stream_.field_of_view_deg / 360.0;  // share of a turn
-  const int from = modulo_turn(last_packet_azimuth_ - cut_);
-  const int to = modulo_turn(azimuth - cut_);
-  const double passed = static_cast<double>(passed_us);
-  if (passed < kWholeTurn * period_us) {
-    const bool over_cut = to < from - kSmallestFall;
-    const double expected_us = spacing_us + (over_cut ? blind * period_us : 0.0);
-    const auto lost = std::llround((passed - expected_us) / spacing_us);
-    if (lost > 0) counts_.lost += lost;
-    return;
-  }
-  // The head passed the cut at the end of the turn before, of each lost one, and no other time.
-  const auto cuts = std::llround(passed / period_us + static_cast<double>(from - to) / kTurn);
-  const auto lost =
-      std::llround((passed - static_cast<double>(cuts) * blind * period_us) / spacing_us);
-  counts_.lost += std::max<std::int64_t>(0, lost - 1);
-  lost_scans_ += std::max<std::int64_t>(0, cuts - 1);
+  const double blind_s = (1.0 - stream_.field_of_view_deg / 360.0) * stream_.scan_period_s;
+  const double sent_us = 1e6 * (passed_s_ - static_cast<double>(cuts_) * blind_s);
+  counts_.lost += std::max<std::int64_t>(0, std::llround(sent_us / spacing_us) - 1);
 }
 
 /// The firings of a packet with their azimuths and times.
@@ -184,16 +141,19 @@ void VelodyneDecoder::add(const Packet& packet) {
     ++counts_.foreign;
     return;
   }
-  if (!take_time(packet)) return;
+  const std::int64_t time_us = continued_us(packet);
+  const int azimuth = block_azimuth(packet.payload, 0);
+  if (!take_time(1000 * time_us, packet.capture_time_ns, stream_.scan_period_s, azimuth)) return;
+  sensor_us_ = time_us;
   ++counts_.used;
-  const std::int64_t packet_ns = recorded_ns(1000 * sensor_us_, packet.capture_time_ns);
+  count_lost();
+  const std::int64_t packet_ns = recorded_ns(1000 * time_us, packet.capture_time_ns);
   read_firings(packet.payload);
   for (const Firing& firing : firings_) {
     const std::int64_t firing_ns = packet_ns + std::llround(1e3 * firing.time_us);
     const double start_s = fire(firing.azimuth, firing_ns);
     if (options_.with_points) add_points(firing, packet.payload, start_s);
   }
-  last_packet_azimuth_ = block_azimuth(packet.payload, 0);
 }
 
 /// `start_s`: of the firing after the scan's first one.

@@ -40,9 +40,8 @@ class VelodyneDecoder : public TurnDecoder {
     double time_us = 0.0;  ///< after the time of the packet
     double rate = 0.0;     ///< hundredths of a degree in a microsecond
   };
-  bool take_time(const Packet& packet);
-  std::int64_t passed_us(std::int64_t now_us, std::int64_t capture_ns, bool& clock_was_set) const;
-  void count_lost(std::int64_t passed_us, int azimuth);
+  std::int64_t continued_us(const Packet& packet) const;
+  void count_lost();
   void read_firings(Bytes payload);
   void set_rates();
   void add_points(const Firing& firing, Bytes payload, double start_s);
@@ -51,9 +50,7 @@ class VelodyneDecoder : public TurnDecoder {
   VelodyneStream stream_;
   VelodyneTiming timing_;
   VelodyneChannels channels_;
-  std::optional<std::int64_t> last_us_;  ///< of the packet before, within the hour
-  std::int64_t sensor_us_ = 0;           ///< the same, counted on over the hours
-  int last_packet_azimuth_ = 0;
+  std::optional<std::int64_t> sensor_us_;  ///< of the packet before, counted on over the hours
   double rate_ = 0.0;
   std::vector<Firing> firings_;
 };

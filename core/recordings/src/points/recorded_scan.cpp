@@ -59,8 +59,7 @@ void require_directions_of(const SensorModel& sensor, const ProjectionCounts& co
 
 }  // namespace
 
-void set_rows_by_order(Scan& scan, const SensorModel& sensor, const std::string& source,
-                       bool must_fit) {
+void set_rows_by_order(Scan& scan, const SensorModel& sensor, const std::string& source) {
   if (!scan.row.empty() || scan.points_m.empty() || !stored_ring_after_ring(scan, sensor)) return;
   RingRecovery rings;
   try {
@@ -68,7 +67,7 @@ void set_rows_by_order(Scan& scan, const SensorModel& sensor, const std::string&
   } catch (const Error& error) {
     throw Error("{}: {}", source, error.what());
   }
-  if (must_fit) require_rings_of(sensor, rings, source);
+  require_rings_of(sensor, rings, source);
   scan.row = std::move(rings.row);
 }
 

@@ -15,10 +15,8 @@ inline constexpr double kMaxForeignShare = 0.5;
 
 /// Determines the rows of points that are stored ring after ring from that order. Known rows stay;
 /// where rows remain unknown, projection takes the beam nearest in elevation.
-/// `must_fit`: whether the rings must be those of the sensor. Throws Error; `source` stands for the
-/// scan in messages.
-void set_rows_by_order(Scan& scan, const SensorModel& sensor, const std::string& source,
-                       bool must_fit = true);
+/// Throws Error unless the rings are those of the sensor; `source` stands for the scan in messages.
+void set_rows_by_order(Scan& scan, const SensorModel& sensor, const std::string& source);
 
 /// Points -> pixels of the sensor's image. Throws Error for points that cannot be the sensor's.
 RecordedScan recorded_scan(const Scan& scan, const SensorModel& sensor, std::string name);

@@ -33,6 +33,10 @@ constexpr double kMostContradicting = 0.1;
 constexpr double kLeastSeen = 0.7;
 /// A beam is a preset's, or that of another scan, within this.
 constexpr double kSameBeam_rad = 0.15 * kDegree_rad;
+/// A unit's beams are those of its table where half of them are within this; beams that are farther
+/// from it than a unit's may be are another sensor's.
+constexpr double kFitsTable_rad = 0.1 * kDegree_rad;
+constexpr double kFarthestOffTable_rad = 1.5 * kDegree_rad;
 
 constexpr double kDefaultPeriod_s = 0.1;
 constexpr int kDefaultColumns = 1024;
@@ -240,6 +244,7 @@ FoundSensor held_against_points(const SensorModel& stated, const std::optional<F
                                 const std::string& source) {
   FoundSensor result{stated, {}, "", false};
   if (!found) return result;
+  result.beam_elevation_rad = found->beam_elevation_rad;
   const SensorModel& other = found->sensor;
   const auto presets = sensor_preset_names();
   const bool is_other_preset = std::ranges::find(presets, other.name) != presets.end() &&
@@ -255,6 +260,21 @@ FoundSensor held_against_points(const SensorModel& stated, const std::optional<F
     result.note = selection_text(stated.rows(), *rows);
   }
   return result;
+}
+
+std::optional<SensorModel> with_own_beams(const SensorModel& sensor,
+                                          const std::vector<double>& found_rad) {
+  const std::vector<double>& table_rad = sensor.beam_elevation_rad;
+  if (found_rad.size() != table_rad.size()) return std::nullopt;
+  std::vector<double> off_rad;
+  for (std::size_t row = 0; row < table_rad.size(); ++row) {
+    off_rad.push_back(std::abs(found_rad[row] - table_rad[row]));
+  }
+  const bool is_this_kind = *std::ranges::max_element(off_rad) <= kFarthestOffTable_rad;
+  if (!is_this_kind || median(off_rad) < kFitsTable_rad) return std::nullopt;
+  SensorModel own = sensor;
+  own.beam_elevation_rad = found_rad;
+  return own;
 }
 
 }  // namespace hqslam::recordings

@@ -12,7 +12,7 @@ namespace hqslam::recordings {
 
 struct FoundSensor {
   SensorModel sensor;  ///< a preset where all beams are one's, else without azimuth offsets
-  std::vector<double> beam_elevation_rad;  ///< measured in the points, highest first
+  std::vector<double> beam_elevation_rad;  ///< measured in the points, highest first; or empty
   std::string note;      ///< how it was found and how well it fits, for one line; or ""
   bool is_found = true;  ///< in the points; otherwise stated
 };
@@ -33,6 +33,12 @@ std::optional<FoundSensor> found_if_any(const std::function<FoundSensor()>& find
 /// other beams, as those of another preset.
 FoundSensor held_against_points(const SensorModel& stated, const std::optional<FoundSensor>& found,
                                 const std::string& source);
+
+/// The sensor with the elevations of this very unit, where as many beams were found as it has and
+/// they are off its table: half of them by a tenth of a degree or more, none by more than 1.5.
+/// Nothing otherwise.
+std::optional<SensorModel> with_own_beams(const SensorModel& sensor,
+                                          const std::vector<double>& found_rad);
 
 /// The sensor of a recording with one scan per file, determined from some of at least one file. The
 /// rate of turning follows from the stamps, else from the points' times. Files that cannot be read

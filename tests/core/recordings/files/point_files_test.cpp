@@ -288,23 +288,23 @@ TEST_CASE("turns are counted on over scans that cannot be read or have no points
 }
 
 TEST_CASE("a unit whose beams are off the table by a degree is read with its own") {
-  const TemporaryDirectory directory;
+  const TemporaryDirectory folder;
   const SensorModel sensor = sensor_preset("vlp-16");
-  for (int i = 0; i < 3; ++i) {
-    write_file(directory.file(std::to_string(i) + ".txt"), firing_order(0.0, 360.0, 0.8));
-  }
-  const auto source = open_scan_files(directory.path().string(), sensor);
-  CHECK(source->warnings().size() == 1);
-  for (int row = 0; row < 16; ++row) {
-    const auto at = static_cast<std::size_t>(row);
-    CHECK(source->sensor().beam_elevation_rad[at] - sensor.beam_elevation_rad[at] ==
+  const OpenOptions options = {.sensor = "vlp-16",
+                               .files = {.without_times = CaptureTime::kMotionCorrected}};
+  write_file(folder.file("0.txt"), firing_order(0.0, 360.0, 0.8));
+  auto recording = Recording::open(folder.path().string(), options);
+  CHECK(recording.warnings().size() == 1);
+  CHECK(recording.sensor() == sensor);  // as it was stated
+  CHECK(recording.next()->counts.outside_rows == 0);
+  const SensorModel own = inspect(folder.path().string(), options).sensor;
+  for (std::size_t row = 0; row < 16; ++row) {
+    CHECK(own.beam_elevation_rad[row] - sensor.beam_elevation_rad[row] ==
           doctest::Approx(0.8 * kTurn_rad / 360.0).epsilon(0.001));
   }
-  for (int i = 0; i < 3; ++i) CHECK(source->next()->counts.outside_rows == 0);
   // A sensor that is on its table keeps it, to the last bit.
-  const TemporaryDirectory other;
-  write_file(other.file("0.txt"), firing_order(0.0, 360.0, 0.01));
-  CHECK(open_scan_files(other.path().string(), sensor)->sensor() == sensor);
+  write_file(folder.file("0.txt"), firing_order(0.0, 360.0, 0.01));
+  CHECK(inspect(folder.path().string(), options).sensor == sensor);
 }
 
 /// Four scans of a VLP-16 whose rings are numbered so, 0 the lowest; beams under these stay out.

@@ -147,7 +147,9 @@ class Recording final : public ScanSource {
   void use_columns(int columns);
 
  private:
-  Recording(std::string path, OpenOptions options);
+  friend RecordingInfo inspect(const std::string& path, const OpenOptions& options);
+  /// with_points: whether the scans of a capture or a bag have points, or are only timed.
+  Recording(std::string path, OpenOptions options, bool with_points);
 
   std::string path_;
   OpenOptions options_;
