@@ -244,6 +244,29 @@ TEST_CASE("points without times get that of their azimuth, counted on from scan 
   CHECK(corrected->warnings()[0].find("taken as corrected for motion") != std::string::npos);
 }
 
+TEST_CASE("scans that are cropped to a part of the turn are a turn apart, parts of turns are not") {
+  const auto stamps_s = [](const std::function<std::string(int)>& contents) {
+    const TemporaryDirectory directory;
+    for (int i = 0; i < 4; ++i) write_file(directory.file(std::to_string(i) + ".txt"), contents(i));
+    const auto source = open_scan_files(directory.path().string(), sensor_preset("vlp-16"),
+                                        {.without_times = CaptureTime::kRolling});
+    std::vector<double> result;
+    while (const auto scan = source->next()) result.push_back(scan->stamp_s);
+    return result;
+  };
+  const auto check = [](const std::vector<double>& found_s, double step_s, double first_s) {
+    REQUIRE(found_s.size() == 4);
+    for (int i = 0; i < 4; ++i) CHECK(std::abs(found_s[i] - first_s - step_s * i) < 2e-4);
+  };
+  check(stamps_s([](int i) { return firing_order(-60.0 + 360.0 * i, 120.0); }), 0.1, 0.1 / 6.0);
+  // Turns that begin in front, of which the back is cropped.
+  check(stamps_s([](int i) {
+          return firing_order(360.0 * i, 60.0) + firing_order(360.0 * i + 300.0, 60.0);
+        }),
+        0.1, 0.05);
+  check(stamps_s([](int i) { return firing_order(180.0 * i, 180.0); }), 0.05, 0.025);
+}
+
 TEST_CASE("turns are counted on over scans that cannot be read or have no points") {
   const SensorModel sensor = sensor_preset("vlp-16");
   const auto stamps_s = [&](int missing, const std::string& contents) {
