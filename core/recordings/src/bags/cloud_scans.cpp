@@ -58,7 +58,7 @@ class CloudScans : public StreamScans {
   std::optional<RecordedScan> read() override {
     std::optional<RecordedScan> scan = form_.turn_s ? read_turn() : read_message();
     if (scan && form_.with_points && !std::exchange(any_read_, true)) {
-      if (std::string text = crowding_warning(*scan); !text.empty()) {
+      if (std::string text = fit_warning(*scan, info_.sensor); !text.empty()) {
         info_.warnings.push_back(std::move(text));
       }
     }

@@ -16,6 +16,7 @@
 #include "points/azimuth_times.h"
 #include "points/recorded_scan.h"
 #include "points/ring_numbers.h"
+#include "points/ring_segments.h"
 #include "points/sensor_finder.h"
 
 namespace hqslam::recordings {
@@ -26,7 +27,7 @@ constexpr double kFits_rad = 0.1 * kDegree_rad;
 constexpr double kFarthest_rad = 1.5 * kDegree_rad;
 constexpr std::size_t kFewestPointsOfRow = 100;
 
-/// How far each row is from the table, where it has points enough.
+/// How far each row is from the table, where it has points enough, most of them at one elevation.
 std::vector<std::optional<double>> deviations_rad(const SensorModel& sensor,
                                                   const std::vector<Scan>& scans) {
   std::vector<std::vector<double>> elevations(static_cast<std::size_t>(sensor.rows()));
@@ -39,10 +40,15 @@ std::vector<std::optional<double>> deviations_rad(const SensorModel& sensor,
           std::atan2(double{point_m.z()}, double{point_m.head<2>().norm()}));
     }
   }
+  const std::vector<double> spacing_rad = beam_spacing_rad(sensor);
   std::vector<std::optional<double>> result(elevations.size());
   for (std::size_t row = 0; row < elevations.size(); ++row) {
     if (elevations[row].size() < kFewestPointsOfRow) continue;
-    result[row] = median(elevations[row]) - sensor.beam_elevation_rad[row];
+    const double middle_rad = median(elevations[row]);
+    for (double& elevation_rad : elevations[row])
+      elevation_rad = std::abs(elevation_rad - middle_rad);
+    if (median(elevations[row]) > spacing_rad[row] / 2.0) continue;  // no beam in this frame
+    result[row] = middle_rad - sensor.beam_elevation_rad[row];
   }
   return result;
 }
@@ -119,7 +125,7 @@ class FileScanSource : public ScanSource {
     try {
       RecordedScan result = recorded(index);
       if (!std::exchange(any_used_, true)) {
-        if (std::string text = crowding_warning(result); !text.empty()) {
+        if (std::string text = fit_warning(result, sensor_); !text.empty()) {
           warnings_.push_back(std::move(text));
         }
       }
