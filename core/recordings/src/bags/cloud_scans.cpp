@@ -130,6 +130,9 @@ class CloudScans : public StreamScans {
     sensor.scan_period_s = form_.message_s;
     Scan scan = scan_of(std::move(points), &sensor, name, point_cloud_stamp_s(message));
     if (!form_.turn_s) set_rows_by_order(scan, info_.sensor, name);
+    if (!form_.turn_s && form_.without_times == CaptureTime::kMotionCorrected) {
+      scan.time_offset_s.clear();
+    }
     if (scan.time_offset_s.empty() && form_.without_times == CaptureTime::kRolling) {
       const double stamp_s = scan.stamp_s;  // the message's remains
       azimuth_times_.set(scan, info_.sensor, static_cast<std::size_t>(index_));

@@ -226,6 +226,7 @@ class FileScanSource : public ScanSource {
     const std::string& path = paths_[index];
     Scan scan = scan_of(points_of(index), &sensor_, path);
     set_rows(scan, path, true);
+    if (without_times_ == CaptureTime::kMotionCorrected) scan.time_offset_s.clear();
     const bool has_times = !scan.time_offset_s.empty();
     if (!has_times && without_times_ == CaptureTime::kRolling) {
       azimuth_times_.set(scan, sensor_, index);
