@@ -9,6 +9,7 @@
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
+#include "scan/row_correlation.h"
 
 namespace hqslam {
 
@@ -71,24 +72,6 @@ constexpr double kWildDistance = 0.25;
 
 double elevation_rad(const Eigen::Vector3f& point_m) {
   return std::atan2(point_m.z(), point_m.head<2>().norm());
-}
-
-/// Pearson's correlation of ring number and elevation; 0 where one of them does not vary.
-double correlation_with_elevation(const std::vector<double>& ring, const Scan& scan) {
-  double sum_r = 0.0, sum_e = 0.0, sum_rr = 0.0, sum_ee = 0.0, sum_re = 0.0;
-  for (std::size_t i = 0; i < ring.size(); ++i) {
-    const double elevation = elevation_rad(scan.points_m[i]);
-    sum_r += ring[i];
-    sum_e += elevation;
-    sum_rr += ring[i] * ring[i];
-    sum_ee += elevation * elevation;
-    sum_re += ring[i] * elevation;
-  }
-  const double n = static_cast<double>(ring.size());
-  const double variance_r = sum_rr - sum_r * sum_r / n;
-  const double variance_e = sum_ee - sum_e * sum_e / n;
-  if (!(variance_r > 1e-9 * n) || !(variance_e > 1e-12 * n)) return 0.0;
-  return (sum_re - sum_r * sum_e / n) / std::sqrt(variance_r * variance_e);
 }
 
 /// The rings of a sensor with fewer of them, counted as this one's, would all be in wrong rows.
@@ -293,7 +276,7 @@ std::vector<std::uint16_t> rows_from_rings(const std::vector<double>& ring, cons
           source, field, last_ring, sensor.name, r);
     }
   }
-  const double correlation = correlation_with_elevation(ring, scan);
+  const double correlation = correlation_with_elevation(ring, scan.points_m);
   if (std::abs(correlation) < kMinRingCorrelation) return {};
   std::vector<std::uint16_t> rows;
   rows.reserve(ring.size());

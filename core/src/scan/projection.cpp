@@ -11,6 +11,7 @@
 
 #include "hqslam/core/error.h"
 #include "scan/column_finder.h"
+#include "scan/row_correlation.h"
 
 namespace hqslam {
 
@@ -66,6 +67,24 @@ void require_matching_shapes(const Scan& scan, const SensorModel& sensor) {
   }
 }
 
+/// The rows of a scan with fewer points are not judged.
+constexpr std::size_t kFewestPointsToJudge = 1000;
+/// Rows of the beams have less than -0.95 in the sensor's frame, those of a sensor on its side 0,
+/// rings that count from the lowest beam more than 0.95.
+constexpr double kMostRowCorrelation = -0.5;
+
+/// Rows that do not fall would put the ground above the horizon: poses metres off, all "ok".
+void require_highest_row_first(const Scan& scan, const SensorModel& sensor) {
+  if (scan.row.size() < kFewestPointsToJudge) return;
+  const double correlation = correlation_with_elevation(scan.row, scan.points_m);
+  if (correlation == 0.0 || correlation < kMostRowCorrelation) return;  // 0: points of one row
+  throw Error(
+      "scan has rows that do not fall with the elevation of its points (correlation {:.2f}): "
+      "expected row 0 for the highest beam, and points in the sensor's frame, z up; rings that "
+      "count from the lowest beam give the row {} - ring",
+      correlation, sensor.rows() - 1);
+}
+
 /// When every pixel is measured, relative to the middle of the scan.
 std::vector<float> time_offsets_s(const SensorModel& sensor, int first_column) {
   std::vector<float> of_head_s(sensor.columns);
@@ -114,6 +133,7 @@ const HorizontalDirections& horizontal_directions(const SensorModel& sensor) {
 
 ProjectedScan project(const Scan& scan, const SensorModel& sensor) {
   require_matching_shapes(scan, sensor);
+  require_highest_row_first(scan, sensor);
   ProjectedScan result;
   result.cloud = OrganizedCloud(sensor.rows(), sensor.columns);
   if (!scan.time_offset_s.empty()) {

@@ -1,5 +1,6 @@
 #include "hqslam/core/projection.h"
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <random>
 
@@ -138,6 +139,23 @@ TEST_CASE("a point at the origin is no return, even of a sensor that measures fr
   const auto projected = project(scan, sensor);
   CHECK(projected.counts.out_of_range == 1);
   CHECK(projected.counts.kept == 1);
+}
+
+TEST_CASE("rows that count from the lowest beam, or points with other axes, are refused") {
+  const SensorModel sensor = sensor_preset("vlp-16");
+  const OrganizedCloud cloud = unproject(random_image(sensor, 7), sensor, CaptureTime::kRolling);
+  const Scan scan = returns_of(cloud);
+  Scan from_lowest = scan;
+  for (std::uint16_t& row : from_lowest.row) row = static_cast<std::uint16_t>(15 - row);
+  CHECK(one_line_with(error_message([&] { project(from_lowest, sensor); }), "15 - ring"));
+  Scan camera_axes = scan;            // x right, y down, z forward
+  camera_axes.points_m[0].setZero();  // no return
+  for (auto& point_m : camera_axes.points_m) point_m = {-point_m.y(), -point_m.z(), point_m.x()};
+  CHECK(one_line_with(error_message([&] { project(camera_axes, sensor); }), "z up"));
+  Scan tilted = scan;  // by 10 degrees
+  const Eigen::Matrix3f turn = Eigen::AngleAxisf(0.1745F, Eigen::Vector3f::UnitY()).matrix();
+  for (auto& point_m : tilted.points_m) point_m = turn * point_m;
+  CHECK(project(tilted, sensor).counts.kept > 1000);
 }
 
 TEST_CASE("a row that the sensor does not have and a shape that is not its own are refused") {

@@ -83,8 +83,9 @@ void declare_reading(Command& command, InputChoice& choice) {
       .option("--motion-corrected", &choice.motion_corrected,
               "The scans of a .npy stack are already corrected for the sensor's motion")
       .option("--capture", &choice.capture,
-              "How points in files without times were captured: rolling, while the sensor turned "
-              "(each has the time of its azimuth), or corrected for motion (default)",
+              "How points were captured: rolling, while the sensor turned (those without times get "
+              "the time of their azimuth), or corrected for motion (times are not used; default "
+              "for points without)",
               {.one_of = {"rolling", "corrected"}})
       .option("--stamps", &choice.stamps,
               "File with the stamp of each scan (seconds, or dates as in KITTI's timestamps.txt), "

@@ -39,8 +39,9 @@ std::optional<double> median_distance_m(const slam::ScanTrace& trace) {
 }
 
 std::vector<ScanFit> fits(const std::string& input, const SensorModel& sensor,
-                          CaptureTime capture_time) {
+                          const std::string& stream, CaptureTime capture_time) {
   recordings::OpenOptions options;
+  options.stream = stream;
   options.all_rows = sensor;
   if (input.ends_with(".npy") || !file_of_drive(input, "scans.npy").empty()) {
     options.files.capture_time = capture_time;
@@ -65,9 +66,10 @@ std::vector<ScanFit> fits(const std::string& input, const SensorModel& sensor,
 
 }  // namespace
 
-CaptureCheck check_capture(const std::string& input, const SensorModel& sensor) {
-  const std::vector<ScanFit> rolling = fits(input, sensor, CaptureTime::kRolling);
-  const std::vector<ScanFit> corrected = fits(input, sensor, CaptureTime::kMotionCorrected);
+CaptureCheck check_capture(const std::string& input, const SensorModel& sensor,
+                           const std::string& stream) {
+  const std::vector<ScanFit> rolling = fits(input, sensor, stream, CaptureTime::kRolling);
+  const std::vector<ScanFit> corrected = fits(input, sensor, stream, CaptureTime::kMotionCorrected);
   CaptureCheck check;
   double sum = 0.0;
   double sum_of_squares = 0.0;

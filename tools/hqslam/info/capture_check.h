@@ -16,11 +16,13 @@ struct CaptureCheck {
   std::optional<CaptureTime> verdict;  ///< nothing where both fit alike
 };
 
-/// Points without times do not determine which of the two they are; if it is assumed wrongly, the
-/// path of a car is off by decimetres. The scans tell: up to 100 of them go through SLAM both ways.
+/// Points without times do not determine which of the two they are, and corrected ones may still
+/// have their times; if it is assumed wrongly, the path of a car is off by decimetres. The scans
+/// tell: up to 100 of them go through SLAM both ways. stream: of a bag, as for OpenOptions.
 /// With d_i the median distance of what is not ground from its line or plane in the map, of scan i,
 /// the mean of log(d_i rolling / d_i corrected) over scans in which the sensor moved must differ
 /// from 0 by 2.5 of its standard errors. Throws Error where the recording cannot be opened.
-CaptureCheck check_capture(const std::string& input, const SensorModel& sensor);
+CaptureCheck check_capture(const std::string& input, const SensorModel& sensor,
+                           const std::string& stream = "");
 
 }  // namespace hqslam::tools

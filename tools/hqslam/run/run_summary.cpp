@@ -36,11 +36,12 @@ std::string inertial_summary(const SlamRun& run) {
   if (!run.has_imu) return "";
   const auto predicted = std::ranges::count_if(
       run.scans, [](const ScanRecord& scan) { return scan.report.predicted_by_imu; });
-  const std::string reason = !run.imu_complaint.empty()
-                                 ? fmt::format("; left out: {}", run.imu_complaint)
-                             : 2 * predicted > std::ssize(run.scans)
-                                 ? ""
-                                 : "; for others its samples are missing or more than 50 ms apart";
+  const std::string reason =
+      !run.imu_complaint.empty() ? fmt::format("; left out: {}", run.imu_complaint)
+      : 2 * predicted > std::ssize(run.scans)
+          ? ""
+          : "; for others its samples are missing, more than 50 ms apart, or not yet "
+            "confirmed by turns of the scans";
   return fmt::format("inertial sensor: predicted {} of {} scans{}\n", predicted, run.scans.size(),
                      reason);
 }

@@ -24,7 +24,8 @@ struct ProjectedScan {
 
 /// Scan -> pixels. The row is Scan::row where it is known, otherwise that of the beam nearest in
 /// elevation; the column is the one whose pixel contains the point's azimuth. Of several points in
-/// one pixel the nearest is kept. Throws Error if a row of the scan is not a row of the sensor.
+/// one pixel the nearest is kept. Throws Error if a row of the scan is not a row of the sensor, or
+/// rows do not fall with the elevation of their points.
 ProjectedScan project(const Scan& scan, const SensorModel& sensor);
 
 /// The pixels that have a return, row after row, with all that is known of them.

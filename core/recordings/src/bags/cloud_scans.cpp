@@ -58,7 +58,7 @@ class CloudScans : public StreamScans {
   std::optional<RecordedScan> read() override {
     std::optional<RecordedScan> scan = form_.turn_s ? read_turn() : read_message();
     if (scan && form_.with_points && !std::exchange(any_read_, true)) {
-      if (std::string text = crowding_warning(*scan); !text.empty()) {
+      if (std::string text = fit_warning(*scan, info_.sensor); !text.empty()) {
         info_.warnings.push_back(std::move(text));
       }
     }
@@ -130,6 +130,9 @@ class CloudScans : public StreamScans {
     sensor.scan_period_s = form_.message_s;
     Scan scan = scan_of(std::move(points), &sensor, name, point_cloud_stamp_s(message));
     if (!form_.turn_s) set_rows_by_order(scan, info_.sensor, name);
+    if (!form_.turn_s && form_.without_times == CaptureTime::kMotionCorrected) {
+      scan.time_offset_s.clear();
+    }
     if (scan.time_offset_s.empty() && form_.without_times == CaptureTime::kRolling) {
       const double stamp_s = scan.stamp_s;  // the message's remains
       azimuth_times_.set(scan, info_.sensor, static_cast<std::size_t>(index_));

@@ -13,6 +13,7 @@
 #include "points/azimuth_times.h"
 #include "points/recorded_scan.h"
 #include "points/ring_numbers.h"
+#include "points/ring_segments.h"
 #include "points/sensor_finder.h"
 
 namespace hqslam::recordings {
@@ -61,7 +62,7 @@ class FileScanSource : public ScanSource {
     try {
       RecordedScan result = recorded(index);
       if (!std::exchange(any_used_, true)) {
-        if (std::string text = crowding_warning(result); !text.empty()) {
+        if (std::string text = fit_warning(result, sensor_); !text.empty()) {
           warnings_.push_back(std::move(text));
         }
       }
@@ -134,6 +135,7 @@ class FileScanSource : public ScanSource {
     Scan scan = scan_of(points_of(index), &sensor_, path);
     // A .pcd file is a driver's, with rings where they are known; else elevations determine rows.
     if (!path.ends_with(".pcd")) set_rows_by_order(scan, sensor_, path);
+    if (without_times_ == CaptureTime::kMotionCorrected) scan.time_offset_s.clear();
     const bool has_times = !scan.time_offset_s.empty();
     if (!has_times && without_times_ == CaptureTime::kRolling) {
       azimuth_times_.set(scan, sensor_, index);

@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <utility>
+#include <vector>
 
 #include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "points/ring_recovery.h"
+#include "points/ring_segments.h"
 
 namespace hqslam::recordings {
 
@@ -57,6 +60,22 @@ void require_directions_of(const SensorModel& sensor, const ProjectionCounts& co
   }
 }
 
+/// How many points are nearer to another beam than to that of their row.
+std::int64_t points_off_beams(const OrganizedCloud& cloud, const SensorModel& sensor) {
+  const std::vector<double> spacing_rad = beam_spacing_rad(sensor);
+  std::int64_t off = 0;
+  for (int row = 0; row < cloud.rows; ++row) {
+    for (int column = 0; column < cloud.columns; ++column) {
+      const Eigen::Vector3f& point_m = cloud.points_m[cloud.index(row, column)];
+      if (!(cloud.range_m[cloud.index(row, column)] > 0.0F)) continue;
+      const double elevation_rad = std::atan2(point_m.z(), point_m.head<2>().norm());
+      const double off_rad = std::abs(elevation_rad - sensor.beam_elevation_rad[row]);
+      if (off_rad > spacing_rad[row] / 2.0) ++off;
+    }
+  }
+  return off;
+}
+
 }  // namespace
 
 void set_rows_by_order(Scan& scan, const SensorModel& sensor, const std::string& source) {
@@ -83,7 +102,16 @@ RecordedScan recorded_scan(const Scan& scan, const SensorModel& sensor, std::str
   return result;
 }
 
-std::string crowding_warning(const RecordedScan& scan) {
+std::string fit_warning(const RecordedScan& scan, const SensorModel& sensor) {
+  const std::int64_t off_beams = points_off_beams(scan.cloud, sensor);
+  if (2 * off_beams > scan.counts.kept) {
+    return fmt::format(
+        "{}: {:.0f} % of the points are nearer to another beam of sensor '{}' than to that of "
+        "their ring: SLAM takes them as they are, but upsampling needs clouds in the sensor's own "
+        "frame, neither tilted, moved nor merged",
+        scan.name, 100.0 * static_cast<double>(off_beams) / static_cast<double>(scan.counts.kept),
+        sensor.name);
+  }
   const std::int64_t in_pixels = scan.counts.kept + scan.counts.hidden_by_nearer;
   if (4 * scan.counts.hidden_by_nearer <= in_pixels) return "";
   return fmt::format(

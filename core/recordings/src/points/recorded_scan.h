@@ -21,8 +21,9 @@ void set_rows_by_order(Scan& scan, const SensorModel& sensor, const std::string&
 /// Points -> pixels of the sensor's image. Throws Error for points that cannot be the sensor's.
 RecordedScan recorded_scan(const Scan& scan, const SensorModel& sensor, std::string name);
 
-/// A warning where the sensor's image has too few columns: "" unless more than a quarter of the
-/// points share a pixel with a nearer one.
-std::string crowding_warning(const RecordedScan& scan);
+/// A warning where the points are not the sensor's pixels: "" unless most are nearer to another
+/// beam than to that of their row (clouds in a vehicle's frame), or more than a quarter share a
+/// pixel with a nearer one (too few columns).
+std::string fit_warning(const RecordedScan& scan, const SensorModel& sensor);
 
 }  // namespace hqslam::recordings

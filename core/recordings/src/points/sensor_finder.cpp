@@ -73,8 +73,10 @@ std::string complaint(const Beams& found, std::size_t scans) {
     }
   }
   if (between > kMostBetweenBeams * points) {
-    return fmt::format("found {} beams, but {:.0f} % of the points between them", beams.size(),
-                       100.0 * between / points);
+    return fmt::format(
+        "found {} beams, but {:.0f} % of the points between them, as in clouds that were tilted, "
+        "moved or merged after the sensor measured them",
+        beams.size(), 100.0 * between / points);
   }
   if (seen < kLeastSeen * static_cast<double>(beams.size() * scans)) {
     return fmt::format("found {} beams, of which single scans have {:.0f} %", beams.size(),

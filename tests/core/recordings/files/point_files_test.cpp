@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -46,12 +47,14 @@ void append(std::string& bytes, T value) {
 
 /// A scan of a VLP-16 as a .txt file without names: `turn_deg` degrees clockwise from
 /// `first_deg` on, ring numbers from below.
-std::string firing_order(double first_deg, double turn_deg, double off_deg = 0.0) {
+std::string firing_order(double first_deg, double turn_deg, double off_deg = 0.0,
+                         double pitch_deg = 0.0) {
+  const Eigen::AngleAxisd pitch(pitch_deg * kTurn_rad / 360.0, Eigen::Vector3d::UnitY());
   std::string text;
   for (int i = 0; i * 0.5 < turn_deg; ++i) {
     for (int ring = 0; ring < 16; ++ring) {
       const Eigen::Vector3d p_m =
-          point_m(-(first_deg + 0.5 * i) * kTurn_rad / 360.0, -15.0 + 2.0 * ring + off_deg);
+          pitch * point_m(-(first_deg + 0.5 * i) * kTurn_rad / 360.0, -15.0 + 2.0 * ring + off_deg);
       text += std::to_string(p_m.x()) + " " + std::to_string(p_m.y()) + " " +
               std::to_string(p_m.z()) + " 7 " + std::to_string(ring) + "\n";
     }
@@ -244,6 +247,29 @@ TEST_CASE("points without times get that of their azimuth, counted on from scan 
   CHECK(corrected->warnings()[0].find("taken as corrected for motion") != std::string::npos);
 }
 
+TEST_CASE("scans that are cropped to a part of the turn are a turn apart, parts of turns are not") {
+  const auto stamps_s = [](const std::function<std::string(int)>& contents) {
+    const TemporaryDirectory directory;
+    for (int i = 0; i < 4; ++i) write_file(directory.file(std::to_string(i) + ".txt"), contents(i));
+    const auto source = open_scan_files(directory.path().string(), sensor_preset("vlp-16"),
+                                        {.without_times = CaptureTime::kRolling});
+    std::vector<double> result;
+    while (const auto scan = source->next()) result.push_back(scan->stamp_s);
+    return result;
+  };
+  const auto check = [](const std::vector<double>& found_s, double step_s, double first_s) {
+    REQUIRE(found_s.size() == 4);
+    for (int i = 0; i < 4; ++i) CHECK(std::abs(found_s[i] - first_s - step_s * i) < 2e-4);
+  };
+  check(stamps_s([](int i) { return firing_order(-60.0 + 360.0 * i, 120.0); }), 0.1, 0.1 / 6.0);
+  // Turns that begin in front, of which the back is cropped.
+  check(stamps_s([](int i) {
+          return firing_order(360.0 * i, 60.0) + firing_order(360.0 * i + 300.0, 60.0);
+        }),
+        0.1, 0.05);
+  check(stamps_s([](int i) { return firing_order(180.0 * i, 180.0); }), 0.05, 0.025);
+}
+
 TEST_CASE("turns are counted on over scans that cannot be read or have no points") {
   const SensorModel sensor = sensor_preset("vlp-16");
   const auto stamps_s = [&](int missing, const std::string& contents) {
@@ -388,6 +414,24 @@ TEST_CASE("a sensor with too few columns for its points is named once") {
       CHECK(warnings[0].find("5760 of 11520 points kept") != std::string::npos);
       CHECK(warnings[0].find("16 x 360") != std::string::npos);
     }
+  }
+}
+
+TEST_CASE("clouds that are tilted against their sensor keep its beams and cause a warning") {
+  const SensorModel sensor = sensor_preset("vlp-16");
+  for (const double pitch_deg : {0.0, 3.0}) {
+    const TemporaryDirectory directory;
+    for (int i = 0; i < 2; ++i) {
+      write_file(directory.file(fmt::format("{}.txt", i)),
+                 firing_order(30.0, 270.0, 0.0, pitch_deg));
+    }
+    const auto source = open_scan_files(directory.path().string(), sensor,
+                                        {.without_times = CaptureTime::kRolling});
+    while (source->next()) continue;
+    CHECK(source->sensor().beam_elevation_rad == sensor.beam_elevation_rad);
+    const std::vector<std::string> warnings = source->warnings();
+    REQUIRE(std::ssize(warnings) == (pitch_deg > 0.0 ? 1 : 0));
+    if (pitch_deg > 0.0) CHECK(one_line_with(warnings[0], "nearer to another beam"));
   }
 }
 

@@ -1,6 +1,11 @@
 #include "info/capture_check.h"
 
+#include <fmt/format.h>
+
+#include <filesystem>
+
 #include "hqslam/core/npy.h"
+#include "hqslam/core/point_columns.h"
 #include "hqslam/sim/drive.h"
 #include "testing.h"
 
@@ -8,22 +13,37 @@ namespace hqslam::test {
 
 namespace {
 
-/// The scan as if all of it had been measured at its stamp, by the true way of the sensor.
-RangeImage corrected(const sim::SimulatedScan& scan, const SensorModel& sensor) {
+/// The scan as if all of it had been measured at its stamp, by the true way of the sensor. Its
+/// points still have their times.
+Scan corrected_points(const sim::SimulatedScan& scan, const SensorModel& sensor) {
   const OrganizedCloud cloud = unproject(scan.image, sensor, CaptureTime::kRolling);
-  Scan points;
+  Scan points = returns_of(cloud);
+  std::size_t i = 0;
   for (int row = 0; row < cloud.rows; ++row) {
     for (int column = 0; column < cloud.columns; ++column) {
-      const std::size_t pixel = cloud.index(row, column);
-      if (!(cloud.range_m[pixel] > 0.0F)) continue;
+      if (!(cloud.range_m[cloud.index(row, column)] > 0.0F)) continue;
       const auto head = static_cast<std::size_t>(sensor.firing_column(row, column));
       const Pose T_stamp_point = scan.T_map_sensor.inverse() * scan.T_map_sensor_at_column[head];
-      points.points_m.push_back(
-          (T_stamp_point * cloud.points_m[pixel].cast<double>()).cast<float>());
-      points.row.push_back(static_cast<std::uint16_t>(row));
+      points.points_m[i] = (T_stamp_point * points.points_m[i].cast<double>()).cast<float>();
+      ++i;
     }
   }
-  return range_image(project(points, sensor).cloud);
+  return points;
+}
+
+RangeImage corrected(const sim::SimulatedScan& scan, const SensorModel& sensor) {
+  return range_image(project(corrected_points(scan, sensor), sensor).cloud);
+}
+
+void write_with_times(const Scan& scan, const std::string& path) {
+  const float* const first_m = scan.points_m.front().data();
+  const std::size_t step = sizeof(Eigen::Vector3f);
+  write_points({{"x", {'F', 4}, first_m, step},
+                {"y", {'F', 4}, first_m + 1, step},
+                {"z", {'F', 4}, first_m + 2, step},
+                {"ring", {'U', 2}, scan.row.data(), sizeof(std::uint16_t)},
+                {"t", {'F', 4}, scan.time_offset_s.data(), sizeof(float)}},
+               scan.points_m.size(), path);
 }
 
 }  // namespace
@@ -31,6 +51,8 @@ RangeImage corrected(const sim::SimulatedScan& scan, const SensorModel& sensor) 
 TEST_CASE("scans tell whether they were corrected for motion") {
   const SensorModel sensor = sensor_preset("os1-16");
   const TemporaryDirectory folder;
+  const std::string corrected_clouds = folder.file("corrected");
+  std::filesystem::create_directory(corrected_clouds);
   sim::DriveSpec spec = sim::drive_preset("town");
   spec.seed = 7;
   spec.scans = 40;
@@ -41,11 +63,13 @@ TEST_CASE("scans tell whether they were corrected for motion") {
     NpyStackWriter corrected_stack(folder.file("corrected.npy"), sensor.rows(), sensor.columns);
     NpyStackWriter standing(folder.file("standing.npy"), sensor.rows(), sensor.columns);
     std::optional<RangeImage> first;
-    while (const auto scan = simulator.next()) {
+    for (int i = 0; const auto scan = simulator.next(); ++i) {
       if (!first) first = scan->image;
       rolling.append(scan->image);
       corrected_stack.append(corrected(*scan, sensor));
       standing.append(*first);
+      write_with_times(corrected_points(*scan, sensor),
+                       fmt::format("{}/{:02}.pcd", corrected_clouds, i));
     }
   }
   const auto rolling = tools::check_capture(folder.file("rolling.npy"), sensor);
@@ -55,6 +79,8 @@ TEST_CASE("scans tell whether they were corrected for motion") {
   const auto corrected = tools::check_capture(folder.file("corrected.npy"), sensor);
   CHECK(corrected.verdict == CaptureTime::kMotionCorrected);
   CHECK(corrected.corrected_m < corrected.rolling_m);
+  // Clouds that were corrected and still have their times.
+  CHECK(tools::check_capture(corrected_clouds, sensor).verdict == CaptureTime::kMotionCorrected);
   const auto standing = tools::check_capture(folder.file("standing.npy"), sensor);
   CHECK_FALSE(standing.verdict.has_value());
   CHECK(standing.scans == 0);

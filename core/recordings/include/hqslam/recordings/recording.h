@@ -23,8 +23,9 @@ struct RecordingOptions {
   CaptureTime capture_time = CaptureTime::kRolling;
   /// How points of files that have no times were captured: rolling gives each the time of its
   /// azimuth, for points in the order of their firing or ring after ring, and a scan without a
-  /// stamp the middle of these as its stamp, counted on from scan to scan. Nothing: they are taken
-  /// as corrected for motion, with a warning.
+  /// stamp the middle of these as its stamp, counted on from scan to scan. Corrected: times that
+  /// points have are left out, too. Nothing: they are taken as corrected for motion, with a
+  /// warning.
   std::optional<CaptureTime> without_times = std::nullopt;
   /// A file with the stamp of each scan (seconds, or dates as in KITTI's timestamps.txt), or
   /// kStampsFromNames for the number in each file's name. Empty: the recording's own.
