@@ -24,10 +24,9 @@ constexpr std::size_t kMostEnded = 100;
 /// Largest residuals: a sensor pushed between two samples or a wrong pose has larger ones.
 constexpr double kMostResidual_m = 0.05;
 constexpr double kMostOfGravity_mps2 = 0.7;
-/// Standard deviation of z with small residuals, and its growth with them (per s^2). With these the
-/// squared residuals of levelling have a mean of about 1 (simulated `town`, `hills`).
-constexpr double kSigma_mps2 = 0.003;
-constexpr double kSigmaPerResidual = 0.9;
+/// Standard deviation of z with small residuals, and its growth with them (per s^2).
+constexpr double kSigma_mps2 = 0.01;
+constexpr double kSigmaPerResidual = 3.0;
 
 /// Errors applied to the data of a window before gravity is computed: bias, then ImuErrors.
 using Errors = Eigen::Matrix<double, 11, 1>;

@@ -26,9 +26,9 @@ constexpr double kFirstBias_mps2 = 0.2;
 constexpr double kGravityNorm_mps2 = 0.02;
 constexpr double kLeanWalk_rad = 3.5e-4;
 /// Scale of a Cauchy distribution: a sensor without beam errors leans by less (simulated `town`),
-/// one with those that makers specify by 1e-5 to 1.1e-4, which gravity shows within some hundred
+/// one with those that makers specify by 2e-5 to 1.1e-4, which gravity shows within a hundred
 /// metres. A normal distribution that allows those, too, takes the walk of a bias for a lean.
-constexpr double kLean_rad_per_m = 1e-5;
+constexpr double kLean_rad_per_m = 2e-5;
 /// ImuErrors of a carefully mounted sensor.
 constexpr std::array<double, 8> kImuErrors = {0.015, 0.015, 0.015, 0.01, 0.15, 0.15, 0.15, 0.005};
 /// Factor of the sigmas about the vertical, which keeps the yaw.
