@@ -23,7 +23,7 @@ struct GravityAtNode {
 ///   minimise  sum over measurements |R_i^T exp(l_i)^T g - L_i b_i - M_i m - z_i|^2 / sigma_i^2
 ///             + sum |l_i - l_(i-1) - A_i d|^2 / (sigma_l^2 t_i)  + sum |b_i - b_(i-1)|^2 /
 ///             (sigma_b^2 t_i)
-///             + |b_0|^2 / sigma_b0^2 + log(1 + |d|^2 / s_d^2) + |m|^2 / sigma_m^2
+///             + |b_0|^2 / sigma_b0^2 + |d|^2 / sigma_d^2 + |m|^2 / sigma_m^2
 ///             + (|g| - 9.81)^2 / sigma_g^2
 ///
 /// with the lean l_i of a node with rotation R_i (R_true = exp(l) R, map frame; none at the first

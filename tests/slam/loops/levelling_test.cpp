@@ -77,18 +77,6 @@ TEST_CASE("a constant path direction adds no lean") {
   CHECK(worst_lean_rad(slam::levelled(path.registered, path.gravity)) < 1e-6);
 }
 
-TEST_CASE("the walk of an accelerometer's bias is not all taken for a lean") {
-  Path path(false, 0.0, Eigen::Vector3d::Zero());
-  path.registered.resize(25);
-  path.gravity.resize(4);
-  constexpr double kWalk_mps2 = 0.005;  // from one of them to the next, in 3 s
-  for (std::size_t i = 0; i < path.gravity.size(); ++i) {
-    path.gravity[i].felt.gravity_mps2.x() += kWalk_mps2 * static_cast<double>(i);
-  }
-  const double walked_rad = 3.0 * kWalk_mps2 / kGravity_mps2;
-  CHECK(worst_lean_rad(slam::levelled(path.registered, path.gravity)) < 0.75 * walked_rad);
-}
-
 TEST_CASE("a clock that is set back does no harm") {
   Path path(true, 5e-4, Eigen::Vector3d::Zero());
   for (std::size_t i = 20; i < path.gravity.size(); ++i) path.gravity[i].felt.stamp_s -= 1000.0;
