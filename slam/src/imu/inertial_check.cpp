@@ -35,13 +35,11 @@ constexpr double kTurning_rad_per_s = 0.02;
 /// Smaller turns prove a sensor: what is unexplained of a stuck one is all of them, of a negated
 /// one twice as much.
 constexpr double kProvingTurning_rad_per_s = 0.008;
-/// A sensor that is surely later (or earlier) than kLate_s is left out; one that surely is less
-/// than kOnTime_s late is on time. Right data: up to 0.004 s, with a standard deviation of 0.001 to
-/// 0.02 (simulated streets).
+/// A sensor that is later (or earlier) than this beyond four standard deviations is left out; one
+/// that is within this and two is on time. Right data: up to 0.004 s, with a standard deviation of
+/// 0.001 to 0.02 (simulated streets).
 constexpr double kLate_s = 0.02;
 constexpr double kOnTime_s = 0.04;
-/// Standard deviations: every scan gives another estimate, and one of them is 2.7 off (`town` 63).
-constexpr double kSurely = 4.0;
 /// The share of the turns that may remain unexplained while the sensor is used, and the one below
 /// which a sensor that was left out is used again.
 constexpr double kMostUnexplained = 0.5;
@@ -195,11 +193,11 @@ std::optional<InertialCheck::Bias> InertialCheck::compare_turns(const Turn& turn
   });
   const double most = std::max(turning, measured);
   const auto [late_s, sigma_s] = lateness(turns_);
-  const double surely_late_s = std::max(0.0, std::abs(late_s) - kSurely * sigma_s);
+  const double surely_late_s = std::max(0.0, std::abs(late_s) - 4.0 * sigma_s);
   const double least = is_new ? kProvingTurning_rad_per_s : kTurning_rad_per_s;
   const double share = is_new ? kMostUnexplained : kUnexplained;
   if (!is_proven_ && turning > least && unexplained < share * turning &&
-      std::abs(late_s) + kSurely * sigma_s < kOnTime_s) {
+      std::abs(late_s) + 2.0 * sigma_s < kOnTime_s) {
     agrees_ = true;
     is_proven_ = true;
     return bias(std::exchange(turns_, {}));

@@ -26,16 +26,14 @@ InertialCheck check_of(const Measured& measured, int scans = 120) {
 }
 
 /// The check after four seconds of the gentle turns of a street, registered with an error.
-InertialCheck check_on_street(double factor, double late_s, int scans = 45,
-                              double error_rad_per_s = 0.001) {
+InertialCheck check_on_street(double factor, double late_s, int scans = 45) {
   const auto turns = [](double scan) -> Vector3d {
     return {0.003 * std::sin(0.6 * scan), 0.004 * std::cos(0.5 * scan),
             0.02 * std::sin(0.1 * scan)};
   };
   InertialCheck check;
   for (int scan = 0; scan < scans; ++scan) {
-    const Vector3d error =
-        error_rad_per_s * Vector3d(std::sin(3.0 * scan), std::cos(4.0 * scan), 1.0);
+    const Vector3d error = 0.001 * Vector3d(std::sin(3.0 * scan), std::cos(4.0 * scan), 1.0);
     check.compare_turns({0.1 * scan, factor * turns(scan - 10.0 * late_s), turns(scan) + error});
   }
   return check;
@@ -113,11 +111,6 @@ TEST_CASE("a clock that is 0.06 or 0.2 s late proves nothing and is refuted with
   CHECK_FALSE(late.agrees());
   CHECK(holds(late, "its clock is 0.06 s late"));
   CHECK_FALSE(check_on_street(1.0, 0.2, 120).agrees());
-}
-
-TEST_CASE("turns that give its clock to 0.01 s only prove no sensor") {
-  CHECK(check_on_street(1.0, 0.0, 45, 0.001).is_proven());
-  CHECK_FALSE(check_on_street(1.0, 0.0, 45, 0.003).is_proven());
 }
 
 TEST_CASE("scans that fit clearly better with a sensor prove it: a hand turns at once") {
