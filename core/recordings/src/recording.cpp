@@ -13,7 +13,7 @@
 #include "hqslam/core/left_out.h"
 #include "hqslam/core/npy.h"
 #include "ordered_scans.h"
-#include "stream_scans.h"
+#include "streams/stream_scans.h"
 
 namespace hqslam::recordings {
 

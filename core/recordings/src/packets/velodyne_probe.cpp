@@ -13,7 +13,7 @@ constexpr std::size_t kMaxSpacings = 20000;
 /// Longer pauses are no spacing of packets, and no turn can be counted on over them.
 constexpr std::int64_t kMaxSpacing_us = 100'000;
 constexpr double kSpacingTolerance = 0.03;
-constexpr int kBins = 360;
+constexpr int kDegreesOfTurn = 360;
 /// A head's azimuth may fall back by this much, hundredths of a degree.
 constexpr int kTremble = 200;
 /// A head that sees all around leaves no such gap, whatever was lost.
@@ -42,7 +42,7 @@ void VelodyneProbe::add(const Packet& packet) {
   for (int i = 0; i < blocks; ++i) {
     ++banks_[bank_of(block_flag(payload, i))];
     const int azimuth = block_azimuth(payload, i);
-    seen_[azimuth * kBins / kTurn] = true;
+    seen_[azimuth * kDegreesOfTurn / kTurn] = true;
     const int jump = (azimuth - last_block_azimuth_ + kTurn) % kTurn;
     if (last_block_azimuth_ >= 0 && jump < kTurn - kTremble) {
       largest_jump_ = std::max(largest_jump_, jump);
@@ -92,17 +92,17 @@ void VelodyneProbe::set_field_of_view(VelodyneStream& stream) const {
   int longest = 0;
   int longest_end = 0;
   int run = 0;
-  for (int bin = 0; bin < 2 * kBins; ++bin) {
-    run = seen_[bin % kBins] ? 0 : run + 1;
-    if (run > longest && run <= kBins) {
+  for (int bin = 0; bin < 2 * kDegreesOfTurn; ++bin) {
+    run = seen_[bin % kDegreesOfTurn] ? 0 : run + 1;
+    if (run > longest && run <= kDegreesOfTurn) {
       longest = run;
       longest_end = bin + 1;
     }
   }
   // What was not reached yet looks the same: the head must have been seen to jump over it.
   if (longest < kSmallestBlindAngle_deg || largest_jump_ < 100 * (longest - 2)) return;
-  stream.field_of_view_deg = kBins - longest;
-  stream.cut_azimuth_deg = (longest_end - longest / 2 + kBins) % kBins;
+  stream.field_of_view_deg = kDegreesOfTurn - longest;
+  stream.cut_azimuth_deg = (longest_end - longest / 2 + kDegreesOfTurn) % kDegreesOfTurn;
 }
 
 std::optional<VelodyneStream> VelodyneProbe::result(std::optional<VelodyneModel> otherwise) const {

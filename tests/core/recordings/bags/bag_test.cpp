@@ -11,7 +11,7 @@
 #include "captures.h"
 #include "hqslam/core/error.h"
 #include "hqslam/recordings/recording.h"
-#include "stream_reader.h"
+#include "streams/stream_reader.h"
 #include "testing.h"
 
 using namespace hqslam;

@@ -11,7 +11,7 @@
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/whole_file.h"
 #include "packets/hesai_decoder.h"
-#include "stream_scans.h"
+#include "streams/stream_scans.h"
 
 namespace hqslam::recordings {
 

@@ -7,7 +7,7 @@
 
 #include "hqslam/core/error.h"
 #include "packets/ouster_decoder.h"
-#include "stream_scans.h"
+#include "streams/stream_scans.h"
 
 namespace hqslam::recordings {
 

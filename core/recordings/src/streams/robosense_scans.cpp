@@ -4,7 +4,7 @@
 
 #include "hqslam/core/error.h"
 #include "packets/robosense_decoder.h"
-#include "stream_scans.h"
+#include "streams/stream_scans.h"
 
 namespace hqslam::recordings {
 

@@ -18,7 +18,7 @@
 #include "points/recorded_scan.h"
 #include "points/ring_numbers.h"
 #include "points/sensor_finder.h"
-#include "stream_scans.h"
+#include "streams/stream_scans.h"
 
 namespace hqslam::recordings {
 

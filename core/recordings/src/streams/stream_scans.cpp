@@ -1,4 +1,4 @@
-#include "stream_scans.h"
+#include "streams/stream_scans.h"
 
 #include <fmt/format.h>
 

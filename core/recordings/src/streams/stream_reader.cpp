@@ -1,4 +1,4 @@
-#include "stream_reader.h"
+#include "streams/stream_reader.h"
 
 #include <fmt/format.h>
 

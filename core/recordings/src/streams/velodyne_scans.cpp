@@ -7,7 +7,7 @@
 #include "hqslam/core/error.h"
 #include "packets/velodyne_decoder.h"
 #include "packets/velodyne_tables.h"
-#include "stream_scans.h"
+#include "streams/stream_scans.h"
 
 namespace hqslam::recordings {
 

@@ -11,7 +11,7 @@
 #include "hqslam/recordings/recording.h"
 #include "imu_queue.h"
 #include "scan_assembler.h"
-#include "stream_reader.h"
+#include "streams/stream_reader.h"
 
 namespace hqslam::recordings {
 
