@@ -162,6 +162,7 @@ TEST_CASE("paths with blanks, quotes and letters of all kinds do, and a comma lo
 TEST_CASE("mistyped subcommands, options and sensors have the nearest names") {
   CHECK(holds(run_hqslam("rum").error, "did you mean 'run'?"));
   CHECK(holds(run_hqslam("info / --sensr vlp-16").error, "did you mean '--sensor'?"));
+  CHECK(holds(run_hqslam("info / --sensr vlp-16").error, "found unexpected '--sensr vlp-16'"));
   CHECK(holds(run_hqslam("info / --sensor vpl-16").error, "did you mean 'vlp-16'?"));
   CHECK_FALSE(holds(run_hqslam("entirely-else").error, "did you mean"));
 }

@@ -1,5 +1,7 @@
 #include "program/program.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <omp.h>
 #include <unistd.h>
 
@@ -48,8 +50,13 @@ int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
     return kWrongInput;
   }
   const CLI::App& asked = subcommands.empty() ? app : *subcommands.front();
-  to_stderr("{0}: {1}; {0} {2}{3}--help lists what is expected{4}\n", program, error.what(), name,
-            name.empty() ? "" : " ", nearest_to(asked.remaining(), asked));
+  const std::vector<std::string> unexpected = asked.remaining();
+  // Its text has them in reverse.
+  const bool is_extra = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
+  to_stderr(
+      "{0}: {1}; {0} {2}{3}--help lists what is expected{4}\n", program,
+      is_extra ? fmt::format("found unexpected '{}'", fmt::join(unexpected, " ")) : error.what(),
+      name, name.empty() ? "" : " ", nearest_to(unexpected, asked));
   return kWrongInput;
 }
 
