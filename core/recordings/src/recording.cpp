@@ -279,6 +279,8 @@ RecordingInfo inspect(const std::string& path, const OpenOptions& options) {
     end = error.what();
   }
   RecordingInfo info = recording.info();
+  std::erase_if(info.warnings,
+                [](const std::string& text) { return text.ends_with(kTestedByInfo); });
   if (!is_stream) {
     info.sensor = recording.source_->sensor();  // with the file's own beams
     info.first_stamp_s = first.first_stamp_s;

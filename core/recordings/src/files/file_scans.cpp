@@ -13,7 +13,6 @@
 #include "points/azimuth_times.h"
 #include "points/recorded_scan.h"
 #include "points/ring_numbers.h"
-#include "points/ring_segments.h"
 #include "points/sensor_finder.h"
 
 namespace hqslam::recordings {
@@ -153,10 +152,9 @@ class FileScanSource : public ScanSource {
   /// Once, and not of a single scan, which fits nothing else.
   void warn_of_missing_times() {
     if (std::exchange(is_warned_, true) || paths_.size() == 1) return;
-    warnings_.push_back(fmt::format(
-        "{}: points without times are taken as corrected for motion; 'hqslam info' tests whether "
-        "they are, --capture states it",
-        paths_.front()));
+    warnings_.push_back(
+        fmt::format("{}: points without times are taken as corrected for motion; {}",
+                    paths_.front(), kTestedByInfo));
   }
 
   std::vector<std::string> paths_;

@@ -11,6 +11,11 @@
 
 namespace hqslam::recordings {
 
+/// The end of the warning about points without times. inspect() is what `hqslam info` does first,
+/// so it leaves that warning out.
+inline constexpr const char* kTestedByInfo =
+    "'hqslam info' tests whether they are, --capture states it";
+
 /// Which sensor points are read with; `find` determines it from them, once, and throws Error where
 /// they do not.
 using ChooseSensor = std::function<FoundSensor(const std::function<FoundSensor()>& find)>;
