@@ -1,10 +1,11 @@
 #include "map/feature_map.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <numeric>
 #include <utility>
+
+#include "map/nearest_list.h"
 
 namespace hqslam::slam {
 
@@ -22,78 +23,33 @@ Eigen::Vector3i floored(const Eigen::Vector3f& v) {
   return truncated - (v.array() < truncated.cast<float>()).cast<int>();
 }
 
-/// The six points nearest to a query so far. Each is one number, the squared distance in the upper
-/// and the place of the point in the lower bits, so that comparisons need no branch, which a
-/// processor could mispredict.
-class SixNearest {
- public:
-  SixNearest(const Eigen::Vector3f& query_m, float reach_m2)
-      : query_m_(query_m), reach_m2_(reach_m2) {
-    nearest_.fill(number(reach_m2, 0));
-  }
+constexpr int kCellBits = 24;  // of the place of a point, below the corner of its cube
 
-  /// The distance of the last one.
-  float bound_m2() const { return distance_m2(kWanted); }
+/// One more than are kept: no other point is nearer than that.
+using Nearest = NearestList<NearbyPoints::kKept + 1>;
 
-  /// Visits the points of one of at most eight cubes.
-  template <typename Cells>
-  void look_through(const Cells& cells, std::uint32_t cube) {
-    constexpr std::size_t kCellsAtOnce = 32;
-    for (std::size_t begin = 0; begin < cells.size(); begin += kCellsAtOnce) {
-      const std::size_t count = std::min(cells.size() - begin, kCellsAtOnce);
-      std::array<float, kCellsAtOnce> candidates_m2;
-      std::array<std::uint32_t, kCellsAtOnce> candidate;
-      std::size_t candidates = 0;
-      const float bound_m2_now = bound_m2();
-      for (std::size_t i = 0; i < count; ++i) {
-        const float away_m2 = (cells[begin + i].mean_m - query_m_).squaredNorm();
-        candidates_m2[candidates] = away_m2;
-        candidate[candidates] = static_cast<std::uint32_t>(begin + i);
-        candidates += away_m2 < bound_m2_now ? 1 : 0;
-      }
-      for (std::size_t i = 0; i < candidates; ++i) {
-        insert(number(candidates_m2[i], cube << kCellBits | candidate[i]));
-      }
+/// Visits the points of one of at most eight cubes.
+template <typename Cells>
+void look_through(const Cells& cells, std::uint32_t corner, const Eigen::Vector3f& query_m,
+                  Nearest& nearest) {
+  constexpr std::size_t kCellsAtOnce = 32;
+  for (std::size_t begin = 0; begin < cells.size(); begin += kCellsAtOnce) {
+    const std::size_t count = std::min(cells.size() - begin, kCellsAtOnce);
+    std::array<float, kCellsAtOnce> candidates_m2;
+    std::array<std::uint32_t, kCellsAtOnce> candidate;
+    std::size_t candidates = 0;
+    const float bound_m2 = nearest.bound_m2();
+    for (std::size_t i = 0; i < count; ++i) {
+      const float away_m2 = (cells[begin + i].mean_m - query_m).squaredNorm();
+      candidates_m2[candidates] = away_m2;
+      candidate[candidates] = static_cast<std::uint32_t>(begin + i);
+      candidates += away_m2 < bound_m2 ? 1 : 0;
+    }
+    for (std::size_t i = 0; i < candidates; ++i) {
+      nearest.insert(candidates_m2[i], corner << kCellBits | candidate[i]);
     }
   }
-
-  /// point_m(cube, cell): the point at that place.
-  template <typename Point>
-  Neighbours found(const Point& point_m) const {
-    Neighbours result;
-    while (result.count < kWanted && distance_m2(result.count) < reach_m2_) {
-      const auto place = static_cast<std::uint32_t>(nearest_[result.count]);
-      result.squared_distance_m2[result.count] = distance_m2(result.count);
-      result.points_m[result.count] = point_m(place >> kCellBits, place & ((1U << kCellBits) - 1U));
-      ++result.count;
-    }
-    result.sixth_squared_m2 = bound_m2();
-    return result;
-  }
-
- private:
-  static constexpr int kWanted = Neighbours::kWanted;
-  static constexpr int kCellBits = 24;
-
-  /// The order of floats that are not negative is that of their bits.
-  static std::uint64_t number(float distance_m2, std::uint32_t place) {
-    return std::uint64_t{std::bit_cast<std::uint32_t>(distance_m2)} << 32 | place;
-  }
-  float distance_m2(int i) const {
-    return std::bit_cast<float>(static_cast<std::uint32_t>(nearest_[i] >> 32));
-  }
-  void insert(std::uint64_t inserted) {
-    for (std::uint64_t& number : nearest_) {
-      const std::uint64_t before = number;
-      number = inserted < before ? inserted : before;
-      inserted = inserted < before ? before : inserted;
-    }
-  }
-
-  Eigen::Vector3f query_m_;
-  float reach_m2_;
-  std::array<std::uint64_t, kWanted + 1> nearest_;
-};
+}
 
 /// The mean intensity of a voxel after others were added to it, `all.count` points together.
 float mean_intensity(const MapPoint& all, const MapPoint& others) {
@@ -212,36 +168,64 @@ void FeatureMap::drop_empty_cubes() {
   }
 }
 
-Neighbours FeatureMap::nearest(const Eigen::Vector3f& query_m) const {
+NearbyPoints FeatureMap::nearby(const Eigen::Vector3f& query_m, float reach_m) const {
   const Eigen::Vector3f scaled = query_m / cube_m_;
   if (!(scaled.array().abs() < static_cast<float>(kCubeRange - 1)).all()) return {};
   // The ball has the diameter of a cube: along each axis it intersects the query's own cube and the
-  // one beyond the nearer face. Cubes farther than the sixth neighbour so far are skipped.
+  // one beyond the nearer face. Cubes farther than the last neighbour so far are skipped.
   const Eigen::Vector3i own = floored(scaled);
   const Eigen::Array3f inside = scaled.array() - own.cast<float>().array();  // 0..1
   const auto is_near_lower = inside < 0.5F;
   const Eigen::Array3f face_m2 = (is_near_lower.select(inside, 1.0F - inside) * cube_m_).square();
   const Eigen::Array3i beyond = own.array() + is_near_lower.select(Eigen::Array3i::Constant(-1), 1);
-  SixNearest nearest(query_m, max_distance_m_ * max_distance_m_);
+  Nearest nearest(reach_m * reach_m);
   std::array<const Cube*, 8> cubes{};
-  // The bits of a corner are its axes beyond a face: nearer cubes first.
-  for (const std::uint32_t corner : {0U, 1U, 2U, 4U, 3U, 5U, 6U, 7U}) {
+  std::array<float, 8> corner_m2;
+  // The bits of a corner are its axes beyond a face.
+  for (std::uint32_t corner = 0; corner < 8; ++corner) {
     Eigen::Vector3i cube = own;
     float away_m2 = 0.0F;
     for (int axis = 0; axis < 3; ++axis) {
-      if ((corner >> axis & 1U) == 0) continue;
-      cube[axis] = beyond[axis];
-      away_m2 += face_m2[axis];
+      const bool is_beyond = (corner >> axis & 1U) != 0;
+      cube[axis] = is_beyond ? beyond[axis] : own[axis];
+      away_m2 += is_beyond ? face_m2[axis] : 0.0F;
     }
+    corner_m2[corner] = away_m2;
     if (away_m2 >= nearest.bound_m2()) continue;
     const std::uint32_t found = index_.find(CellIndex::key_of(cube));
     if (found == CellIndex::kNone) continue;
     cubes[corner] = &cubes_[found];
-    nearest.look_through(cubes_[found].cells, corner);
   }
-  return nearest.found([&](std::uint32_t cube, std::uint32_t cell) -> const Eigen::Vector3f& {
-    return cubes[cube]->cells[cell].mean_m;
-  });
+  // Nearer cubes first.
+  for (const std::uint32_t corner : {0U, 1U, 2U, 4U, 3U, 5U, 6U, 7U}) {
+    if (cubes[corner] == nullptr || corner_m2[corner] >= nearest.bound_m2()) continue;
+    look_through(cubes[corner]->cells, corner, query_m, nearest);
+  }
+  NearbyPoints result{query_m, 0, {}, std::sqrt(nearest.bound_m2())};
+  while (result.count < NearbyPoints::kKept &&
+         nearest.squared_m2(result.count) < reach_m * reach_m) {
+    const std::uint32_t place = nearest.place(result.count);
+    result.points_m[result.count++] =
+        cubes[place >> kCellBits]->cells[place & ((1U << kCellBits) - 1U)].mean_m;
+  }
+  return result;
+}
+
+Neighbours NearbyPoints::nearest(const Eigen::Vector3f& query_m) const {
+  const float known_m = std::max(others_beyond_m - (query_m - place_m).norm(), 0.0F);
+  NearestList<Neighbours::kWanted + 1> nearest(known_m * known_m);
+  for (int i = 0; i < count; ++i) {
+    nearest.insert((points_m[i] - query_m).squaredNorm(), static_cast<std::uint32_t>(i));
+  }
+  Neighbours result;
+  while (result.count < Neighbours::kWanted &&
+         nearest.squared_m2(result.count) < known_m * known_m) {
+    result.squared_distance_m2[result.count] = nearest.squared_m2(result.count);
+    result.points_m[result.count] = points_m[nearest.place(result.count)];
+    ++result.count;
+  }
+  result.sixth_squared_m2 = nearest.bound_m2();
+  return result;
 }
 
 /// In the order of their coordinates, which does not depend on that of their insertion.

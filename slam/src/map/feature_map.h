@@ -12,14 +12,26 @@
 
 namespace hqslam::slam {
 
-/// Nearest points found by FeatureMap, nearest first.
+/// The points of a map nearest to a place.
 struct Neighbours {
   static constexpr int kWanted = 5;
   int count = 0;
-  std::array<Eigen::Vector3f, kWanted> points_m;
+  std::array<Eigen::Vector3f, kWanted> points_m;  ///< nearest first
   std::array<float, kWanted> squared_distance_m2{};
-  /// With five found: the sixth is no nearer than this; the reach of the search if there is none.
+  /// No other point is nearer.
   float sixth_squared_m2 = 0.0F;
+};
+
+/// The points of a map about a place, from which the neighbours of places beside it follow, too.
+struct NearbyPoints {
+  static constexpr int kKept = 7;
+  Eigen::Vector3f place_m = Eigen::Vector3f::Zero();
+  int count = 0;
+  std::array<Eigen::Vector3f, kKept> points_m;
+  float others_beyond_m = 0.0F;  ///< distance from the place; no other point is nearer
+
+  /// The nearest of those that are nearer to the query than any other point can be.
+  Neighbours nearest(const Eigen::Vector3f& query_m) const;
 };
 
 /// The region within a radius of a place horizontally, and within half of that vertically.
@@ -70,8 +82,13 @@ class FeatureMap {
   std::vector<MapPoint> take_near(const Surroundings& place);
 
   /// Up to five nearest points within max_distance_m.
-  Neighbours nearest(const Eigen::Vector3f& query_m) const;
+  Neighbours nearest(const Eigen::Vector3f& query_m) const {
+    return nearby(query_m, max_distance_m_).nearest(query_m);
+  }
+  /// Up to kKept nearest points within reach_m, which is at most max_distance_m.
+  NearbyPoints nearby(const Eigen::Vector3f& query_m, float reach_m) const;
 
+  float max_distance_m() const { return max_distance_m_; }
   std::size_t size() const { return size_; }
   /// All points, in the order in which their cubes and voxels were added.
   std::vector<Eigen::Vector3f> points_m() const;

@@ -12,13 +12,14 @@
 namespace hqslam::slam {
 
 /// The line or plane (`Fit`) through the k = kNeighbours points of the map nearest to a feature,
-/// with a new search only when they may have changed.
+/// with a new search and a new fit only when they may have changed.
 ///
 /// While a scan is registered its features move by less and less. With d the distance of the last
 /// of the k nearest points and e that of the next, a feature that moved by s < (e - d) / 2 has the
 /// same k nearest points (d + s < e - s), and the same fit. One with d - s > reach has none,
-/// whatever its neighbours are; with fewer than k points found, d is at least the reach of the
-/// map's search. LOAM searches in every iteration.
+/// whatever its neighbours are; with fewer than k points found, d is at least the distance up to
+/// which all points are known. A feature that moved farther has its neighbours among the points
+/// that the last search kept (NearbyPoints), or is searched anew. LOAM searches in every iteration.
 template <typename Fit, int kNeighbours = Neighbours::kWanted>
 class NearbyFit {
  public:
@@ -36,15 +37,21 @@ class NearbyFit {
     const float moved_m = (query_m - query_m_).norm();
     if (last_m_ - moved_m > reach) return std::nullopt;
     if (moved_m < same_within_m_ && last_m_ + moved_m <= reach) return fit_;
-    const bool enough = search(map, query_m, fit);
+    const bool enough = search(map, query_m, reach, fit);
     return enough && last_m_ <= reach ? fit_ : std::nullopt;
   }
 
  private:
   /// Whether k points were found.
   template <typename Make>
-  bool search(const FeatureMap& map, const Eigen::Vector3f& query_m, const Make& fit) {
-    const Neighbours found = map.nearest(query_m);
+  bool search(const FeatureMap& map, const Eigen::Vector3f& query_m, float reach_m,
+              const Make& fit) {
+    constexpr float kFartherThanReach = 1.2F;  // so that a feature that moves needs no new search
+    Neighbours found = kept_.nearest(query_m);
+    if (found.count < kNeighbours && found.sixth_squared_m2 <= reach_m * reach_m) {
+      kept_ = map.nearby(query_m, std::min(kFartherThanReach * reach_m, map.max_distance_m()));
+      found = kept_.nearest(query_m);
+    }
     const bool enough = found.count >= kNeighbours;
     float next_m2 = found.sixth_squared_m2;
     if constexpr (kNeighbours < Neighbours::kWanted) {
@@ -61,6 +68,7 @@ class NearbyFit {
     return true;
   }
 
+  NearbyPoints kept_;  ///< by the last search; none at first
   Eigen::Vector3f query_m_ = Eigen::Vector3f::Zero();
   float last_m_ = 0.0F;         ///< the least that it can be if fewer than k were found
   float same_within_m_ = 0.0F;  ///< about query_m_; 0: not searched yet

@@ -10,6 +10,7 @@
 using hqslam::Pose;
 using hqslam::slam::FeatureMap;
 using hqslam::slam::MapPoint;
+using hqslam::slam::NearbyPoints;
 using hqslam::slam::Neighbours;
 using hqslam::slam::Surroundings;
 
@@ -50,6 +51,26 @@ TEST_CASE("neighbours are those of a search through all points of the map") {
       CHECK((found.points_m[i] - query).squaredNorm() == distances_m2[i]);
     }
   }
+}
+
+TEST_CASE(
+    "points kept by a search give the neighbours of places beside, as far as they are known") {
+  FeatureMap map(0.4, 1.0);
+  map.insert(random_points_m(20000, 15.0F, 3));
+  int known = 0;
+  for (const auto& place_m : random_points_m(500, 15.0F, 4)) {
+    const NearbyPoints kept = map.nearby(place_m, 0.8F);
+    const Eigen::Vector3f beside_m = place_m + Eigen::Vector3f(0.05F, -0.1F, 0.02F);
+    const Neighbours found = kept.nearest(beside_m);
+    const Neighbours anew = map.nearest(beside_m);
+    REQUIRE(found.count <= anew.count);
+    for (int i = 0; i < found.count; ++i) CHECK(found.points_m[i] == anew.points_m[i]);
+    if (found.count < anew.count) {
+      CHECK(anew.squared_distance_m2[found.count] >= found.sixth_squared_m2);
+    }
+    known += found.count == anew.count ? 1 : 0;
+  }
+  CHECK(known > 100);
 }
 
 TEST_CASE("a voxel keeps one point, the mean of those that fell in it") {
