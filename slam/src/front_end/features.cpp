@@ -282,6 +282,9 @@ Features extract_features(const OrganizedCloud& cloud, const Segmentation& segme
   Features all;
   for (const auto kind : {&Features::sharp_edges, &Features::edges, &Features::flat_points,
                           &Features::ground, &Features::surfaces, &Features::posts}) {
+    std::size_t points = 0;
+    for (const Features& row : of_row) points += (row.*kind).size();
+    (all.*kind).reserve(points);
     for (int i = 0; i < static_cast<int>(of_row.size()); ++i) {
       for (FeaturePoint& point : of_row[i].*kind) {
         point.row = i;
