@@ -130,6 +130,11 @@ void write_checkpoint(const Training& training, const nn::TrainingState& state) 
                        {training.configuration_text, state, training.curve, training.loss_sum});
 }
 
+bool is_of_own_sensor(const nn::TrainingScan& scan, const nn::NetworkDescription& network) {
+  return !scan.sensor || (scan.sensor->sensor == network.sensor &&
+                          scan.sensor->measured_rows == network.measured_rows);
+}
+
 void write_results(const Training& training, const nn::TrainingState& state) {
   nn::NetworkDescription network = training.configuration.network;
   write_checkpoint(training, state);
@@ -139,10 +144,10 @@ void write_results(const Training& training, const nn::TrainingState& state) {
         static_cast<float>(std::pow(v.least_confidence, v.confidence_exponent));
     network.confidence_exponent = static_cast<float>(v.confidence_exponent);
   }
-  const auto usual = std::ranges::find_if(
-      training.validation, [](const nn::TrainingScan& each) { return !each.sensor; });
-  nn::TrainingScan scan = *usual;
-  if (const auto& all = training.configuration.plan.drawn_from) {
+  nn::TrainingScan scan = *std::ranges::find_if(
+      training.validation,
+      [&](const nn::TrainingScan& each) { return is_of_own_sensor(each, network); });
+  if (const auto& all = training.configuration.plan.drawn_from; all && !scan.sensor) {
     scan = nn::seen_by(nn::beams_like(*all, network.sensor, network.measured_rows), scan);
   }
   const RangeImage sample = select_rows(scan.truth, network.measured_rows);
@@ -164,8 +169,8 @@ std::unique_ptr<const nn::TrainingScans> load_scans(Training& training, const Dr
   for (std::int64_t i = 0; i < validation->size(); ++i) {
     training.validation.push_back(validation->read(i));
   }
-  if (std::ranges::all_of(training.validation,
-                          [](const auto& scan) { return scan.sensor.has_value(); })) {
+  if (std::ranges::none_of(training.validation,
+                           [&](const auto& scan) { return is_of_own_sensor(scan, c.network); })) {
     throw Error("validation: expected a drive or stack of the network's own sensor among them");
   }
   auto scans = stored_scans(c.training, c, store, "training scans", interrupt);
