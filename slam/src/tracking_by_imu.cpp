@@ -86,7 +86,9 @@ void Slam::Implementation::compare_turns(const Reference& reference, const Scan&
 }
 
 /// checked(), while the first keyframe is the only one in the better of two maps: it was corrected
-/// with the turns of the inertial sensor, which nothing has confirmed yet, or is without.
+/// with the turns of the inertial sensor, which nothing has confirmed yet, or is without. Wrong
+/// turns smear both scans alike, which then fit each other: a contradicted prediction proves
+/// nothing.
 Registered Slam::Implementation::first_registered(Tracking& last, Scan& scan, Notes& notes) {
   if (!last.first_keyframe || !last.first_keyframe->turning ||
       last.first_keyframe->time_s != last.reference.time_s) {
@@ -104,7 +106,8 @@ Registered Slam::Implementation::first_registered(Tracking& last, Scan& scan, No
   if (reference.inertial) reference.inertial = kept(*reference.inertial, reference.state);
   reference.target = {put_first_keyframe(*alone_last.first_keyframe, Twist()), Twist()};
   const Registered by_scan = in_corrected_map(alone_last, alone, alone_notes);
-  if (is_better(found, by_scan, kClearlyBetter)) {
+  if (found.innovation < InertialCheck::kMostInnovation &&
+      is_better(found, by_scan, kClearlyBetter)) {
     mapping = std::move(mapping_by_imu);
     return found;
   }

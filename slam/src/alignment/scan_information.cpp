@@ -51,8 +51,8 @@ ScanInformation scan_information(const std::vector<PlaneConstraint>& constraints
           total * observability(lengths, total, FreeParameters::kInPlane).share[0]};
 }
 
-Matrix6 known_information(const std::vector<PlaneConstraint>& constraints,
-                          const Eigen::Matrix3d& R_map_sensor) {
+KnownInformation known_information(const std::vector<PlaneConstraint>& constraints,
+                                   const Eigen::Matrix3d& R_map_sensor) {
   Matrix6 information = Matrix6::Zero();
   Matrix6 explained = Matrix6::Zero();  // N
   double total = 0.0;
@@ -74,8 +74,9 @@ Matrix6 known_information(const std::vector<PlaneConstraint>& constraints,
   }
   const Matrix6 directions = to_lengths().cwiseInverse().asDiagonal() * solver.eigenvectors();
   const Matrix6 turn = adjoint(Pose(R_map_sensor));
-  return turn.transpose() * Matrix6(directions * known.asDiagonal() * directions.transpose()) *
-         turn;
+  return {
+      turn.transpose() * Matrix6(directions * known.asDiagonal() * directions.transpose()) * turn,
+      known.minCoeff() > 0.0};
 }
 
 ExpectedState::ExpectedState(const MotionState& expected)

@@ -22,16 +22,21 @@ struct ScanInformation {
 ScanInformation scan_information(const std::vector<PlaneConstraint>& constraints,
                                  const Eigen::Matrix3d& R_map_sensor);
 
-/// The part of that information which errors of normals do not explain; the covariance is made of
-/// it.
+/// What a scan knows about the pose: the covariance and the status follow from it.
+struct KnownInformation {
+  Matrix6 information = Matrix6::Zero();  ///< in the sensor's frame
+  bool is_complete = true;                ///< there is some about every direction
+};
+
+/// The part of that information which errors of normals do not explain.
 ///
 /// Along a tunnel each normal leans at random, and many of them make a direction look known. With
 ///   N = sum of J_t J_t^T,  J_t = weight (t, p x t),  t: the normal's tilt,
 /// the expected part of it, a direction u of information a = u^T (sum J J^T) u is known above
 ///   b = 2 u^T N u + kMismatchedShare sum of weight^2
 /// and keeps the share (a / b - 1) / 5, between 0 and 1, of its information.
-Matrix6 known_information(const std::vector<PlaneConstraint>& constraints,
-                          const Eigen::Matrix3d& R_map_sensor);
+KnownInformation known_information(const std::vector<PlaneConstraint>& constraints,
+                                   const Eigen::Matrix3d& R_map_sensor);
 
 /// The expected state as a prior, to be combined with the information of a scan.
 class ExpectedState {
@@ -44,7 +49,7 @@ class ExpectedState {
   /// The velocity follows by its correlation with the pose.
   void improve(MotionState& state, const ScanInformation& scan) const;
 
-  /// The covariance after a scan with this known_information(). Poses use all of the scan's
+  /// The covariance after a scan of this KnownInformation::information. Poses use all of the scan's
   /// information, since errors of normals usually explain little of it.
   Matrix12 covariance(const Matrix6& known) const;
 

@@ -165,7 +165,9 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
     if (converged && (narrow || !narrow_suffices)) break;
   }
   result.state.T_map_sensor = orthonormalized(result.state.T_map_sensor);
-  result.state.covariance = prior.covariance(known_information(used, R_map_before));
+  const KnownInformation known = known_information(used, R_map_before);
+  result.state.covariance = prior.covariance(known.information);
+  if (!known.is_complete) result.status = Status::kDegenerate;
   return result;
 }
 
