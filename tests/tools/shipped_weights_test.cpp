@@ -96,8 +96,9 @@ TEST_CASE("DU-OR for the OS1 has a sixth of linear interpolation's outliers") {
   check("du-or_os1_16to64.npz", "os1-64", {0.25, 1.1});
 }
 
-TEST_CASE("DU-Mix for the HDL-64E is better than interpolation on simulated scans too") {
-  check("du-mix_hdl64e.npz", "hdl-64e", {0.25, 1.2});
+TEST_CASE("DU-Mix taught by real scans is better than interpolation on simulated ones too") {
+  check("du-mix_real-scans.npz", "hdl-64e", {0.25, 1.2});
+  check("du-mix_real-scans.npz", "os1-64", {0.25, 1.2});
 }
 
 TEST_CASE(

@@ -153,7 +153,7 @@ TEST_CASE("weights have names if the program reads them: not those of the labora
 TEST_CASE("weights that come with hqslam are chosen by name and sensor") {
   SensorModel hdl_64e = sensor_preset("hdl-64e");
   hdl_64e.columns = 870;
-  CHECK(weights_file("du-mix", hdl_64e, 16).ends_with("/du-mix_hdl64e.npz"));
+  CHECK(weights_file("du-mix", hdl_64e, 16).ends_with("/du-mix_real-scans.npz"));
   CHECK(weights_file("du-mix", hdl_64e, 0).ends_with("/du-mix_any-beams.npz"));
   CHECK(Upsampler(hdl_64e, {.method = "du-mix", .rows = 16}).sensor().rows() == 64);
   CHECK(Upsampler(hdl_64e, {.method = "du-mix"}).sensor().rows() == 128);
