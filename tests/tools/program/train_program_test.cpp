@@ -71,6 +71,27 @@ TEST_CASE("training leaves weights that load, a checkpoint and a learning curve"
   CHECK(holds(other.error, "another training configuration"));
 }
 
+TEST_CASE(
+    "a training is validated with a stack that names the network's own sensor, and no other") {
+  const TemporaryDirectory folder;
+  const std::string stack =
+      R"({"stack": ")" + simulated_drive("--sensor os1-64 --scans 1 --seed 9") + "\"";
+  std::string text = small_configuration(R"({"drive": "block", "seeds": [6], "scans": 1})",
+                                         stack + R"(, "sensor": "os1-64", "measured_rows": 16})");
+  text.replace(text.find(R"("kind")"), text.find("\"training\"") - text.find(R"("kind")"),
+               R"("kind": "du-mix", "sensor": "os1-64", "measured_rows": 16, "denoiser":
+                  {"any_beams": true,
+                   "layers": [{"channels": 8, "lower_channels": 8, "residual_blocks": 1}]}}, )");
+  const ProgramResult own = train(folder, text, "own");
+  REQUIRE(own.status == 0);
+  CHECK_NOTHROW(
+      nn::SuperResolver::checked(nn::read_weights(folder.file("own/weights.npz")), "own"));
+  text.replace(text.rfind("\"measured_rows\": 16"), 19, "\"measured_rows\": 32");
+  const ProgramResult other = train(folder, text, "other");
+  CHECK(other.status == 2);
+  CHECK(holds(other.error, "validation: expected a drive or stack of the network's own sensor"));
+}
+
 TEST_CASE("compare puts interpolation and networks side by side, inspect shows the layers") {
   const TemporaryDirectory folder;
   REQUIRE(train(folder, small_configuration(), "a").status == 0);
