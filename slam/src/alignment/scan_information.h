@@ -22,7 +22,7 @@ struct ScanInformation {
 ScanInformation scan_information(const std::vector<PlaneConstraint>& constraints,
                                  const Eigen::Matrix3d& R_map_sensor);
 
-/// What a scan knows about the pose: the covariance and the status follow from it.
+/// What a scan determines of the pose: the covariance and the status follow from it.
 struct KnownInformation {
   Matrix6 information = Matrix6::Zero();  ///< in the sensor's frame
   bool is_complete = true;                ///< there is some about every direction
