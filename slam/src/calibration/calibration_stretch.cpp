@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "alignment/motion_state.h"
-#include "map/cell_index.h"
+#include "front_end/cell_index.h"
 
 namespace hqslam::slam {
 

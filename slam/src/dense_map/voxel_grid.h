@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "map/cell_index.h"
+#include "front_end/cell_index.h"
 
 namespace hqslam::slam {
 

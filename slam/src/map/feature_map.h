@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
+#include "front_end/cell_index.h"
 #include "hqslam/core/pose.h"
-#include "map/cell_index.h"
 
 namespace hqslam::slam {
 

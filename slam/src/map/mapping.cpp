@@ -14,8 +14,11 @@ namespace hqslam::slam {
 
 namespace {
 
-/// Searches of wide reach, before the pose is good enough for the narrow one.
+/// Most searches of wide reach, before the pose is good enough for the narrow one.
 constexpr int kWideSearches = 2;
+/// A step of a wide search that moves no point up to kLever_m away by more leaves a pose that is
+/// good enough, too: of a tracked sensor most first steps do (weights/NOTEBOOK.md, "Speed").
+constexpr double kGoodEnough_m = 0.03;
 /// Most scans need fewer iterations. After these some oscillate between the same neighbours: then
 /// steps of kLateTolerance times the tolerance count as converged.
 constexpr int kUsualIterations = 10;
@@ -123,8 +126,9 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
   bool narrow_suffices = true;
   std::vector<PlaneConstraint> used;  // by the last step
   Eigen::Matrix3d R_map_before;
+  bool is_good_enough = false;
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
-    const bool narrow = iteration >= kWideSearches && narrow_suffices;
+    const bool narrow = (is_good_enough || iteration >= kWideSearches) && narrow_suffices;
     result.is_close_search = narrow;
     ConstraintList constraints =
         match_with_map(scan, search_at(result, options_, from), map_, options_).constraints();
@@ -155,6 +159,8 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
     used = std::move(constraints.all);
     R_map_before = before.linear();
     const Pose change = before.inverse() * result.state.T_map_sensor;
+    is_good_enough =
+        change.translation().norm() + kLever_m * rotation_angle_rad(change) < kGoodEnough_m;
     const double near_enough = iteration < kUsualIterations ? 1.0 : kLateTolerance;
     const bool converged =
         rotation_angle_rad(change) < near_enough * options_.converged_rotation_rad &&

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "map/cell_index.h"
+#include "front_end/cell_index.h"
 
 namespace hqslam::slam {
 

@@ -1,4 +1,4 @@
-#include "map/cell_index.h"
+#include "front_end/cell_index.h"
 
 #include <doctest/doctest.h>
 
