@@ -7,7 +7,7 @@
 #include <set>
 
 #include "file_contents.h"
-#include "hqslam/core/npy.h"
+#include "made_images.h"
 #include "temporary_directory.h"
 
 namespace hqslam::tools {
@@ -15,12 +15,7 @@ namespace {
 
 /// A stack of two images of an os1-16, of which the second has this range.
 std::string stack(float range_m, const std::string& path) {
-  NpyStackWriter writer(path, 16, 1024);
-  RangeImage image(16, 1024);
-  for (int i = 0; i < 2; ++i) {
-    writer.append(image);
-    image.range_m.assign(image.range_m.size(), range_m);
-  }
+  test::write_stack(path, {RangeImage(16, 1024), test::flat_image(16, 1024, range_m)});
   return path;
 }
 
