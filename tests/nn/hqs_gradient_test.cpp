@@ -1,9 +1,7 @@
-#include <algorithm>
-#include <random>
-
 #include "golden.h"
 #include "hqslam/nn/reference/reference.h"
 #include "small_network.h"
+#include "testing.h"
 
 // The networks against the reference, which shares no line with them: values and gradients.
 namespace hqslam::nn {

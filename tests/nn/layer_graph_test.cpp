@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "golden.h"
 #include "graph/graph_backward.h"
 #include "random_values.h"

@@ -1,7 +1,5 @@
 #include "hqslam/nn/network_description.h"
 
-#include <cmath>
-
 #include "hqslam/nn/network_json.h"
 #include "made_images.h"
 #include "small_network.h"

@@ -1,8 +1,5 @@
-#include <doctest/doctest.h>
-
-#include <string>
-
 #include "outlier_masks.h"
+#include "testing.h"
 
 // The filter against two independent searches for components.
 namespace hqslam::nn {

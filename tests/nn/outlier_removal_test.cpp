@@ -1,9 +1,7 @@
 #include "hqslam/nn/hqs/outlier_removal.h"
 
-#include <doctest/doctest.h>
-
-#include "hqslam/core/error.h"
 #include "outlier_masks.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

@@ -1,10 +1,7 @@
-#include <cmath>
-#include <limits>
-
-#include "error_message.h"
 #include "golden.h"
 #include "made_images.h"
 #include "small_network.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

@@ -1,12 +1,9 @@
 #include "hqslam/nn/upsampled_cloud.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
-
 #include "hqslam/core/angles.h"
 #include "hqslam/core/projection.h"
 #include "made_images.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

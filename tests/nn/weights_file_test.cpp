@@ -1,10 +1,6 @@
 #include "hqslam/nn/weights_file.h"
 
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
 #include <nlohmann/json.hpp>
-#include <string>
 
 #include "golden_folder.h"
 #include "hqslam/core/npz.h"

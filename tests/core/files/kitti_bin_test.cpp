@@ -1,7 +1,5 @@
 #include "hqslam/core/kitti_bin.h"
 
-#include <limits>
-
 #include "testing.h"
 
 using namespace hqslam;

@@ -1,11 +1,7 @@
 #include "hqslam/core/npz.h"
 
-#include <array>
-#include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
-#include <limits>
 
 #include "golden_folder.h"
 #include "testing.h"

@@ -1,6 +1,3 @@
-#include <cmath>
-#include <cstdint>
-
 #include "files/pcd_header.h"
 #include "hqslam/core/cloud_file.h"
 #include "testing.h"

@@ -1,7 +1,5 @@
 #include "hqslam/core/trajectory.h"
 
-#include <cmath>
-#include <filesystem>
 #include <functional>
 
 #include "testing.h"

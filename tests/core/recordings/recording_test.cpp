@@ -1,8 +1,6 @@
 #include "hqslam/recordings/recording.h"
 
-#include <algorithm>
 #include <chrono>
-#include <filesystem>
 #include <sstream>
 
 #include "bags.h"

@@ -1,16 +1,10 @@
 #include "hqslam/core/connected_components.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <map>
 #include <numeric>
-#include <random>
-#include <set>
 
 #include "hqslam/core/angles.h"
-#include "hqslam/core/error.h"
 #include "made_images.h"
+#include "testing.h"
 
 using namespace hqslam;
 

@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "hqslam/core/angles.h"
 #include "hqslam/core/sensor_model.h"
 #include "testing.h"

@@ -1,7 +1,5 @@
 #include "hqslam/nn/training/drawn_beams.h"
 
-#include <set>
-
 #include "made_images.h"
 #include "testing.h"
 

@@ -1,8 +1,4 @@
-#include <doctest/doctest.h>
 #include <omp.h>
-
-#include <cmath>
-#include <set>
 
 #include "made_images.h"
 #include "small_training.h"

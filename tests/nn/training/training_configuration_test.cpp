@@ -1,12 +1,7 @@
 #include "hqslam/nn/training/training_configuration.h"
 
-#include <doctest/doctest.h>
-
-#include <string>
-
-#include "error_message.h"
-#include "file_contents.h"
 #include "hqs/hqs_architecture.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

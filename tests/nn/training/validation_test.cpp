@@ -1,9 +1,8 @@
 #include "validation.h"
 
-#include <doctest/doctest.h>
-
 #include "made_images.h"
 #include "small_network.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

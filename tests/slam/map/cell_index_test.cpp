@@ -1,9 +1,6 @@
 #include "map/cell_index.h"
 
-#include <doctest/doctest.h>
-
-#include <map>
-#include <random>
+#include "testing.h"
 
 using hqslam::slam::CellIndex;
 

@@ -1,8 +1,5 @@
 #include "hqslam/pipeline/drive_memory.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "hqslam/core/projection.h"
 #include "made_images.h"
 #include "testing.h"

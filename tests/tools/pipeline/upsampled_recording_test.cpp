@@ -1,7 +1,5 @@
 #include "hqslam/pipeline/upsampled_recording.h"
 
-#include <string>
-
 #include "hqslam/core/projection.h"
 #include "made_images.h"
 #include "points_file.h"

@@ -1,9 +1,5 @@
 #include "hqslam/pipeline/upsampler.h"
 
-#include <algorithm>
-#include <string>
-#include <vector>
-
 #include "hqslam/core/projection.h"
 #include "made_images.h"
 #include "testing.h"

@@ -1,10 +1,4 @@
-#include <doctest/doctest.h>
-#include <fmt/format.h>
-
-#include <cmath>
-#include <filesystem>
 #include <sstream>
-#include <vector>
 
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/trajectory.h"

@@ -1,8 +1,3 @@
-#include <doctest/doctest.h>
-#include <fmt/format.h>
-
-#include <string>
-
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/trajectory.h"
 #include "made_images.h"

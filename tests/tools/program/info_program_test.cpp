@@ -1,12 +1,7 @@
-#include <fmt/format.h>
-
-#include <cmath>
-
 #include "core/recordings/captures.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
 #include "made_images.h"
-#include "testing.h"
 #include "tools/program/program.h"
 
 namespace hqslam::test {

@@ -1,10 +1,5 @@
-#include <doctest/doctest.h>
-
-#include <filesystem>
 #include <iterator>
 #include <sstream>
-#include <string>
-#include <vector>
 
 #include "hqslam/nn/network_json.h"
 #include "hqslam/nn/super_resolver.h"

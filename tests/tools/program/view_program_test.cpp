@@ -1,6 +1,3 @@
-#include <doctest/doctest.h>
-#include <fmt/format.h>
-
 #include "tools/page_data.h"
 #include "tools/parts_of_text.h"
 #include "tools/program/arguments.h"

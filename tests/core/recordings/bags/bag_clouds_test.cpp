@@ -1,9 +1,5 @@
-#include <algorithm>
-#include <cmath>
 #include <ctime>
-#include <numbers>
 
-#include "hqslam/core/error.h"
 #include "made_bags.h"
 #include "testing.h"
 

@@ -2,8 +2,6 @@
 
 #include <zstd.h>
 
-#include <filesystem>
-
 #include "made_bags.h"
 #include "streams/stream_reader.h"
 #include "testing.h"

@@ -1,12 +1,8 @@
 #pragma once
 
-#include <cmath>
-#include <optional>
-
 #include "bags.h"
-#include "file_contents.h"
 #include "hqslam/recordings/recording.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 // Bags of a VLP-16, of its packets or clouds.
 namespace hqslam::test {

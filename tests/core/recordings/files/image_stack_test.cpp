@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <cmath>
-
 #include "files/scan_files.h"
 #include "hqslam/core/trajectory.h"
 #include "hqslam/recordings/recording.h"

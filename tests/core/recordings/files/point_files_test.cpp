@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <cmath>
-
 #include "files/scan_files.h"
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/point_fields.h"

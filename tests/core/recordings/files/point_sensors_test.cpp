@@ -1,7 +1,3 @@
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "hqslam/core/left_out.h"
 #include "hqslam/recordings/recording.h"
 #include "recording_complaint.h"

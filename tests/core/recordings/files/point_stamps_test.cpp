@@ -1,7 +1,3 @@
-#include <cmath>
-#include <filesystem>
-
-#include "hqslam/core/error.h"
 #include "testing.h"
 #include "vlp16_files.h"
 

@@ -1,9 +1,5 @@
 #include <sys/stat.h>
 
-#include <cmath>
-#include <filesystem>
-#include <limits>
-
 #include "files/scan_files.h"
 #include "hqslam/core/kitti_bin.h"
 #include "made_images.h"

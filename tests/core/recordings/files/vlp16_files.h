@@ -1,15 +1,12 @@
 #pragma once
 
-#include <fmt/format.h>
-
 #include <Eigen/Geometry>
 #include <functional>
 #include <memory>
-#include <optional>
 
 #include "files/scan_files.h"
 #include "hqslam/core/angles.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 // Folders of point files of a VLP-16.
 namespace hqslam::test {

@@ -1,12 +1,9 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
 #include "hqslam/core/angles.h"
 #include "hqslam/core/scan.h"
 #include "hqslam/core/sensor_model.h"
+#include "testing.h"
 
 // Scans of places made for a test, stored ring after ring.
 namespace hqslam::test {

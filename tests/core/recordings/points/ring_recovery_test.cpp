@@ -1,8 +1,6 @@
 #include "points/ring_recovery.h"
 
 #include <Eigen/Geometry>
-#include <filesystem>
-#include <numbers>
 
 #include "core/real_data.h"
 #include "hqslam/core/kitti_bin.h"

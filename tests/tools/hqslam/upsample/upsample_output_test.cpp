@@ -1,8 +1,5 @@
 #include "upsample/upsample_output.h"
 
-#include <cmath>
-#include <set>
-
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/recordings/recording.h"

@@ -1,14 +1,9 @@
 #include "table/table_run.h"
 
-#include <doctest/doctest.h>
-
-#include <filesystem>
 #include <functional>
-#include <set>
 
-#include "file_contents.h"
 #include "made_images.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 namespace hqslam::tools {
 namespace {

@@ -1,11 +1,5 @@
 #include "train/training_scans.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <filesystem>
 #include <thread>
 
 #include "hqslam/core/projection.h"
