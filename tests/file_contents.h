@@ -5,6 +5,7 @@
 #include <iterator>
 #include <set>
 #include <string>
+#include <vector>
 
 namespace hqslam::test {
 
@@ -16,6 +17,17 @@ inline std::string file_contents(const std::string& path) {
 inline void write_file(const std::string& path, const std::string& contents) {
   std::ofstream stream(path, std::ios::binary);
   stream.write(contents.data(), static_cast<std::streamsize>(contents.size()));
+}
+
+/// Numbers as they lie in memory, low byte first.
+template <typename... Numbers>
+std::string raw_bytes(Numbers... numbers) {
+  std::string bytes;
+  (bytes.append(reinterpret_cast<const char*>(&numbers), sizeof numbers), ...);
+  return bytes;
+}
+inline std::string raw_bytes(const std::vector<float>& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float)};
 }
 
 /// A text with `to` in place of its first `from`; throws if that is not there.

@@ -1,7 +1,3 @@
-#include <cstdint>
-#include <string>
-#include <vector>
-
 #include "hash.h"
 #include "hqslam/core/connected_components.h"
 #include "hqslam/core/projection.h"

@@ -1,21 +1,10 @@
 #include "readers.h"
 
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <filesystem>
-#include <random>
-#include <string>
-#include <vector>
-
 #include "damaged.h"
-#include "error_message.h"
-#include "file_contents.h"
 #include "golden_folder.h"
-#include "hqslam/core/error.h"
 #include "input_file.h"
 #include "seeds.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 // What the fuzzers do, in seconds and without clang: damaged copies of their seeds, the same ones
 // in every run.

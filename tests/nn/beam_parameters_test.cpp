@@ -1,7 +1,5 @@
 #include "hqs/beam_parameters.h"
 
-#include <cmath>
-
 #include "hqslam/core/angles.h"
 #include "random_values.h"
 #include "testing.h"

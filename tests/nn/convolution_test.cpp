@@ -1,9 +1,7 @@
-#include <vector>
-
 #include "golden.h"
 #include "graph/layer_backward.h"
-#include "hqslam/core/error.h"
 #include "random_values.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

@@ -1,19 +1,13 @@
 #pragma once
 
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
 #include <span>
-#include <string>
-#include <vector>
 
 #include "golden_folder.h"
 #include "hqslam/core/npz.h"
 #include "hqslam/core/range_image.h"
 #include "hqslam/nn/network_description.h"
 #include "tensor.h"
+#include "testing.h"
 
 // Files of tests/golden, made with PyTorch in float64 by tools/make_golden.py.
 namespace hqslam::nn {

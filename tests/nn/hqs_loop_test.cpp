@@ -1,8 +1,8 @@
 #include "hqs/hqs_loop.h"
 
-#include "error_message.h"
 #include "golden.h"
 #include "small_network.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

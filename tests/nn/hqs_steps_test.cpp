@@ -1,8 +1,8 @@
-
 #include "golden.h"
 #include "hqs/hqs_backward.h"
 #include "hqs/hqs_network.h"
 #include "small_network.h"
+#include "testing.h"
 
 // The loss and the result of the loop.
 namespace hqslam::nn {

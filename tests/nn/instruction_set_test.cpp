@@ -1,8 +1,6 @@
 #include "hqslam/nn/instruction_set.h"
 
 #include <cstdlib>
-#include <optional>
-#include <string>
 
 #include "testing.h"
 

@@ -1,7 +1,5 @@
 #include "hqslam/nn/interpolation.h"
 
-#include <cmath>
-
 #include "testing.h"
 
 namespace hqslam::nn {

@@ -1,8 +1,7 @@
 #include "hqslam/nn/network_description.h"
 
-#include <cmath>
-
 #include "hqslam/nn/network_json.h"
+#include "made_images.h"
 #include "small_network.h"
 #include "testing.h"
 
@@ -29,15 +28,6 @@ void check_refused(const std::vector<Spoilt>& all) {
     CHECK(message(plan) != "no Error");
     CHECK(test::one_line_with(message(plan), each.said));
   }
-}
-
-SensorModel a_sensor(int rows, int columns) {
-  SensorModel sensor = small_sensor();
-  sensor.columns = columns;
-  sensor.beam_elevation_rad.clear();
-  for (int row = 0; row < rows; ++row) sensor.beam_elevation_rad.push_back(0.5 - 1e-3 * row);
-  sensor.beam_azimuth_offset_rad.assign(rows, 0.0);
-  return sensor;
 }
 
 }  // namespace
@@ -131,40 +121,41 @@ TEST_CASE("the choices of the loop are written as they are read, and refused oth
   CHECK(json.find(R"("neighbours": "h")") != std::string::npos);
   CHECK(json.find(R"("penalty": 0.25)") != std::string::npos);
   CHECK(network_json(network_from_json(json, "a test")) == json);
-  const auto read = [](const std::string& kind, const std::string& fields) {
+  const auto message_of = [](const std::string& kind, const std::string& fields) {
     return test::error_message([&] {
       network_from_json(
           R"({"kind": ")" + kind + R"(", "sensor": "os1-64", "measured_rows": 16, )" + fields + "}",
           "a test");
     });
   };
-  CHECK(read("du-or", R"("shared_weights": false, "filtered_iterate": "h")") == "no Error");
-  CHECK(read("simple-du", R"("shared_weights": true, "rejected_pixel": "takes-z")") == "no Error");
-  CHECK(test::one_line_with(read("simple-du", R"("shared_weights": false)"), "shared_weights",
-                            "true"));
-  CHECK(
-      test::one_line_with(read("du-or", R"("filtered_iterate": "y")"), "filtered_iterate", "h, z"));
-  CHECK(test::one_line_with(read("du-or", R"("penalty": -1)"), "penalty", "0 or more"));
-  CHECK(test::one_line_with(read("du-or", R"("rejected_pixel": "takes-h")"), "rejected_pixel",
-                            "takes-z"));
-  CHECK(test::one_line_with(read("du-or", R"("start": "zero")"), "unknown field 'start'"));
-  CHECK(test::one_line_with(read("du-mix", R"("denoiser": {"layers": [{}, {}]})"), "layers is 2",
-                            "1 to 1"));
+  CHECK(message_of("du-or", R"("shared_weights": false, "filtered_iterate": "h")") == "no Error");
+  CHECK(message_of("simple-du", R"("shared_weights": true, "rejected_pixel": "takes-z")") ==
+        "no Error");
+  const auto refuses = [&](const char* kind, const char* fields, const auto&... parts) {
+    CAPTURE(fields);
+    CHECK(test::one_line_with(message_of(kind, fields), parts...));
+  };
+  refuses("simple-du", R"("shared_weights": false)", "shared_weights", "true");
+  refuses("du-or", R"("filtered_iterate": "y")", "filtered_iterate", "h, z");
+  refuses("du-or", R"("penalty": -1)", "penalty", "0 or more");
+  refuses("du-or", R"("rejected_pixel": "takes-h")", "rejected_pixel", "takes-z");
+  refuses("du-or", R"("start": "zero")", "unknown field 'start'");
+  refuses("du-mix", R"("denoiser": {"layers": [{}, {}]})", "layers is 2", "1 to 1");
 }
 
 TEST_CASE("networks that take gigabytes are refused, the usual ones on large images are not") {
   HqsPlan simple = small_simple_du();
   simple.plain = {};
-  simple.sensor = a_sensor(128, 2048);
+  simple.sensor = test::even_sensor(128, 2048, 28.0, 0.05);
   simple.measured_rows = {3, 4};
   CHECK(message(simple) == "no Error");
-  simple.sensor = a_sensor(1024, 16352);
+  simple.sensor = test::even_sensor(1024, 16352, 28.0, 0.05);
   simple.layers = 1;
   simple.plain = {.features = 512, .convolutions = 2, .dropout = 0.0F};
   CHECK(test::one_line_with(message(simple), "1024 x 16352", "values", "at most 536870912"));
   HqsPlan du_or = small_du_or();
   du_or.u_shaped = {.tile = {4, 4}, .channels = {32, 32}, .memory = 16, .negative_slope = 0.0F};
-  du_or.sensor = a_sensor(128, 2048);
+  du_or.sensor = test::even_sensor(128, 2048, 28.0, 0.05);
   du_or.measured_rows = {3, 4};
   CHECK(message(du_or) == "no Error");
   du_or.u_shaped.tile = {1, 1};

@@ -2,9 +2,6 @@
 
 #include <omp.h>
 
-#include <array>
-#include <set>
-
 #include "architecture.h"
 #include "hqslam/nn/network_json.h"
 #include "small_network.h"

@@ -1,63 +1,14 @@
-#include <cmath>
-
 #include "hqslam/nn/network_json.h"
 #include "hqslam/nn/super_resolver.h"
 #include "hqslam/nn/training/starting_parameters.h"
-#include "reference_differences.h"
 #include "small_network.h"
 #include "testing.h"
 
-// DU-Mix with what earlier scans measured (Observation::recalled).
+// DU-Mix with what earlier scans measured; its values are held against the reference's in
+// reference_test.cpp.
 namespace hqslam::nn {
-namespace {
 
-NetworkDescription small_du_mix_with_memory() {
-  TwoModesShape shape = small_two_modes();
-  shape.scan_memory = true;
-  return small_du_mix(shape);
-}
-
-/// Most pixels of the scene, some of them off, with weights of all sizes.
-RecalledImage recalled_scene() {
-  RecalledImage recalled{small_scene(), std::vector<float>(16 * 64)};
-  const std::vector<float> random = random_values(5, 2 * 16 * 64);
-  for (std::size_t i = 0; i < recalled.weight.size(); ++i) {
-    const bool there = random[i] > -0.4F && recalled.image.range_m[i] > 0.0F;
-    recalled.image.range_m[i] *= there ? 1.0F + 0.1F * random[i] : 0.0F;
-    recalled.weight[i] = there ? 4.0F * std::fabs(random[i + 16 * 64]) : 0.0F;
-  }
-  return recalled;
-}
-
-}  // namespace
-
-TEST_CASE("every inner tensor of a network with a memory is that of the reference") {
-  const NetworkDescription description = small_du_mix_with_memory();
-  const std::vector<float> parameters = large_parameters(description, 9);
-  const RangeImage measured = measured_scene(description);
-  const RecalledImage recalled = recalled_scene();
-  for (const bool with_memory : {true, false}) {
-    const Trace trace =
-        made(description, parameters)->trace({measured, with_memory ? recalled : RecalledImage()});
-    CHECK(trace.has("recalled") == with_memory);
-    CHECK(compared_with_reference(description, parameters, trace).size() > 10);
-  }
-}
-
-TEST_CASE("a network with a memory for any beams equals the reference, whatever rows it computes") {
-  for (const RowSelection rows : {RowSelection{3, 4}, RowSelection{1, 2}}) {
-    CAPTURE(rows.stride);
-    const NetworkDescription description = small_any_beams(rows, true);
-    const std::vector<float> parameters = large_start(description);
-    const RangeImage measured = select_rows(small_scene(), rows);
-    const Trace trace = made(description, parameters)->trace({measured, recalled_scene()});
-    const auto differences = differences_from_reference(description, parameters, trace);
-    CHECK(differences.size() > 10);
-    for (const ReferenceDifference& difference : differences) {
-      CAPTURE(difference.name);
-      CHECK(difference.largest < 2e-3);
-    }
-  }
+TEST_CASE("a memory takes whole tiles of rows, the last of each of which is measured") {
   CHECK(test::refused_with([] { small_any_beams({0, 4}, true); }, "the last of every 4"));
   CHECK(test::refused_with([] { small_any_beams({7, 8}, true); }, "tile.rows", "2 to 4"));
 }

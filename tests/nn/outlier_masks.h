@@ -11,6 +11,7 @@
 #include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
+#include "made_images.h"
 
 // Scans of all kinds of structure, and which of their pixels are outliers.
 namespace hqslam::nn {
@@ -19,13 +20,9 @@ using Mask = std::vector<std::uint8_t>;
 
 inline constexpr RowSelection kNothingMeasured{1000, 1};
 
-/// `rows` beams and `columns` columns, neighbouring beams one degree apart.
-inline SensorModel small_sensor(int rows, int columns) {
-  SensorModel sensor;
-  sensor.columns = columns;
-  for (int row = 0; row < rows; ++row) sensor.beam_elevation_rad.push_back(-row * kDegree_rad);
-  sensor.beam_azimuth_offset_rad.assign(rows, 0.0);
-  return sensor;
+/// Neighbouring beams are a degree apart.
+inline SensorModel degrees_apart(int rows, int columns) {
+  return test::even_sensor(rows, columns, 0.0, 1.0);
 }
 
 inline double uniform(std::mt19937& generator) {

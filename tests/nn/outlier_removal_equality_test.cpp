@@ -1,8 +1,5 @@
-#include <doctest/doctest.h>
-
-#include <string>
-
 #include "outlier_masks.h"
+#include "testing.h"
 
 // The filter against two independent searches for components.
 namespace hqslam::nn {
@@ -109,7 +106,7 @@ TEST_CASE("the same mask for every size of component and every angle") {
   Counts counts;
   for (const int min_pixels : {0, 1, 2, 3, 5, 20, 64, 65, 66, 129, 200, 500, 100000}) {
     for (const double angle_deg : {1.0, 10.0, 60.0, 89.0}) {
-      const SensorModel sensor = small_sensor(9, 200);
+      const SensorModel sensor = degrees_apart(9, 200);
       const OutlierRemovalOptions options{angle_deg * kDegree_rad, min_pixels};
       OutlierRemoval removal(sensor, kNothingMeasured, options, 200);
       for_each_kind(9, 200, generator, [&](const RangeImage& image) {
@@ -138,7 +135,7 @@ TEST_CASE("winding components, which no sweep over the rows fills at once, are w
   // A path of single pixels that goes up and down and ends in a run of `tail` pixels.
   for (const int tail : {1, 30}) {
     for (const int folds : {1, 4, 20}) {
-      const SensorModel sensor = small_sensor(12, 360);
+      const SensorModel sensor = degrees_apart(12, 360);
       RangeImage image(12, 360);
       int column = 320;
       for (int fold = 0; fold < folds; ++fold) {

@@ -1,9 +1,7 @@
 #include "hqslam/nn/hqs/outlier_removal.h"
 
-#include <doctest/doctest.h>
-
-#include "hqslam/core/error.h"
 #include "outlier_masks.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 namespace {
@@ -43,7 +41,7 @@ TEST_CASE("options that make no sense are refused") {
 }
 
 TEST_CASE("a pixel of a measured row is never rejected but counts for its component") {
-  const SensorModel sensor = small_sensor(8, 360);
+  const SensorModel sensor = degrees_apart(8, 360);
   OutlierRemoval removal(sensor, {3, 4}, {}, 360);
   RangeImage image(8, 360);
   draw_run(image, 3, 10, 19);  // measured; 10 + 10
@@ -55,7 +53,7 @@ TEST_CASE("a pixel of a measured row is never rejected but counts for its compon
 
 TEST_CASE("ranges that are no ranges are no returns") {
   std::mt19937 generator(23);
-  const SensorModel sensor = small_sensor(6, 100);
+  const SensorModel sensor = degrees_apart(6, 100);
   OutlierRemoval removal(sensor, kNothingMeasured, {}, 100);
   for (const float value : {-0.0F, -3.0F, std::nanf(""), HUGE_VALF, -HUGE_VALF, 1e-42F}) {
     RangeImage image = random_image(Kind::kPatches, 6, 100, generator);
@@ -67,7 +65,7 @@ TEST_CASE("ranges that are no ranges are no returns") {
 TEST_CASE("negative ranges are no returns at angles at which the formula connects them") {
   std::mt19937 generator(25);
   for (const int columns : {3, 9}) {
-    SensorModel sensor = small_sensor(5, columns);
+    SensorModel sensor = degrees_apart(5, columns);
     for (double& elevation_rad : sensor.beam_elevation_rad) elevation_rad *= 30.0;
     for (const int min_pixels : {2, 3, 5, 8}) {
       const OutlierRemovalOptions options{89.0 * kDegree_rad, min_pixels};
@@ -96,7 +94,7 @@ TEST_CASE("the number of threads and earlier images change nothing") {
 }
 
 TEST_CASE("a small component stays where a measured range nearby supports it") {
-  const SensorModel sensor = small_sensor(8, 64);
+  const SensorModel sensor = degrees_apart(8, 64);
   std::vector<float> range_m(8 * 64, 0.0F);
   const auto at = [&](int row, int column) -> float& { return range_m[row * 64 + column]; };
   at(3, 10) = 20.0F;   // measured

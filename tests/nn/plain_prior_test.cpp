@@ -1,12 +1,9 @@
 #include "hqs/plain_prior.h"
 
-#include <algorithm>
-#include <cmath>
-
-#include "error_message.h"
 #include "golden.h"
 #include "hqs/prior_backward.h"
 #include "random_values.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

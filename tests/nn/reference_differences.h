@@ -1,14 +1,7 @@
 #pragma once
 
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <set>
-#include <string>
-#include <vector>
-
 #include "hqslam/nn/reference/reference.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 

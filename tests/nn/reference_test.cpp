@@ -24,15 +24,23 @@ ReferenceTrace reference_of(const NetworkDescription& description,
 }  // namespace
 
 TEST_CASE("every network's inner tensors are those of the reference, name by name") {
-  for (const NetworkDescription& description :
-       {NetworkDescription(supported_du_or()), NetworkDescription(small_simple_du()),
-        small_du_mix()}) {
+  struct Traced {
+    NetworkDescription description;
+    RecalledImage recalled = {};
+  };
+  for (const auto& [description, recalled] :
+       {Traced{supported_du_or()}, Traced{small_simple_du()}, Traced{small_du_mix()},
+        Traced{small_du_mix_with_memory()}, Traced{small_du_mix_with_memory(), recalled_scene()}}) {
     CAPTURE(name(description));
     const std::vector<float> parameters = large_parameters(description, 9);
-    const Trace trace = made(description, parameters, 2)->trace(measured_scene(description));
+    const Trace trace =
+        made(description, parameters, 2)->trace({measured_scene(description), recalled});
+    CHECK(trace.has("recalled") == !recalled.is_empty());
     const std::set<std::string> compared = compared_with_reference(description, parameters, trace);
     for (const TracedTensor& tensor : trace.tensors()) {
-      const bool given = tensor.name == "measured" || tensor.name.ends_with(".penalty");
+      CAPTURE(tensor.name);
+      const bool given = tensor.name == "measured" || tensor.name.starts_with("recalled") ||
+                         tensor.name.ends_with(".penalty");
       CHECK(compared.contains(tensor.name) == !given);
     }
   }
@@ -102,16 +110,23 @@ TEST_CASE("the reference refuses what does not fit in one line") {
 }
 
 TEST_CASE("DU-Mix for any beams equals the reference, whatever rows are measured") {
-  for (const RowSelection rows : {RowSelection{3, 4}, RowSelection{1, 4}, RowSelection{0, 2}}) {
+  struct Observed {
+    RowSelection rows;
+    bool with_memory = false;
+  };
+  for (const auto& [rows, with_memory] : {Observed{{3, 4}}, Observed{{1, 4}}, Observed{{0, 2}},
+                                          Observed{{3, 4}, true}, Observed{{1, 2}, true}}) {
     CAPTURE(rows.offset);
-    const NetworkDescription description = small_any_beams(rows);
+    CAPTURE(with_memory);
+    const NetworkDescription description = small_any_beams(rows, with_memory);
     const std::vector<float> parameters = large_start(description);
     const RangeImage measured = select_rows(small_scene(), rows);
     for (const InstructionSet instruction_set : available_instruction_sets()) {
       CAPTURE(name(instruction_set));
-      const Trace trace = made(description, parameters, 1, instruction_set)->trace({measured, {}});
+      const Trace trace = made(description, parameters, 1, instruction_set)
+                              ->trace({measured, with_memory ? recalled_scene() : RecalledImage()});
       const auto differences = differences_from_reference(description, parameters, trace);
-      CHECK(differences.size() > 8);
+      CHECK(differences.size() > (with_memory ? 10 : 8));
       for (const ReferenceDifference& difference : differences) {
         CAPTURE(difference.name);
         CHECK(difference.largest < 2e-3);

@@ -2,10 +2,6 @@
 
 #include <omp.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-
 #include "hqslam/core/angles.h"
 #include "hqslam/core/projection.h"
 #include "random_values.h"

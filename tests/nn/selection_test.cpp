@@ -1,9 +1,8 @@
-#include <cmath>
-
 #include "golden.h"
 #include "hqs/prior_backward.h"
 #include "hqs/u_shaped_prior.h"
 #include "random_values.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

@@ -16,6 +16,7 @@
 #include "hqslam/nn/network.h"
 #include "hqslam/nn/training/trainable_network.h"
 #include "hqslam/nn/weights_file.h"
+#include "made_images.h"
 #include "random_values.h"
 #include "tiles.h"
 
@@ -24,13 +25,8 @@
 namespace hqslam::nn {
 
 inline SensorModel small_sensor() {
-  SensorModel sensor;
+  SensorModel sensor = test::even_sensor(16, 64, 6.0, 1.5);
   sensor.name = "small";
-  sensor.columns = 64;
-  for (int row = 0; row < 16; ++row) {
-    sensor.beam_elevation_rad.push_back((6.0 - 1.5 * row) * std::numbers::pi / 180.0);
-  }
-  sensor.beam_azimuth_offset_rad.assign(16, 0.0);
   return sensor;
 }
 
@@ -125,6 +121,25 @@ inline NetworkDescription small_any_beams(RowSelection rows, bool scan_memory = 
     sensor.beam_elevation_rad[row] = 0.1 - 0.006 * place - 0.0007 * place * place;
   }
   return for_sensor(small_du_mix(shape), sensor, rows);
+}
+
+/// DU-Mix with what earlier scans measured (Observation::recalled).
+inline NetworkDescription small_du_mix_with_memory() {
+  TwoModesShape shape = small_two_modes();
+  shape.scan_memory = true;
+  return small_du_mix(shape);
+}
+
+/// Most pixels of the scene, some of them off, with weights of all sizes.
+inline RecalledImage recalled_scene() {
+  RecalledImage recalled{small_scene(), std::vector<float>(16 * 64)};
+  const std::vector<float> random = random_values(5, 2 * 16 * 64);
+  for (std::size_t i = 0; i < recalled.weight.size(); ++i) {
+    const bool there = random[i] > -0.4F && recalled.image.range_m[i] > 0.0F;
+    recalled.image.range_m[i] *= there ? 1.0F + 0.1F * random[i] : 0.0F;
+    recalled.weight[i] = there ? 4.0F * std::fabs(random[i + 16 * 64]) : 0.0F;
+  }
+  return recalled;
 }
 
 inline std::vector<float> large_start(const NetworkDescription& description) {

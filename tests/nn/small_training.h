@@ -1,8 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <utility>
-#include <vector>
 
 #include "hqslam/nn/training/trainer.h"
 #include "small_network.h"

@@ -1,9 +1,5 @@
 #include "hqslam/nn/super_resolver.h"
 
-#include <array>
-#include <cmath>
-#include <limits>
-
 #include "small_network.h"
 #include "testing.h"
 

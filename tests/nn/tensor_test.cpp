@@ -2,6 +2,7 @@
 
 #include "golden.h"
 #include "random_values.h"
+#include "testing.h"
 #include "tiles.h"
 
 namespace hqslam::nn {

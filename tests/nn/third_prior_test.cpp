@@ -6,7 +6,6 @@
 #include "hqslam/nn/training/trainer.h"
 #include "hqslam/nn/weights_file.h"
 #include "small_training.h"
-#include "testing.h"
 
 // A prior outside the library: all of it is here, with the table that names it.
 namespace hqslam::nn {

@@ -1,9 +1,7 @@
-#include <cmath>
-#include <limits>
-
-#include "error_message.h"
 #include "golden.h"
+#include "made_images.h"
 #include "small_network.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 namespace {
@@ -77,14 +75,8 @@ TEST_CASE("the gradients of DU-Mix for any beams are the slopes of its loss") {
     REQUIRE(std::fabs(*largest) > 0.0F);
     float& parameter = parameters[largest - gradient.begin()];
     std::vector<float> unused(parameters.size());
-    const float before = parameter;
-    const float step = 2e-3F;
-    parameter = before + step;
-    const double above = loss(unused);
-    parameter = before - step;
-    const double below = loss(unused);
-    parameter = before;
-    CHECK(*largest == doctest::Approx((above - below) / (2.0 * step)).epsilon(0.02));
+    CHECK(*largest ==
+          doctest::Approx(slope_of([&] { return loss(unused); }, 2e-3F, parameter)).epsilon(0.02));
     first += count;
   }
 }
@@ -105,8 +97,7 @@ TEST_CASE("the loss is the mean over the columns, where they are no whole vector
   const NetworkDescription description = small_du_mix();
   const std::vector<float> nothing(
       static_cast<std::size_t>(elements(parameter_shapes(description))));
-  RangeImage walls(16, 40);  // ten tiles a row
-  for (float& range_m : walls.range_m) range_m = 10.0F;
+  const RangeImage walls = test::flat_image(16, 40, 10.0F);  // ten tiles a row
   const RangeImage measured = select_rows(walls, description.measured_rows);
   for (const InstructionSet instruction_set : available_instruction_sets()) {
     CAPTURE(name(instruction_set));

@@ -1,11 +1,9 @@
 #include "hqslam/nn/upsampled_cloud.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
-
 #include "hqslam/core/angles.h"
 #include "hqslam/core/projection.h"
+#include "made_images.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 namespace {
@@ -13,16 +11,7 @@ namespace {
 constexpr RowSelection kMeasuredRows = {1, 2};
 
 /// Six rows of 16 columns, of which rows 1, 3 and 5 are measured.
-SensorModel six_row_sensor() {
-  SensorModel sensor;
-  sensor.name = "small";
-  sensor.columns = 16;
-  for (int row = 0; row < 6; ++row) {
-    sensor.beam_elevation_rad.push_back((10.0 - 4.0 * row) * kDegree_rad);
-    sensor.beam_azimuth_offset_rad.push_back(0.0);
-  }
-  return sensor;
-}
+SensorModel six_row_sensor() { return test::even_sensor(6, 16, 10.0, 4.0); }
 
 RangeImage image_of(const SensorModel& sensor) {
   RangeImage image(sensor.rows(), sensor.columns);
@@ -32,12 +21,7 @@ RangeImage image_of(const SensorModel& sensor) {
   return image;
 }
 
-/// The same range in every pixel.
-RangeImage flat(float range_m) {
-  RangeImage image(6, 16);
-  image.range_m.assign(image.range_m.size(), range_m);
-  return image;
-}
+RangeImage flat(float range_m) { return test::flat_image(6, 16, range_m); }
 
 double elevation_rad(const Eigen::Vector3f& point_m) {
   return std::asin(static_cast<double>(point_m.z()) / point_m.cast<double>().norm());

@@ -1,10 +1,6 @@
 #include "hqslam/nn/weights_file.h"
 
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
 #include <nlohmann/json.hpp>
-#include <string>
 
 #include "golden_folder.h"
 #include "hqslam/core/npz.h"
@@ -33,14 +29,21 @@ std::string message_after(const Change& change) {
   return error_message([&] { check_self_test(read_weights(path), path); });
 }
 
-/// The message after `from` became `to` in the description.
-std::string message_after_edit(const std::string& from, const std::string& to) {
-  return message_after([&](NpzArrays& arrays) {
-    std::string text = text_value(arrays["description"], "description");
-    const std::size_t place = text.find(from);
-    REQUIRE(place != std::string::npos);
-    arrays["description"] = npz_text(text.replace(place, from.size(), to));
-  });
+/// After a change to the arrays.
+template <typename Change, typename... Parts>
+void refuses_arrays(const Change& change, const Parts&... parts) {
+  CHECK(one_line_with(message_after(change), parts...));
+}
+/// After `from` became `to` in the description.
+template <typename... Parts>
+void refuses_description(const std::string& from, const std::string& to, const Parts&... parts) {
+  CAPTURE(to);
+  refuses_arrays(
+      [&](NpzArrays& arrays) {
+        const std::string text = text_value(arrays["description"], "description");
+        arrays["description"] = npz_text(test::replaced_in(text, from, to));
+      },
+      parts...);
 }
 
 }  // namespace
@@ -63,14 +66,13 @@ TEST_CASE("weights of every network come back as they were written") {
 }
 
 TEST_CASE("a changed weight is found by the self-test") {
-  CHECK(one_line_with(message_after([](NpzArrays& arrays) {
-                        std::vector<float> bias =
-                            float_values(arrays["layers.2.head.bias"], "bias");
-                        bias[70] += 0.5F;
-                        arrays["layers.2.head.bias"] =
-                            npz_array(bias, {static_cast<std::int64_t>(bias.size())});
-                      }),
-                      "self-test", "differ"));
+  refuses_arrays(
+      [](NpzArrays& arrays) {
+        std::vector<float> bias = float_values(arrays["layers.2.head.bias"], "bias");
+        bias[70] += 0.5F;
+        arrays["layers.2.head.bias"] = npz_array(bias, {static_cast<std::int64_t>(bias.size())});
+      },
+      "self-test", "differ");
 }
 
 TEST_CASE("a self-test of another shape is refused") {
@@ -81,40 +83,35 @@ TEST_CASE("a self-test of another shape is refused") {
 }
 
 TEST_CASE("missing, unknown, misshapen and non-finite arrays are refused by name") {
-  CHECK(one_line_with(message_after([](NpzArrays& a) { a.erase("layers.1.bottleneck.bias"); }),
-                      "layers.1.bottleneck.bias", "expected", "found none"));
-  CHECK(one_line_with(
-      message_after([](NpzArrays& a) { a["extra"] = npz_array(std::vector<float>{1.0F}, {1}); }),
-      "unknown array 'extra'"));
-  CHECK(one_line_with(message_after([](NpzArrays& a) {
-                        a["log_penalty"] = npz_array(std::vector<float>{1.0F, 2.0F}, {2});
-                      }),
-                      "log_penalty", "expected shape 3", "found 2"));
-  CHECK(one_line_with(message_after([](NpzArrays& a) {
-                        a["log_penalty"] = npz_array(std::vector<float>{1.0F, NAN, 2.0F}, {3});
-                      }),
-                      "log_penalty", "finite"));
-  CHECK(one_line_with(message_after([](NpzArrays& a) { a.erase("self_test.measured"); }),
-                      "self_test.measured", "found none"));
-  CHECK(one_line_with(message_after([](NpzArrays& a) { a.erase("description"); }), "description",
-                      "hqslam-lab train"));
+  refuses_arrays([](NpzArrays& a) { a.erase("layers.1.bottleneck.bias"); },
+                 "layers.1.bottleneck.bias", "expected", "found none");
+  refuses_arrays([](NpzArrays& a) { a["extra"] = npz_array(std::vector<float>{1.0F}, {1}); },
+                 "unknown array 'extra'");
+  refuses_arrays(
+      [](NpzArrays& a) {
+        a["log_penalty"] = npz_array(std::vector<float>{1.0F, 2.0F}, {2});
+      },
+      "log_penalty", "expected shape 3", "found 2");
+  refuses_arrays(
+      [](NpzArrays& a) {
+        a["log_penalty"] = npz_array(std::vector<float>{1.0F, NAN, 2.0F}, {3});
+      },
+      "log_penalty", "finite");
+  refuses_arrays([](NpzArrays& a) { a.erase("self_test.measured"); }, "self_test.measured",
+                 "found none");
+  refuses_arrays([](NpzArrays& a) { a.erase("description"); }, "description", "hqslam-lab train");
 }
 
 TEST_CASE("a description that does not fit is refused with field, expected and found") {
-  CHECK(one_line_with(message_after_edit("\"du-or\"", "\"du-xor\""), "kind",
-                      "one of du-or, simple-du", "du-xor"));
-  CHECK(one_line_with(message_after_edit("\"layers\": 3", "\"layers\": 300"), "layers is 300",
-                      "1 to 20"));
-  CHECK(one_line_with(message_after_edit("\"layers\": 3", "\"layerz\": 3"), "unknown field",
-                      "layerz"));
-  CHECK(one_line_with(message_after_edit("\"layers\": 3", "\"layers\": 4"),
-                      "layers.3.encoder.0.weight", "found none"));
-  CHECK(one_line_with(message_after_edit("\"memory\": 3", "\"memory\": 1e9"), "memory"));
-  CHECK(one_line_with(message_after_edit("\"tile_rows\": 4", "\"tile_rows\": 3"),
-                      "an image of 16 x 64", "multiples of 6 x 8", "smaller tile_rows"));
-  CHECK(one_line_with(message_after_edit("\"format\": \"hqslam-weights-1\"", "\"format\": 2"),
-                      "format"));
-  CHECK(one_line_with(message_after_edit("\"stride\": 4", "\"stride\": 0"), "no selection"));
+  refuses_description("\"du-or\"", "\"du-xor\"", "kind", "one of du-or, simple-du", "du-xor");
+  refuses_description("\"layers\": 3", "\"layers\": 300", "layers is 300", "1 to 20");
+  refuses_description("\"layers\": 3", "\"layerz\": 3", "unknown field", "layerz");
+  refuses_description("\"layers\": 3", "\"layers\": 4", "layers.3.encoder.0.weight", "found none");
+  refuses_description("\"memory\": 3", "\"memory\": 1e9", "memory");
+  refuses_description("\"tile_rows\": 4", "\"tile_rows\": 3", "an image of 16 x 64",
+                      "multiples of 6 x 8", "smaller tile_rows");
+  refuses_description("\"format\": \"hqslam-weights-1\"", "\"format\": 2", "format");
+  refuses_description("\"stride\": 4", "\"stride\": 0", "no selection");
 }
 
 TEST_CASE("weights that no reader would take are not written") {

@@ -1,12 +1,7 @@
 #include "kernels/winograd_convolution.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <utility>
-#include <vector>
-
 #include "random_values.h"
+#include "testing.h"
 
 namespace hqslam::nn::kernels {
 namespace {

@@ -1,12 +1,8 @@
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <numbers>
-
 #include "hqs/hqs_loop.h"
 #include "hqs/u_shaped_prior.h"
 #include "hqslam/core/connected_components.h"
 #include "hqslam/nn/interpolation.h"
+#include "testing.h"
 
 // The numbers of the worked example in nn/hqs/README.md.
 namespace hqslam::nn {

@@ -1,9 +1,6 @@
 #include "frames.h"
 
-#include <doctest/doctest.h>
-
-#include <limits>
-#include <numbers>
+#include "testing.h"
 
 using hqslam::Pose;
 using hqslam::pose_from_xyz_rpy;

@@ -1,13 +1,10 @@
 #include "hqslam_node.cpp"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
 #include <cstring>
 #include <fstream>
 
 #include "slam/yard_drive.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 namespace hqslam_ros {
 namespace {

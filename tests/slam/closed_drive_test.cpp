@@ -1,12 +1,9 @@
-#include <doctest/doctest.h>
-
-#include <algorithm>
-
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/slam.h"
 #include "slam/poses.h"
 #include "slam/village.h"
 #include "slam/yard.h"
+#include "testing.h"
 #include "thread_limit.h"
 
 using namespace hqslam;

@@ -1,11 +1,8 @@
-#include <doctest/doctest.h>
-
-#include <cmath>
-
 #include "hqslam/core/imu_sample.h"
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/slam.h"
 #include "slam/yard_drive.h"
+#include "testing.h"
 
 using namespace hqslam;
 

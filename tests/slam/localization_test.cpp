@@ -1,15 +1,9 @@
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
-#include "hqslam/core/error.h"
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/saved_map.h"
 #include "hqslam/slam/slam.h"
 #include "slam/village.h"
 #include "slam/yard_drive.h"
+#include "testing.h"
 
 using namespace hqslam;
 using slam::Status;

@@ -1,12 +1,7 @@
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <numbers>
-
-#include "hqslam/core/error.h"
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/slam.h"
 #include "slam/yard_drive.h"
+#include "testing.h"
 
 using namespace hqslam;
 

@@ -1,13 +1,6 @@
 #include "hqslam/slam/options.h"
 
-#include <fmt/format.h>
-
-#include <limits>
-#include <map>
-#include <set>
-#include <string>
 #include <string_view>
-#include <utility>
 
 #include "testing.h"
 

@@ -1,8 +1,3 @@
-#include <limits>
-#include <string>
-#include <utility>
-
-#include "hqslam/core/error.h"
 #include "hqslam/slam/slam.h"
 #include "slam/yard_drive.h"
 #include "testing.h"

@@ -1,11 +1,8 @@
 #include "hqslam/slam/slam.h"
 
-#include <doctest/doctest.h>
 #include <omp.h>
 
-#include <cmath>
 #include <iterator>
-#include <random>
 #include <thread>
 
 #include "hqslam/slam/options.h"
@@ -14,6 +11,7 @@
 #include "slam/steady_drive.h"
 #include "slam/village.h"
 #include "slam/yard_drive.h"
+#include "testing.h"
 #include "thread_limit.h"
 
 using namespace hqslam;

@@ -1,17 +1,7 @@
 // The states from scan to scan: starting, tracking, lost, searching.
 
-#include <doctest/doctest.h>
-
 #include <Eigen/Cholesky>
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <optional>
-#include <random>
-#include <string>
 #include <string_view>
-#include <utility>
-#include <vector>
 
 #include "hqslam/core/angles.h"
 #include "hqslam/slam/options.h"
@@ -20,6 +10,7 @@
 #include "hqslam/slam/slam.h"
 #include "slam/village.h"
 #include "slam/yard.h"
+#include "testing.h"
 
 using namespace hqslam;
 using slam::Status;

@@ -1,20 +1,12 @@
 // After tracking is lost the path continues in a submap of its own, and submaps are joined where a
 // place is recognized.
 
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <map>
-#include <numbers>
-#include <vector>
-
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/slam.h"
 #include "slam/poses.h"
 #include "slam/village.h"
 #include "slam/yard_drive.h"
+#include "testing.h"
 
 using namespace hqslam;
 using slam::LoopStatus;

@@ -1,20 +1,15 @@
 // Whole drives against known trajectories, from file or simulator to pose.
 
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <functional>
 #include <iterator>
-#include <string>
-#include <vector>
 
 #include "hqslam/core/projection.h"
 #include "hqslam/evaluation/trajectory_error.h"
 #include "hqslam/recordings/recording.h"
 #include "hqslam/sim/drive.h"
 #include "hqslam/slam/slam.h"
+#include "testing.h"
 
 using namespace hqslam;
 

@@ -1,20 +1,12 @@
 // What the weights that come with the program are worth, on a drive that none of them has seen.
 
-#include <doctest/doctest.h>
-#include <fmt/format.h>
-
-#include <limits>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "compare/upsampling_comparison.h"
 #include "golden_folder.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/nn/compare/compared_networks.h"
 #include "hqslam/nn/scan_memory.h"
 #include "hqslam/sim/drive.h"
+#include "testing.h"
 
 namespace hqslam::tools {
 namespace {

@@ -1,10 +1,5 @@
 #include "hqslam/evaluation/cloud_error.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <random>
-
 #include "hqslam/evaluation/image_error.h"
 #include "testing.h"
 

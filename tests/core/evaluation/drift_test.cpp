@@ -1,7 +1,5 @@
 #include "hqslam/evaluation/drift.h"
 
-#include <limits>
-
 #include "hqslam/core/angles.h"
 #include "testing.h"
 

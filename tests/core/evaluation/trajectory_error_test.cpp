@@ -1,7 +1,5 @@
 #include "hqslam/evaluation/trajectory_error.h"
 
-#include <cmath>
-
 #include "hqslam/core/angles.h"
 #include "testing.h"
 

@@ -1,20 +1,11 @@
 #include "hqslam/core/kitti_bin.h"
 
-#include <cstring>
-#include <limits>
-
 #include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::test;
 
 namespace {
-
-std::string floats(const std::vector<float>& values) {
-  std::string bytes(values.size() * sizeof(float), '\0');
-  std::memcpy(bytes.data(), values.data(), bytes.size());
-  return bytes;
-}
 
 std::string kitti_bin_complaint(const std::string& contents) {
   const TemporaryDirectory directory;
@@ -26,7 +17,7 @@ std::string kitti_bin_complaint(const std::string& contents) {
 
 TEST_CASE("a KITTI scan is x y z intensity in float32") {
   const TemporaryDirectory directory;
-  write_file(directory.file("0.bin"), floats({1, 2, 3, 0.5F, -4, 5.5F, -6, 0}));
+  write_file(directory.file("0.bin"), raw_bytes({1, 2, 3, 0.5F, -4, 5.5F, -6, 0}));
   const Scan scan = read_kitti_bin(directory.file("0.bin"));
   REQUIRE(scan.points_m.size() == 2);
   CHECK(scan.points_m[0] == Eigen::Vector3f(1, 2, 3));
@@ -43,7 +34,7 @@ TEST_CASE(
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float inf = std::numeric_limits<float>::infinity();
   write_file(directory.file("0.bin"),
-             floats({1, 2, 3, 0, nan, 2, 3, 0, 1, -inf, 3, 0, 0, 0, 0, 7, 0, 0, 3, nan}));
+             raw_bytes({1, 2, 3, 0, nan, 2, 3, 0, 1, -inf, 3, 0, 0, 0, 0, 7, 0, 0, 3, nan}));
   const Scan scan = read_kitti_bin(directory.file("0.bin"));
   CHECK(scan.points_m.size() == 2);
   CHECK(scan.invalid_points == 3);
@@ -63,14 +54,14 @@ TEST_CASE("a file that is no KITTI scan is refused with file, expected and found
   std::string nuscenes;
   for (int i = 0; i < 400; ++i) {
     nuscenes +=
-        floats({1.5F, 0.1F * static_cast<float>(i), 2.0F, 7.0F, static_cast<float>(i % 32)});
+        raw_bytes(1.5F, 0.1F * static_cast<float>(i), 2.0F, 7.0F, static_cast<float>(i % 32));
   }
   CHECK(one_line_with(kitti_bin_complaint(nuscenes), "5 numbers a point (20 bytes)", "nuScenes"));
   CHECK(one_line_with(kitti_bin_complaint("1.0 2.0 3.0 0.5\n4.0 5.0"), "0.bin", "float32", "text"));
-  CHECK(one_line_with(kitti_bin_complaint(floats({1, 2, 3, 0}) + "xyz"), "16 bytes per point",
+  CHECK(one_line_with(kitti_bin_complaint(raw_bytes({1, 2, 3, 0}) + "xyz"), "16 bytes per point",
                       "19 bytes", "3 too many"));
-  CHECK(
-      one_line_with(kitti_bin_complaint(floats({1e20F, 2, 3, 0, 1, 2, 3, 0})), "metres", "1 of 2"));
+  CHECK(one_line_with(kitti_bin_complaint(raw_bytes({1e20F, 2, 3, 0, 1, 2, 3, 0})), "metres",
+                      "1 of 2"));
   CHECK(refused_with([] { read_kitti_bin("/nowhere/0.bin"); }, "/nowhere/0.bin", "no file"));
   CHECK(refused_with([] { read_kitti_bin("/tmp"); }, "/tmp", "folder"));
   CHECK(refused_with([] { write_kitti_bin({}, "/nowhere/0.bin"); }, "/nowhere"));

@@ -1,6 +1,6 @@
 #include "hqslam/core/nearest_names.h"
 
-#include <doctest/doctest.h>
+#include "testing.h"
 
 namespace hqslam {
 

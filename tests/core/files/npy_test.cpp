@@ -1,8 +1,7 @@
 #include "hqslam/core/npy.h"
 
-#include <cstring>
-
 #include "testing.h"
+#include "zip_by_hand.h"
 
 using namespace hqslam;
 using namespace hqslam::test;
@@ -10,21 +9,16 @@ using namespace hqslam::test;
 namespace {
 
 /// An .npy file put together by hand, as numpy's format document describes it.
-std::string npy_file(const std::string& dictionary, const std::string& data, char version = 1) {
-  std::string file("\x93NUMPY", 6);
-  file += version;
-  file += '\0';
-  const std::size_t length = dictionary.size() + 1;
-  file += static_cast<char>(length & 0xFF);
-  file += static_cast<char>(length >> 8);
-  if (version > 1) file += std::string(2, '\0');
-  return file + dictionary + "\n" + data;
+std::string npy_stack(const std::string& dictionary, const std::string& data, char version = 1) {
+  return std::string("\x93NUMPY") + version + '\0' +
+         little_endian(dictionary.size() + 1, version > 1 ? 4 : 2) + dictionary + "\n" + data;
 }
-
-std::string bytes_of(const std::vector<float>& values) {
-  std::string bytes(values.size() * sizeof(float), '\0');
-  std::memcpy(bytes.data(), values.data(), bytes.size());
-  return bytes;
+/// The same with this dtype and shape.
+std::string npy_stack_of(const std::string& dtype, const std::string& shape,
+                         const std::string& data, const std::string& fortran_order = "False") {
+  return npy_stack(
+      "{'descr': " + dtype + ", 'fortran_order': " + fortran_order + ", 'shape': " + shape + ", }",
+      data);
 }
 
 constexpr const char* kTwoImages = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 1, 3), }";
@@ -41,7 +35,7 @@ TEST_CASE("an .npy stack written by hand is read image by image in any order") {
   const TemporaryDirectory directory;
   const std::string path = directory.file("scans.npy");
   for (const char version : {'\1', '\2', '\3'}) {
-    write_file(path, npy_file(kTwoImages, bytes_of({1, 2, 3, 4, 5, 6}), version));
+    write_file(path, npy_stack(kTwoImages, raw_bytes({1, 2, 3, 4, 5, 6}), version));
     NpyStackReader reader(path);
     REQUIRE(reader.images() == 2);
     CHECK(reader.rows() == 1);
@@ -55,8 +49,8 @@ TEST_CASE("an .npy stack written by hand is read image by image in any order") {
 TEST_CASE("a trailing axis of one and other spellings of the header mean the same") {
   const TemporaryDirectory directory;
   const std::string path = directory.file("scans.npy");
-  write_file(path, npy_file("{\"shape\":(1,2,2,1),\"descr\":\"<f4\",\"fortran_order\":False}   ",
-                            bytes_of({1, 2, 3, 4})));
+  write_file(path, npy_stack("{\"shape\":(1,2,2,1),\"descr\":\"<f4\",\"fortran_order\":False}   ",
+                             raw_bytes({1, 2, 3, 4})));
   NpyStackReader reader(path);
   CHECK(reader.rows() == 2);
   CHECK(reader.columns() == 2);
@@ -84,7 +78,7 @@ TEST_CASE("a stack is a valid .npy file after every image that is appended") {
 TEST_CASE("what an interrupted append leaves behind the last image is not read") {
   const TemporaryDirectory directory;
   const std::string path = directory.file("scans.npy");
-  write_file(path, npy_file(kTwoImages, bytes_of({1, 2, 3, 4, 5, 6}) + "half an im"));
+  write_file(path, npy_stack(kTwoImages, raw_bytes({1, 2, 3, 4, 5, 6}) + "half an im"));
   CHECK(NpyStackReader(path).images() == 2);
 }
 
@@ -102,46 +96,39 @@ TEST_CASE("an array of doubles has numpy's header, byte for byte") {
   expected += '\n';
   CHECK(contents.substr(0, 128) == expected);
   REQUIRE(contents.size() == 128 + 14 * sizeof(double));
-  double last = 0.0;
-  std::memcpy(&last, contents.data() + 128 + 13 * sizeof(double), sizeof(double));
-  CHECK(last == 1.5);
+  CHECK(contents.ends_with(raw_bytes(1.5)));
   CHECK(refused_with([&] { writer.append(std::vector<double>(13)); }, path, "14", "13"));
 }
 
 TEST_CASE("a file that is no stack of range images is refused in one line that says why") {
-  const std::string data = bytes_of({1, 2, 3, 4, 5, 6});
-  const auto with = [&](const std::string& dictionary) {
-    return npy_complaint(npy_file(dictionary, data));
+  const std::string data = raw_bytes({1, 2, 3, 4, 5, 6});
+  const auto refuses = [](const std::string& contents, const auto&... parts) {
+    CAPTURE(contents);
+    CHECK(one_line_with(npy_complaint(contents), parts...));
   };
-  CHECK(one_line_with(npy_complaint("x y z\n1 2 3\n"), "scans.npy", "NUMPY"));
-  CHECK(one_line_with(npy_complaint(""), "scans.npy", "NUMPY"));
-  CHECK(one_line_with(npy_complaint(npy_file(kTwoImages, data, 9)), "9.0"));
-  CHECK(one_line_with(npy_complaint(npy_file(kTwoImages, data).substr(0, 40)), "truncated"));
-  CHECK(one_line_with(npy_complaint(npy_file(kTwoImages, data.substr(0, 23))), "truncated",
-                      "2 images of 12 bytes", "found 23"));
-  CHECK(one_line_with(npy_complaint(npy_file(kTwoImages, data + data)), "too long"));
-  CHECK(one_line_with(with("{'descr': '<f8', 'fortran_order': False, 'shape': (1, 1, 3), }"),
-                      "'<f4'", "'<f8'", "astype"));
-  CHECK(one_line_with(with("{'descr': '<f4', 'fortran_order': True, 'shape': (2, 1, 3), }"),
-                      "Fortran"));
-  CHECK(one_line_with(with("{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3), }"),
-                      "(N, rows, columns)", "(2, 3)"));
-  CHECK(one_line_with(with("{'descr': '<f4', 'fortran_order': False, 'shape': (2, 0, 3), }"),
-                      "(2, 0, 3)"));
-  CHECK(one_line_with(with("{'descr': [('x', '<f4')], 'fortran_order': False, 'shape': (6,), }"),
-                      "structures"));
+  refuses("x y z\n1 2 3\n", "scans.npy", "NUMPY");
+  refuses("", "scans.npy", "NUMPY");
+  refuses(npy_stack(kTwoImages, data, 9), "9.0");
+  refuses(npy_stack(kTwoImages, data).substr(0, 40), "truncated");
+  refuses(npy_stack(kTwoImages, data.substr(0, 23)), "truncated", "2 images of 12 bytes",
+          "found 23");
+  refuses(npy_stack(kTwoImages, data + data), "too long");
+  refuses(npy_stack_of("'<f8'", "(1, 1, 3)", data), "'<f4'", "'<f8'", "astype");
+  refuses(npy_stack_of("'<f4'", "(2, 1, 3)", data, "True"), "Fortran");
+  refuses(npy_stack_of("'<f4'", "(2, 3)", data), "(N, rows, columns)", "(2, 3)");
+  refuses(npy_stack_of("'<f4'", "(2, 0, 3)", data), "(2, 0, 3)");
+  refuses(npy_stack_of("[('x', '<f4')]", "(6,)", data), "structures");
 }
 
 TEST_CASE("sizes that overflow or exceed the file are refused before anything is allocated") {
-  const auto with_shape = [](const std::string& shape) {
-    return npy_complaint(npy_file(
-        "{'descr': '<f4', 'fortran_order': False, 'shape': " + shape + ", }", bytes_of({1, 2, 3})));
-  };
-  CHECK(one_line_with(with_shape("(4611686018427387904, 1, 4)"), "truncated"));
-  CHECK(one_line_with(with_shape("(99999999999999999999, 1, 3)"), "below 2^63"));
-  CHECK(one_line_with(with_shape("(1, 4294967296, 4294967296)"), "4294967296"));
-  CHECK(one_line_with(with_shape("(-1, 1, 3)"), "size"));
-  CHECK(one_line_with(with_shape("(1, 65536, 65536)"), "truncated"));
+  for (const auto& [shape, said] : {std::pair("(4611686018427387904, 1, 4)", "truncated"),
+                                    {"(99999999999999999999, 1, 3)", "below 2^63"},
+                                    {"(1, 4294967296, 4294967296)", "4294967296"},
+                                    {"(-1, 1, 3)", "size"},
+                                    {"(1, 65536, 65536)", "truncated"}}) {
+    CAPTURE(shape);
+    CHECK(one_line_with(npy_complaint(npy_stack_of("'<f4'", shape, raw_bytes({1, 2, 3}))), said));
+  }
 }
 
 TEST_CASE("a header that is no dictionary of the three keys is refused") {
@@ -153,7 +140,7 @@ TEST_CASE("a header that is no dictionary of the three keys is refused") {
         "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 1, 1), 'x': 1}",
         "{'descr': '<f4', 'fortran_order': False, 'shape': [1, 1, 1]}", "{'descr"}) {
     CAPTURE(dictionary);
-    CHECK(one_line_with(npy_complaint(npy_file(dictionary, bytes_of({1}))), "scans.npy",
+    CHECK(one_line_with(npy_complaint(npy_stack(dictionary, raw_bytes({1}))), "scans.npy",
                         "damaged .npy header", "expected"));
   }
 }

@@ -1,7 +1,3 @@
-#include <cmath>
-#include <cstdint>
-#include <cstring>
-
 #include "files/pcd_header.h"
 #include "hqslam/core/cloud_file.h"
 #include "testing.h"
@@ -10,13 +6,6 @@ using namespace hqslam;
 using namespace hqslam::test;
 
 namespace {
-
-template <typename T>
-std::string bytes_of(T value) {
-  std::string bytes(sizeof(T), '\0');
-  std::memcpy(bytes.data(), &value, sizeof(T));
-  return bytes;
-}
 
 std::string header(const std::string& fields, const std::string& size, const std::string& type,
                    int points, const std::string& data) {
@@ -44,8 +33,9 @@ std::string literals(const std::string& bytes) {
     stream += static_cast<char>(chunk.size() - 1);
     stream += chunk;
   }
-  return bytes_of(static_cast<std::uint32_t>(stream.size())) +
-         bytes_of(static_cast<std::uint32_t>(bytes.size())) + stream;
+  return raw_bytes(static_cast<std::uint32_t>(stream.size()),
+                   static_cast<std::uint32_t>(bytes.size())) +
+         stream;
 }
 
 const std::string kAscii = header("x y z", "4 4 4", "F F F", 2, "ascii") + "1 2 3\n-4 5.5 6e-1\n";
@@ -109,10 +99,8 @@ TEST_CASE("a file of no points is read, however it is stored") {
 TEST_CASE("a binary file with fields of every type in any order is read") {
   std::string contents =
       header("intensity z ring y t x", "1 8 2 4 4 8", "U F U F U F", 2, "binary");
-  contents += bytes_of<std::uint8_t>(9) + bytes_of(3.0) + bytes_of<std::uint16_t>(1) +
-              bytes_of(2.0F) + bytes_of<std::uint32_t>(0) + bytes_of(1.0);
-  contents += bytes_of<std::uint8_t>(9) + bytes_of(6.0) + bytes_of<std::uint16_t>(0) +
-              bytes_of(5.0F) + bytes_of<std::uint32_t>(100'000'000) + bytes_of(4.0);
+  contents += raw_bytes<std::uint8_t, double, std::uint16_t>(9, 3.0, 1, 2.0F, 0U, 1.0);
+  contents += raw_bytes<std::uint8_t, double, std::uint16_t>(9, 6.0, 0, 5.0F, 100'000'000U, 4.0);
   const Scan scan = scan_of(contents);
   REQUIRE(scan.points_m.size() == 2);
   CHECK(scan.points_m[0] == Eigen::Vector3f(1, 2, 3));
@@ -124,16 +112,13 @@ TEST_CASE("a binary file with fields of every type in any order is read") {
 
 TEST_CASE("coordinates may be whole numbers of any size") {
   std::string contents = header("x y z w", "1 2 8 4", "I I I U", 1, "binary");
-  contents += bytes_of<std::int8_t>(-1) + bytes_of<std::int16_t>(-300) +
-              bytes_of<std::int64_t>(70000) + bytes_of<std::uint32_t>(1);
+  contents += raw_bytes<std::int8_t, std::int16_t, std::int64_t>(-1, -300, 70000, 1U);
   CHECK(scan_of(contents).points_m.at(0) == Eigen::Vector3f(-1, -300, 70000));
 }
 
 TEST_CASE("a compressed file holds its fields one after the other") {
-  const std::string data = bytes_of(1.0F) + bytes_of(4.0F) + bytes_of(2.0F) + bytes_of(5.0F) +
-                           bytes_of(3.0F) + bytes_of(6.0F);
-  const Scan scan =
-      scan_of(header("x y z", "4 4 4", "F F F", 2, "binary_compressed") + literals(data));
+  const Scan scan = scan_of(header("x y z", "4 4 4", "F F F", 2, "binary_compressed") +
+                            literals(raw_bytes({1, 4, 2, 5, 3, 6})));
   REQUIRE(scan.points_m.size() == 2);
   CHECK(scan.points_m[0] == Eigen::Vector3f(1, 2, 3));
   CHECK(scan.points_m[1] == Eigen::Vector3f(4, 5, 6));
@@ -219,51 +204,46 @@ TEST_CASE("some rings of a sensor, its own or a little off, are taken as they ar
 }
 
 TEST_CASE("a file that is no point cloud is refused with file, expected and found") {
-  const auto with = [](const std::string& from, const std::string& to) {
-    return pcd_complaint(replaced_in(kAscii, from, to));
+  const auto refuses = [](const std::string& from, const std::string& to, const auto&... parts) {
+    CAPTURE(to);
+    CHECK(one_line_with(pcd_complaint(replaced_in(kAscii, from, to)), parts...));
   };
   CHECK(one_line_with(pcd_complaint(""), "0.pcd", "DATA"));
   CHECK(one_line_with(pcd_complaint("ply\nformat ascii\n"), "0.pcd", "DATA", "found 'ply'"));
-  CHECK(one_line_with(with("FIELDS x y z", "FIELDS x y w"), "fields x y z", "found x y w"));
-  CHECK(one_line_with(with("SIZE 4 4 4", "SIZE 4 4"), "SIZE", "expected 3", "found 2"));
-  CHECK(one_line_with(with("SIZE 4 4 4", "SIZE 4 4 3"), "'z'", "F of 3"));
-  CHECK(one_line_with(with("TYPE F F F", "TYPE F F Q"), "'z'", "Q of 4"));
-  CHECK(one_line_with(with("TYPE F F F\n", ""), "line TYPE"));
-  CHECK(one_line_with(with("WIDTH 2", "WIDTH -2"), "WIDTH", "'-2'"));
-  CHECK(one_line_with(with("WIDTH 2", "WIDTH 3"), "POINTS", "3 x 1", "found 2"));
-  CHECK(one_line_with(with("DATA ascii", "DATA base64"), "'base64'", "binary_compressed"));
-  CHECK(one_line_with(with("5.5", "five"), "point 1", "'five'"));
-  CHECK(one_line_with(with(" 6e-1\n", ""), "truncated", "2 points of 3", "found 5"));
-  CHECK(one_line_with(with("DATA ascii", "DATA binary"), "truncated", "2 points of 12 bytes"));
+  refuses("FIELDS x y z", "FIELDS x y w", "fields x y z", "found x y w");
+  refuses("SIZE 4 4 4", "SIZE 4 4", "SIZE", "expected 3", "found 2");
+  refuses("SIZE 4 4 4", "SIZE 4 4 3", "'z'", "F of 3");
+  refuses("TYPE F F F", "TYPE F F Q", "'z'", "Q of 4");
+  refuses("TYPE F F F\n", "", "line TYPE");
+  refuses("WIDTH 2", "WIDTH -2", "WIDTH", "'-2'");
+  refuses("WIDTH 2", "WIDTH 3", "POINTS", "3 x 1", "found 2");
+  refuses("DATA ascii", "DATA base64", "'base64'", "binary_compressed");
+  refuses("5.5", "five", "point 1", "'five'");
+  refuses(" 6e-1\n", "", "truncated", "2 points of 3", "found 5");
+  refuses("DATA ascii", "DATA binary", "truncated", "2 points of 12 bytes");
   CHECK(one_line_with(pcd_complaint(header("x y z", "4 4 4", "F F F", 2, "binary") + "abc"),
                       "truncated", "found 3 bytes"));
   CHECK(refused_with([] { read_cloud("/nowhere/0.pcd"); }, "/nowhere", "no file"));
 }
 
 TEST_CASE("counts that overflow or exceed the file are refused before anything is allocated") {
-  std::string huge = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 67108864\nHEIGHT 1\nDATA ";
-  CHECK(one_line_with(pcd_complaint(huge + "ascii\n1 2 3\n"), "truncated"));
-  CHECK(one_line_with(pcd_complaint(huge + "binary\n1 2 3\n"), "truncated"));
-  CHECK(one_line_with(pcd_complaint(huge + "binary_compressed\n1 2 3\n"), "truncated"));
-  const std::string overflow =
-      "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 4294967296\n"
-      "HEIGHT 4294967296\nDATA ascii\n1 2 3\n";
-  CHECK(one_line_with(pcd_complaint(overflow), "WIDTH", "up to 67108864"));
-  const std::string product =
-      "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 67108864\n"
-      "HEIGHT 2\nDATA ascii\n1 2 3\n";
-  CHECK(one_line_with(pcd_complaint(product), "POINTS", "67108864 x 2"));
-  const std::string none =
-      "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 0 1 1\nWIDTH 1\nHEIGHT 1\n"
-      "DATA binary\n12345678";
-  CHECK(one_line_with(pcd_complaint(none), "'x'", "found none"));
+  const auto refuses = [](const std::string& rest, const auto&... parts) {
+    CAPTURE(rest);
+    CHECK(one_line_with(pcd_complaint("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\n" + rest), parts...));
+  };
+  for (const char* data : {"ascii", "binary", "binary_compressed"}) {
+    refuses(std::string("WIDTH 67108864\nHEIGHT 1\nDATA ") + data + "\n1 2 3\n", "truncated");
+  }
+  refuses("WIDTH 4294967296\nHEIGHT 4294967296\nDATA ascii\n1 2 3\n", "WIDTH", "up to 67108864");
+  refuses("WIDTH 67108864\nHEIGHT 2\nDATA ascii\n1 2 3\n", "POINTS", "67108864 x 2");
+  refuses("COUNT 0 1 1\nWIDTH 1\nHEIGHT 1\nDATA binary\n12345678", "'x'", "found none");
 }
 
 TEST_CASE("compressed data that would become gigabytes are refused before they do") {
   const std::string wide =
       "FIELDS x y z pad\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 13\nWIDTH 25165824\nHEIGHT 1\n"
       "DATA binary_compressed\n";
-  const std::string sizes = bytes_of<std::uint32_t>(0) + bytes_of<std::uint32_t>(64U * 25165824U);
+  const std::string sizes = raw_bytes(0U, 64U * 25165824U);
   CHECK(one_line_with(pcd_complaint(wide + sizes), "0.pcd", "at most 1073741824 bytes",
                       "found 1610612736"));
 }

@@ -2,7 +2,6 @@
 
 #include <sys/stat.h>
 
-#include <filesystem>
 #include <stdexcept>
 
 #include "hqslam/core/npy.h"

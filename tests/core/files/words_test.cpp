@@ -1,12 +1,7 @@
 #include "hqslam/core/words.h"
 
-#include <doctest/doctest.h>
-
-#include <cstdint>
-#include <string>
-#include <vector>
-
 #include "hqslam/core/excerpt.h"
+#include "testing.h"
 
 using namespace hqslam;
 

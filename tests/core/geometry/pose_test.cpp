@@ -1,9 +1,6 @@
 #include "hqslam/core/pose.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <numbers>
+#include "testing.h"
 
 using namespace hqslam;
 

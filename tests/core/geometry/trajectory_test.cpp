@@ -1,7 +1,5 @@
 #include "hqslam/core/trajectory.h"
 
-#include <cmath>
-#include <filesystem>
 #include <functional>
 
 #include "testing.h"
@@ -90,30 +88,26 @@ TEST_CASE("comments, empty lines, tabs and carriage returns are accepted") {
 }
 
 TEST_CASE("a file that is no trajectory is refused with its name and line") {
-  CHECK(one_line_with(trajectory_complaint("", read_any), "poses.txt", "at least one pose"));
+  const auto refuses = [](const std::string& contents, const auto&... parts) {
+    CAPTURE(contents);
+    CHECK(one_line_with(trajectory_complaint(contents, read_any), parts...));
+  };
+  refuses("", "poses.txt", "at least one pose");
   CHECK(one_line_with(trajectory_complaint("# only a comment\n", read_tum), "at least one pose"));
-  CHECK(one_line_with(trajectory_complaint("\n1 2 3\n", read_any), "poses.txt:2", "8", "12",
-                      "found 3"));
-  CHECK(one_line_with(trajectory_complaint("0 0 0 0 0 0 0 1\n1 0 0 0 0 0 0\n", read_any),
-                      "poses.txt:2", "expected 8 numbers", "found 7"));
-  CHECK(
-      one_line_with(trajectory_complaint("0 0 0 0 0 0 0 one\n", read_any), "poses.txt:1", "'one'"));
-  CHECK(one_line_with(trajectory_complaint("0 0 0 nan 0 0 0 1\n", read_any), "'nan'"));
-  CHECK(one_line_with(trajectory_complaint("0 0 0 1e999 0 0 0 1\n", read_any), "'1e999'"));
-  CHECK(one_line_with(trajectory_complaint("0 0 0 0 0 0 0 0\n", read_any), "unit quaternion",
-                      "norm 0"));
-  CHECK(one_line_with(trajectory_complaint("1 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n", read_any),
-                      "poses.txt:2", "rise"));
-  CHECK(one_line_with(trajectory_complaint("1 0 0 0 0 1 0 0 0 0 -1 0\n", read_any), "rotation",
-                      "determinant -1"));
-  CHECK(one_line_with(trajectory_complaint("2 0 0 0 0 2 0 0 0 0 2 0\n", read_any), "rotation"));
-  CHECK(one_line_with(trajectory_complaint(std::string("\0\1\2binary\n", 10), read_any),
-                      "poses.txt:1", "finite number"));
+  refuses("\n1 2 3\n", "poses.txt:2", "8", "12", "found 3");
+  refuses("0 0 0 0 0 0 0 1\n1 0 0 0 0 0 0\n", "poses.txt:2", "expected 8 numbers", "found 7");
+  refuses("0 0 0 0 0 0 0 one\n", "poses.txt:1", "'one'");
+  refuses("0 0 0 nan 0 0 0 1\n", "'nan'");
+  refuses("0 0 0 1e999 0 0 0 1\n", "'1e999'");
+  refuses("0 0 0 0 0 0 0 0\n", "unit quaternion", "norm 0");
+  refuses("1 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n", "poses.txt:2", "rise");
+  refuses("1 0 0 0 0 1 0 0 0 0 -1 0\n", "rotation", "determinant -1");
+  refuses("2 0 0 0 0 2 0 0 0 0 2 0\n", "rotation");
+  refuses(std::string("\0\1\2binary\n", 10), "poses.txt:1", "finite number");
   CHECK(one_line_with(trajectory_complaint("1 2 3 4 5 6 7 8 9 10 11 12 13 14",
                                            [](const auto& path) { return read_kitti_poses(path); }),
                       "expected 12", "more than 12"));
-  CHECK(one_line_with(trajectory_complaint(std::string("\x93NUMPY\1\0v\0", 10), read_any),
-                      "poses.txt:1", "finite number"));
+  refuses(std::string("\x93NUMPY\1\0v\0", 10), "poses.txt:1", "finite number");
   CHECK(refused_with([] { read_tum("/nowhere/t.tum"); }, "/nowhere/t.tum"));
   CHECK(refused_with([] { write_tum({}, "/nowhere/t.tum"); }, "/nowhere/t.tum"));
 }

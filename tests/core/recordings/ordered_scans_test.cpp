@@ -1,11 +1,8 @@
 #include "ordered_scans.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
-
 #include "hqslam/core/left_out.h"
 #include "made_scans.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

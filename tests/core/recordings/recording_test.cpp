@@ -1,14 +1,12 @@
 #include "hqslam/recordings/recording.h"
 
-#include <algorithm>
 #include <chrono>
-#include <filesystem>
 #include <sstream>
 
 #include "bags.h"
 #include "captures.h"
 #include "core/real_data.h"
-#include "hqslam/core/npy.h"
+#include "made_images.h"
 #include "testing.h"
 
 using namespace hqslam;
@@ -243,12 +241,8 @@ TEST_CASE("a simulated drive opens with the inertial data beside its scans, if t
   const std::string path = drive.path().string();
   const SensorModel sensor = sensor_preset("vlp-16");
   write_sensor_json(sensor, drive.file("sensor.json"));
-  NpyStackWriter writer(drive.file("scans.npy"), sensor.rows(), sensor.columns);
-  RangeImage image(sensor.rows(), sensor.columns);
-  std::ranges::fill(image.range_m, 5.0F);
-  writer.append(image);
-  image.range_m[0] = 6.0F;
-  writer.append(image);
+  const RangeImage image = flat_image(sensor.rows(), sensor.columns, 5.0F);
+  write_stack(drive.file("scans.npy"), {image, flat_image(image.rows, image.columns, 6.0F)});
   CHECK(Recording::open(path).next()->imu.empty());
   write_file(drive.file("imu.csv"), "0.04,0,0,0,0,0,9.8\n0.06,0,0,0,0,0,9.8\n");
   const auto scans = all_scans(Recording::open(path));

@@ -1,9 +1,7 @@
-#include <doctest/doctest.h>
-
-#include "hqslam/core/error.h"
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/core/sensor_model.h"
+#include "testing.h"
 
 namespace hqslam {
 namespace {

@@ -1,10 +1,6 @@
 #include "scan/column_finder.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <limits>
-#include <random>
+#include "testing.h"
 
 namespace hqslam {
 namespace {

@@ -1,27 +1,18 @@
 #include "hqslam/core/connected_components.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <map>
 #include <numeric>
-#include <random>
-#include <set>
 
 #include "hqslam/core/angles.h"
-#include "hqslam/core/error.h"
+#include "made_images.h"
+#include "testing.h"
 
 using namespace hqslam;
 
 namespace {
 
-/// `rows` beams and `columns` columns, neighbours one degree apart vertically.
-SensorModel small_sensor(int rows, int columns) {
-  SensorModel sensor;
-  sensor.columns = columns;
-  for (int row = 0; row < rows; ++row) sensor.beam_elevation_rad.push_back(-row * kDegree_rad);
-  sensor.beam_azimuth_offset_rad.assign(rows, 0.0);
-  return sensor;
+/// Neighbouring beams are a degree apart.
+SensorModel degrees_apart(int rows, int columns) {
+  return test::even_sensor(rows, columns, 0.0, 1.0);
 }
 
 /// The slow, textbook form: union-find over all pairs of neighbours with atan2.
@@ -78,9 +69,8 @@ ConnectedComponents components_of(const RangeImage& image, const SensorModel& se
 }  // namespace
 
 TEST_CASE("a near column splits the scan in two, because the scan is a circle") {
-  const SensorModel sensor = small_sensor(5, 360);
-  RangeImage image(5, 360);
-  for (float& range_m : image.range_m) range_m = 10.0F;
+  const SensorModel sensor = degrees_apart(5, 360);
+  RangeImage image = test::flat_image(5, 360, 10.0F);
   for (int row = 0; row < 5; ++row) image.at(row, 180) = 5.0F;
   CHECK(components_of(image, sensor, 20 * kDegree_rad).components.size() == 2);
   ComponentLabeler cut_out(sensor, {20 * kDegree_rad, false});
@@ -90,7 +80,7 @@ TEST_CASE("a near column splits the scan in two, because the scan is a circle") 
 TEST_CASE("labels equal those of a slow union-find on random images, with and without a mask") {
   std::mt19937 generator(11);
   for (int trial = 0; trial < 30; ++trial) {
-    const SensorModel sensor = small_sensor(3 + trial % 7, 16 + 9 * (trial % 5));
+    const SensorModel sensor = degrees_apart(3 + trial % 7, 16 + 9 * (trial % 5));
     RangeImage image(sensor.rows(), sensor.columns);
     for (float& range_m : image.range_m) {
       const auto value = generator() % 100;
@@ -132,7 +122,7 @@ TEST_CASE("sizes add up and rows are those of the pixels") {
 }
 
 TEST_CASE("more than 65,536 components are told apart") {
-  SensorModel sensor = small_sensor(64, 4096);
+  SensorModel sensor = degrees_apart(64, 4096);
   RangeImage image(64, 4096);
   for (int row = 0; row < 64; ++row) {
     for (int column = 0; column < 4096; ++column) {
@@ -146,9 +136,8 @@ TEST_CASE("more than 65,536 components are told apart") {
 }
 
 TEST_CASE("a second image is not affected by the first") {
-  const SensorModel sensor = small_sensor(4, 32);
-  RangeImage full(4, 32);
-  for (float& range_m : full.range_m) range_m = 3.0F;
+  const SensorModel sensor = degrees_apart(4, 32);
+  const RangeImage full = test::flat_image(4, 32, 3.0F);
   ComponentLabeler labeler(sensor, {});
   labeler.label(full);
   CHECK(labeler.label(RangeImage(4, 32)).components.empty());
@@ -156,7 +145,7 @@ TEST_CASE("a second image is not affected by the first") {
 }
 
 TEST_CASE("wrong shapes and angles are refused") {
-  const SensorModel sensor = small_sensor(4, 32);
+  const SensorModel sensor = degrees_apart(4, 32);
   CHECK_THROWS_AS(ComponentLabeler(sensor, {0.0, true}), Error);
   CHECK_THROWS_AS(ComponentLabeler(sensor, {2.0, true}), Error);
   ComponentLabeler labeler(sensor, {});

@@ -1,10 +1,7 @@
 #include "hqslam/core/projection.h"
 
 #include <Eigen/Geometry>
-#include <cmath>
-#include <random>
 
-#include "hqslam/core/error.h"
 #include "testing.h"
 
 using namespace hqslam;

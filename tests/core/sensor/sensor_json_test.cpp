@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "hqslam/core/angles.h"
 #include "hqslam/core/sensor_model.h"
 #include "testing.h"
@@ -91,33 +89,32 @@ TEST_CASE("Ouster's grouped metadata give the sensor with azimuths turned counte
 }
 
 TEST_CASE("a sensor file with a wrong field is refused with file, field, expected and found") {
-  const auto with = [](const std::string& from, const std::string& to) {
-    return sensor_json_complaint(replaced_in(kOwn, from, to));
+  const auto refuses = [](const std::string& from, const std::string& to, const auto&... parts) {
+    CAPTURE(to);
+    CHECK(one_line_with(sensor_json_complaint(replaced_in(kOwn, from, to)), parts...));
   };
-  CHECK(one_line_with(with("\"max_range_m\": 80,", ""), "s.json", "'max_range_m'",
-                      "expected a number", "found nothing"));
-  CHECK(one_line_with(with("\"max_range_m\"", "\"max_range\""), "'max_range'", "unknown field",
-                      "max_range_m"));
-  CHECK(one_line_with(with("1024", "\"many\""), "'columns'", "number", "\"many\""));
-  CHECK(one_line_with(with("1024", "1024.5"), "'columns'", "whole number", "1024.5"));
-  CHECK(one_line_with(with("1024", "1000001"), "'columns'", "at most a million", "1000001"));
-  CHECK(one_line_with(with("[10, -10]", "[10, null]"), "'beam_elevation_deg[1]'", "null"));
-  CHECK(one_line_with(with("[10, -10]", "10"), "'beam_elevation_deg'", "list", "found 10"));
-  const auto with_measured_rows = [&](const std::string& value) {
-    return with("\"columns\"", "\"measured_rows\": " + value + ", \"columns\"");
+  refuses("\"max_range_m\": 80,", "", "s.json", "'max_range_m'", "expected a number",
+          "found nothing");
+  refuses("\"max_range_m\"", "\"max_range\"", "'max_range'", "unknown field", "max_range_m");
+  refuses("1024", "\"many\"", "'columns'", "number", "\"many\"");
+  refuses("1024", "1024.5", "'columns'", "whole number", "1024.5");
+  refuses("1024", "1000001", "'columns'", "at most a million", "1000001");
+  refuses("[10, -10]", "[10, null]", "'beam_elevation_deg[1]'", "null");
+  refuses("[10, -10]", "10", "'beam_elevation_deg'", "list", "found 10");
+  const auto refuses_measured_rows = [&](const std::string& value, const auto&... parts) {
+    refuses("\"columns\"", "\"measured_rows\": " + value + ", \"columns\"", parts...);
   };
-  CHECK(one_line_with(with_measured_rows("3"), "'measured_rows'", "offset and stride", "found 3"));
-  CHECK(one_line_with(with_measured_rows("{\"offset\": 1, \"step\": 4}"), "'stride'", "nothing"));
-  CHECK(one_line_with(with_measured_rows("{\"offset\": 2, \"stride\": 4}"), "measured_rows",
-                      "offset of 0 to 1"));
-  CHECK(one_line_with(with("\"columns\"", "\"motion_corrected\": 1, \"columns\""),
-                      "'motion_corrected'", "true or false", "found 1"));
-  CHECK(one_line_with(with("\"two\"", "2"), "'name'", "text", "found 2"));
-  CHECK(one_line_with(with("\"two\"", "\"a\\nb\""), "'name'", "printable"));
-  CHECK(one_line_with(with("80", "1e999"), "s.json", "out of range"));
-  CHECK(one_line_with(with("80", "NaN"), "s.json", "expected JSON"));
-  CHECK(one_line_with(with("[10, -10]", "[-10, 10]"), "s.json", "elevations must fall"));
-  CHECK(one_line_with(with("[1.5, 0]", "[1.5]"), "s.json", "azimuth offsets"));
+  refuses_measured_rows("3", "'measured_rows'", "offset and stride", "found 3");
+  refuses_measured_rows("{\"offset\": 1, \"step\": 4}", "'stride'", "nothing");
+  refuses_measured_rows("{\"offset\": 2, \"stride\": 4}", "measured_rows", "offset of 0 to 1");
+  refuses("\"columns\"", "\"motion_corrected\": 1, \"columns\"", "'motion_corrected'",
+          "true or false", "found 1");
+  refuses("\"two\"", "2", "'name'", "text", "found 2");
+  refuses("\"two\"", "\"a\\nb\"", "'name'", "printable");
+  refuses("80", "1e999", "s.json", "out of range");
+  refuses("80", "NaN", "s.json", "expected JSON");
+  refuses("[10, -10]", "[-10, 10]", "s.json", "elevations must fall");
+  refuses("[1.5, 0]", "[1.5]", "s.json", "azimuth offsets");
   CHECK(one_line_with(sensor_json_complaint("[1, 2]"), "s.json", "object"));
   CHECK(one_line_with(sensor_json_complaint("{\"name\": \"x\""), "s.json", "JSON", "byte"));
   CHECK(one_line_with(sensor_json_complaint(std::string(100000, '[')), "s.json", "JSON"));
@@ -149,13 +146,14 @@ TEST_CASE("32 levels and 1000 fields are still read") {
 }
 
 TEST_CASE("Ouster metadata that contradict themselves or lack a field are refused") {
-  const auto with = [](const std::string& from, const std::string& to) {
-    return sensor_json_complaint(replaced_in(kGrouped, from, to));
+  const auto refuses = [](const std::string& from, const std::string& to, const auto&... parts) {
+    CAPTURE(to);
+    CHECK(one_line_with(sensor_json_complaint(replaced_in(kGrouped, from, to)), parts...));
   };
-  CHECK(one_line_with(with("512x20", "fast"), "s.json", "'lidar_mode'", "1024x10", "\"fast\""));
-  CHECK(one_line_with(with("512x20", "1024x10"), "'columns_per_frame'", "1024", "found 512"));
-  CHECK(one_line_with(with("\"lidar_mode\": \"512x20\"", ""), "'lidar_mode'", "found nothing"));
-  CHECK(one_line_with(with("beam_azimuth_angles", "other"), "'beam_azimuth_angles'", "nothing"));
+  refuses("512x20", "fast", "s.json", "'lidar_mode'", "1024x10", "\"fast\"");
+  refuses("512x20", "1024x10", "'columns_per_frame'", "1024", "found 512");
+  refuses("\"lidar_mode\": \"512x20\"", "", "'lidar_mode'", "found nothing");
+  refuses("beam_azimuth_angles", "other", "'beam_azimuth_angles'", "nothing");
 }
 
 TEST_CASE("a sensor is loaded by the name of a preset or the path of a file") {

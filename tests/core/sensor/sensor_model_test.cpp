@@ -1,16 +1,11 @@
 #include "hqslam/core/sensor_model.h"
 
-#include <doctest/doctest.h>
-
 #include <climits>
-#include <cmath>
-#include <numbers>
-#include <set>
 
 #include "hqslam/core/angles.h"
-#include "hqslam/core/error.h"
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/range_image.h"
+#include "testing.h"
 
 using namespace hqslam;
 

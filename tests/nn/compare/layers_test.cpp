@@ -1,16 +1,12 @@
 #include "layers/layers.h"
 
-#include <doctest/doctest.h>
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <functional>
 
 #include "golden.h"
 #include "graph/graph_backward.h"
 #include "graph/layer_graph.h"
-#include "hqslam/core/error.h"
 #include "random_values.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

@@ -1,6 +1,5 @@
 #include "small_training.h"
 #include "srae.h"
-#include "testing.h"
 
 // SRAE's training.
 namespace hqslam::nn {

@@ -1,6 +1,7 @@
 #include "hqslam/nn/training/adamw.h"
 
 #include "golden.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 

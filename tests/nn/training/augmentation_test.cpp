@@ -1,12 +1,7 @@
 #include "hqslam/nn/training/augmentation.h"
 
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <set>
-
 #include "small_network.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

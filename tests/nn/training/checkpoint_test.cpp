@@ -1,11 +1,8 @@
 #include "hqslam/nn/training/checkpoint.h"
 
-#include <doctest/doctest.h>
-
-#include "../temporary_directory.h"
-#include "error_message.h"
 #include "hqslam/core/npz.h"
 #include "small_network.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

@@ -1,24 +1,13 @@
 #include "hqslam/nn/training/drawn_beams.h"
 
-#include <set>
-
-#include "hqslam/core/angles.h"
+#include "made_images.h"
 #include "testing.h"
 
 namespace hqslam::nn {
 namespace {
 
 /// 272 rows, a quarter of a degree apart.
-SensorModel many_rows() {
-  SensorModel sensor;
-  sensor.name = "many rows";
-  sensor.columns = 64;
-  for (int row = 0; row < 272; ++row) {
-    sensor.beam_elevation_rad.push_back(radians(34.0 - 0.25 * row));
-  }
-  sensor.beam_azimuth_offset_rad.assign(272, 0.0);
-  return sensor;
-}
+SensorModel many_rows() { return test::even_sensor(272, 64, 34.0, 0.25); }
 
 }  // namespace
 

@@ -1,9 +1,6 @@
-#include <doctest/doctest.h>
 #include <omp.h>
 
-#include <cmath>
-#include <set>
-
+#include "made_images.h"
 #include "small_training.h"
 
 namespace hqslam::nn {
@@ -38,10 +35,7 @@ TEST_CASE("a training that stopped and went on gives the same bytes as one that 
 
 TEST_CASE("a network for any beams is trained on drawn sensors, the same ones by any threads") {
   const NetworkDescription description = small_any_beams({3, 4});
-  SensorModel many = description.sensor;
-  many.beam_elevation_rad.clear();
-  for (int row = 0; row < 272; ++row) many.beam_elevation_rad.push_back(0.6 - 0.004 * row);
-  many.beam_azimuth_offset_rad.assign(272, 0.0);
+  const SensorModel many = test::even_sensor(272, description.sensor.columns, 34.0, 0.25);
   TrainingScan scan{RangeImage(many.rows(), many.columns)};
   for (std::size_t i = 0; i < scan.truth.range_m.size(); ++i) {
     scan.truth.range_m[i] = 5.0F + static_cast<float>(i % 7);
@@ -66,11 +60,10 @@ TEST_CASE("a network for any beams is trained on drawn sensors, the same ones by
 TEST_CASE("a network for any beams is trained and validated on scans of several sensors") {
   const NetworkDescription description = small_any_beams({3, 4}, true);
   TrainingScan usual{small_scene()};
-  TrainingScan wide{RangeImage(8, 128), {}, ScanSensor{description.sensor, {1, 2}}};
+  TrainingScan wide{test::flat_image(8, 128, 7.0F), {}, ScanSensor{description.sensor, {1, 2}}};
   wide.sensor->sensor.columns = 128;
   wide.sensor->sensor.beam_elevation_rad.resize(8);
   wide.sensor->sensor.beam_azimuth_offset_rad.resize(8);
-  wide.truth.range_m.assign(wide.truth.range_m.size(), 7.0F);
   TrainingPlan plan = small_plan();
   plan.augmentation.crop_columns = 0;  // whole circles, of as many columns as each sensor has
   const auto trained_by = [&](int threads) {

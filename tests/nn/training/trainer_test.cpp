@@ -1,11 +1,5 @@
 #include "hqslam/nn/training/trainer.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <string>
-
-#include "error_message.h"
 #include "small_training.h"
 
 namespace hqslam::nn {

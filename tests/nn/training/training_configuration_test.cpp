@@ -1,17 +1,10 @@
 #include "hqslam/nn/training/training_configuration.h"
 
-#include <doctest/doctest.h>
-
-#include <string>
-
-#include "error_message.h"
 #include "hqs/hqs_architecture.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 namespace {
-
-using test::error_message;
-using test::one_line_with;
 
 const std::string kText = R"({
   "network": {"kind": "du-or", "sensor": "os1-64", "measured_rows": 16, "layers": 4,
@@ -22,12 +15,13 @@ const std::string kText = R"({
   "augmentation": {"crop_columns": 256, "mirror": false}
 })";
 
-std::string message_after(const std::string& from, const std::string& to) {
-  std::string text = kText;
-  const std::size_t place = text.find(from);
-  REQUIRE(place != std::string::npos);
-  text.replace(place, from.size(), to);
-  return error_message([&] { training_configuration(text, "recipe.json"); });
+/// Of the text with `to` in place of `from`.
+template <typename... Parts>
+void refuses_recipe(const std::string& from, const std::string& to, const Parts&... parts) {
+  CAPTURE(to);
+  CHECK(test::refused_with(
+      [&] { training_configuration(test::replaced_in(kText, from, to), "recipe.json"); },
+      parts...));
 }
 
 }  // namespace
@@ -54,10 +48,9 @@ TEST_CASE("a configuration is read field by field, the rest keeps its default") 
 }
 
 TEST_CASE("seeds are a list or a span, conditions usual or varied") {
-  std::string text = kText;
-  text.replace(text.find(R"("seeds": [1, 2])"), 15,
-               R"("seeds": {"first": 1000, "count": 3}, "conditions": "varied")");
-  const TrainingConfiguration c = training_configuration(text, "recipe.json");
+  const TrainingConfiguration c = training_configuration(
+      test::replaced_in(kText, "[1, 2]", R"({"first": 1000, "count": 3}, "conditions": "varied")"),
+      "recipe.json");
   CHECK(c.training.simulated[0].seeds == std::vector<int>{1000, 1001, 1002});
   CHECK(c.training.simulated[0].conditions == DriveConditions::kVaried);
   CHECK(c.validation.simulated[0].conditions == DriveConditions::kUsual);
@@ -65,15 +58,15 @@ TEST_CASE("seeds are a list or a span, conditions usual or varied") {
 
 TEST_CASE("drives and stacks of a network for any beams have sensors of their own") {
   std::string text = kText;
-  const auto replace = [&](const std::string& from, const std::string& to) {
-    text.replace(text.find(from), from.size(), to);
-  };
-  replace(R"("kind": "du-or")", R"("kind": "du-mix")");
-  replace(R"("layers": 4,)", "");
-  replace(R"({"channels": [8, 16], "memory": 2})", R"({"any_beams": true, "scan_memory": true})");
-  replace(R"("every": 10})", R"("every": 10, "sensor": "drawn"})");
-  replace(R"("stack": "a.npy")", R"("stack": "a.npy", "sensor": "hdl-32e", "measured_rows": 8)");
-  replace(R"("steps": 12)", R"("drawn_from": "vls-128", "steps": 12)");
+  for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{
+           {"du-or", "du-mix"},
+           {R"("layers": 4,)", ""},
+           {R"("channels": [8, 16], "memory": 2)", R"("any_beams": true, "scan_memory": true)"},
+           {R"("every": 10})", R"("every": 10, "sensor": "drawn"})"},
+           {R"("a.npy")", R"("a.npy", "sensor": "hdl-32e", "measured_rows": 8)"},
+           {R"("steps")", R"("drawn_from": "vls-128", "steps")"}}) {
+    text = test::replaced_in(text, from, to);
+  }
   const TrainingConfiguration c = training_configuration(text, "recipe.json");
   CHECK(c.training.simulated[0].own_sensors);
   CHECK_FALSE(c.validation.simulated[0].own_sensors);
@@ -85,53 +78,43 @@ TEST_CASE("drives and stacks of a network for any beams have sensors of their ow
 }
 
 TEST_CASE("mistakes in a configuration are named with field, expected and found") {
-  CHECK(one_line_with(message_after("\"steps\": 12", "\"steps\": 0"), "recipe.json", "steps is 0"));
-  CHECK(one_line_with(message_after("\"steps\": 12", "\"stepz\": 12"), "unknown field 'stepz'"));
-  CHECK(one_line_with(message_after("\"steps\": 12", "\"steps\": \"many\""), "steps", "a number",
-                      "many"));
-  CHECK(one_line_with(message_after("\"batch\": 2", "\"batch\": 2.5"), "batch", "whole number"));
-  CHECK(one_line_with(message_after("\"crop_columns\": 256", "\"crop_columns\": 4096"),
-                      "crop_columns is 4096"));
-  CHECK(one_line_with(message_after("\"os1-64\"", "\"os9\""), "recipe.json: network", "'os9'",
-                      "none of", "os1-64", "vls-128"));
-  CHECK(one_line_with(message_after("\"os1-64\"", "\"/dev/zero\""), "'/dev/zero'", "none of"));
-  CHECK(one_line_with(message_after("\"measured_rows\": 16", "\"measured_rows\": 4294967312"),
-                      "measured_rows", "at most a million", "4294967312"));
-  CHECK(one_line_with(message_after("\"seeds\": [3]", "\"seeds\": []"), "seeds", "at least one"));
-  CHECK(one_line_with(message_after("[3]", R"({"first": 3, "count": 0})"), "seeds", "count",
-                      "1 to 100000", "found 0"));
-  CHECK(one_line_with(message_after("[3]", R"({"first": -1, "count": 1})"), "first", "found -1"));
-  CHECK(one_line_with(message_after("[3]", R"({"first": 3})"), "count", "nothing"));
-  CHECK(one_line_with(message_after("[3]", R"({"first": 3, "count": 1, "last": 3})"), "last"));
-  CHECK(one_line_with(message_after("[3]", "3"), "seeds", "list of whole numbers"));
-  CHECK(one_line_with(message_after("[3]", R"([3], "conditions": "bad")"), "conditions",
-                      "usual, varied", "bad"));
-  CHECK(one_line_with(message_after("\"scans\": 10}", "\"scans\": -1}"), "scans"));
-  CHECK(one_line_with(message_after("[3]", R"([3], "look_ahead": true)"), "look_ahead",
-                      "scan_memory"));
-  CHECK(one_line_with(message_after("{\n", "["), "expected JSON"));
-  CHECK(one_line_with(message_after(R"("every": 10})", R"("every": 10, "sensor": "drawn"})"),
-                      "drawn_from"));
-  CHECK(one_line_with(message_after(R"("stack": "a.npy")",
-                                    R"("stack": "a.npy", "sensor": "vlp-16", "measured_rows": 4)"),
-                      "any_beams"));
+  refuses_recipe("\"steps\": 12", "\"steps\": 0", "recipe.json", "steps is 0");
+  refuses_recipe("\"steps\": 12", "\"stepz\": 12", "unknown field 'stepz'");
+  refuses_recipe("\"steps\": 12", "\"steps\": \"many\"", "steps", "a number", "many");
+  refuses_recipe("\"batch\": 2", "\"batch\": 2.5", "batch", "whole number");
+  refuses_recipe("\"crop_columns\": 256", "\"crop_columns\": 4096", "crop_columns is 4096");
+  refuses_recipe("\"os1-64\"", "\"os9\"", "recipe.json: network", "'os9'", "none of", "os1-64",
+                 "vls-128");
+  refuses_recipe("\"os1-64\"", "\"/dev/zero\"", "'/dev/zero'", "none of");
+  refuses_recipe("\"measured_rows\": 16", "\"measured_rows\": 4294967312", "measured_rows",
+                 "at most a million", "4294967312");
+  refuses_recipe("\"seeds\": [3]", "\"seeds\": []", "seeds", "at least one");
+  refuses_recipe("[3]", R"({"first": 3, "count": 0})", "seeds", "count", "1 to 100000", "found 0");
+  refuses_recipe("[3]", R"({"first": -1, "count": 1})", "first", "found -1");
+  refuses_recipe("[3]", R"({"first": 3})", "count", "nothing");
+  refuses_recipe("[3]", R"({"first": 3, "count": 1, "last": 3})", "last");
+  refuses_recipe("[3]", "3", "seeds", "list of whole numbers");
+  refuses_recipe("[3]", R"([3], "conditions": "bad")", "conditions", "usual, varied", "bad");
+  refuses_recipe("\"scans\": 10}", "\"scans\": -1}", "scans");
+  refuses_recipe("[3]", R"([3], "look_ahead": true)", "look_ahead", "scan_memory");
+  refuses_recipe("{\n", "[", "expected JSON");
+  refuses_recipe(R"("every": 10})", R"("every": 10, "sensor": "drawn"})", "drawn_from");
+  refuses_recipe(R"("stack": "a.npy")",
+                 R"("stack": "a.npy", "sensor": "vlp-16", "measured_rows": 4)", "any_beams");
 }
 
 TEST_CASE("training and validation never share a drive or a stack") {
-  CHECK(one_line_with(message_after("\"seeds\": [3]", "\"seeds\": [2]"), "town", "seed 2",
-                      "both training and validation"));
-  CHECK(one_line_with(message_after("[3]", R"({"first": 2, "count": 2}, "conditions": "varied")"),
-                      "town", "seed 2", "both training and validation"));
-  CHECK(one_line_with(
-      message_after(R"({"drive": "town", "seeds": [3], "scans": 10})", R"({"stack": "a.npy"})"),
-      "a.npy", "both"));
+  refuses_recipe("\"seeds\": [3]", "\"seeds\": [2]", "town", "seed 2",
+                 "both training and validation");
+  refuses_recipe("[3]", R"({"first": 2, "count": 2}, "conditions": "varied")", "town", "seed 2",
+                 "both training and validation");
+  refuses_recipe(R"({"drive": "town", "seeds": [3], "scans": 10})", R"({"stack": "a.npy"})",
+                 "a.npy", "both");
   // By another name.
-  CHECK(one_line_with(
-      message_after(R"({"drive": "town", "seeds": [3])", R"({"drive": "town-busy", "seeds": [2])"),
-      "city of drive town-busy with seed 2", "both"));
-  CHECK(one_line_with(
-      message_after(R"({"drive": "town", "seeds": [3], "scans": 10})", R"({"stack": "./a.npy"})"),
-      "a.npy", "both"));
+  refuses_recipe(R"({"drive": "town", "seeds": [3])", R"({"drive": "town-busy", "seeds": [2])",
+                 "city of drive town-busy with seed 2", "both");
+  refuses_recipe(R"({"drive": "town", "seeds": [3], "scans": 10})", R"({"stack": "./a.npy"})",
+                 "a.npy", "both");
 }
 
 }  // namespace hqslam::nn

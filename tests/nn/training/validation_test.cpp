@@ -1,8 +1,8 @@
 #include "validation.h"
 
-#include <doctest/doctest.h>
-
+#include "made_images.h"
 #include "small_network.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 namespace {
@@ -21,11 +21,7 @@ class FixedNetwork final : public Network {
 };
 
 /// Walls 10 m away.
-RangeImage walls() {
-  RangeImage image(16, 64);
-  for (float& range_m : image.range_m) range_m = 10.0F;
-  return image;
-}
+RangeImage walls() { return test::flat_image(16, 64, 10.0F); }
 
 /// The same; the first 16 columns of the row above the second measured one have no return.
 RangeImage truth() {

@@ -1,11 +1,8 @@
 #include "alignment/drift.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
-
 #include "hqslam/core/sensor_model.h"
 #include "slam/poses.h"
+#include "testing.h"
 
 using namespace hqslam;
 using slam::Matrix6;

@@ -1,10 +1,7 @@
 #include "alignment/motion_state.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
-
 #include "slam/steady_drive.h"
+#include "testing.h"
 
 using namespace hqslam;
 using slam::Matrix6;

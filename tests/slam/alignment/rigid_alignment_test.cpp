@@ -1,10 +1,7 @@
 #include "alignment/rigid_alignment.h"
 
-#include <doctest/doctest.h>
-
-#include <random>
-
 #include "slam/alignment/random_unit.h"
+#include "testing.h"
 
 using namespace hqslam;
 using slam::FreeParameters;

@@ -1,9 +1,7 @@
 // Ceres first: doctest's CHECK would otherwise be glog's.
 #include "alignment/robust_weights.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
+#include "testing.h"
 
 using namespace hqslam;
 using slam::EdgeConstraints;

@@ -1,12 +1,8 @@
 // Ceres first: doctest's CHECK would otherwise be glog's.
 #include "alignment/scan_information.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <random>
-
 #include "slam/alignment/random_unit.h"
+#include "testing.h"
 
 using namespace hqslam;
 using slam::ExpectedState;

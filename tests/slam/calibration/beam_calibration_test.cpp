@@ -1,15 +1,11 @@
 #include "hqslam/slam/beam_calibration.h"
 
-#include <doctest/doctest.h>
 #include <omp.h>
 
-#include <cmath>
-#include <vector>
-
 #include "hqslam/core/angles.h"
-#include "hqslam/core/error.h"
 #include "hqslam/core/projection.h"
 #include "slam/yard.h"
+#include "testing.h"
 
 namespace hqslam {
 namespace {

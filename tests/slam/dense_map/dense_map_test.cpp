@@ -1,11 +1,6 @@
 #include "hqslam/slam/dense_map.h"
 
-#include <algorithm>
-#include <cmath>
 #include <cstring>
-#include <limits>
-#include <random>
-#include <utility>
 
 #include "slam/cloud_of.h"
 #include "testing.h"

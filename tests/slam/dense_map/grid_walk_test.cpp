@@ -1,9 +1,6 @@
 #include "dense_map/grid_walk.h"
 
-#include <doctest/doctest.h>
-
-#include <random>
-#include <vector>
+#include "testing.h"
 
 using namespace hqslam::slam;
 

@@ -1,8 +1,7 @@
 #include "dense_map/see_through.h"
 
-#include <doctest/doctest.h>
-
 #include "dense_map/voxel_votes.h"
+#include "testing.h"
 
 using namespace hqslam::slam;
 

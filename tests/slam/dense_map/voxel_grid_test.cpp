@@ -1,11 +1,8 @@
 #include "dense_map/voxel_grid.h"
 
-#include <doctest/doctest.h>
-
-#include <limits>
-#include <map>
-#include <random>
 #include <tuple>
+
+#include "testing.h"
 
 using namespace hqslam::slam;
 

@@ -1,8 +1,6 @@
 #include "dense_map/voxel_votes.h"
 
-#include <doctest/doctest.h>
-
-#include <limits>
+#include "testing.h"
 
 using namespace hqslam::slam;
 

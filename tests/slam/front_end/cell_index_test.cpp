@@ -1,9 +1,6 @@
 #include "front_end/cell_index.h"
 
-#include <doctest/doctest.h>
-
-#include <map>
-#include <random>
+#include "testing.h"
 
 using hqslam::slam::CellIndex;
 

@@ -1,11 +1,7 @@
 #include "front_end/features.h"
 
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <set>
-
 #include "slam/village.h"
+#include "testing.h"
 
 using namespace hqslam;
 

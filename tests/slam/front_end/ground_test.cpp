@@ -1,8 +1,7 @@
 #include "front_end/ground.h"
 
-#include <doctest/doctest.h>
-
 #include "slam/yard.h"
+#include "testing.h"
 
 using namespace hqslam;
 

@@ -1,12 +1,8 @@
 #include "front_end/motion_correction.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <random>
-
 #include "slam/steady_drive.h"
 #include "slam/yard.h"
+#include "testing.h"
 
 using namespace hqslam;
 using slam::FeaturePoint;

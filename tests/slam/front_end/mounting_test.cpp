@@ -1,12 +1,8 @@
 #include "front_end/mounting.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <numbers>
-
 #include "hqslam/core/angles.h"
 #include "slam/yard.h"
+#include "testing.h"
 
 using namespace hqslam;
 using slam::R_level_sensor;

@@ -1,8 +1,7 @@
 #include "front_end/odometry.h"
 
-#include <doctest/doctest.h>
-
 #include "slam/village.h"
+#include "testing.h"
 
 using namespace hqslam;
 using slam::Status;

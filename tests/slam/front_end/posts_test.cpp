@@ -1,12 +1,7 @@
 #include "front_end/posts.h"
 
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
 #include "hqslam/core/projection.h"
+#include "testing.h"
 
 using namespace hqslam;
 

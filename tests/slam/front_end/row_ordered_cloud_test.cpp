@@ -1,9 +1,6 @@
 #include "front_end/row_ordered_cloud.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <random>
+#include "testing.h"
 
 using hqslam::slam::FeaturePoint;
 using hqslam::slam::RowOrderedCloud;

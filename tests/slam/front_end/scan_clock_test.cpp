@@ -1,8 +1,6 @@
 #include "front_end/scan_clock.h"
 
-#include <doctest/doctest.h>
-
-#include <vector>
+#include "testing.h"
 
 using hqslam::slam::ScanClock;
 

@@ -1,14 +1,7 @@
 #include "front_end/scattered_returns.h"
 
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <array>
-#include <cstdint>
-#include <random>
-#include <vector>
-
 #include "slam/village.h"
+#include "testing.h"
 
 using namespace hqslam;
 

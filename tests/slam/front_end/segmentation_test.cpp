@@ -1,8 +1,7 @@
 #include "front_end/segmentation.h"
 
-#include <doctest/doctest.h>
-
 #include "slam/yard.h"
+#include "testing.h"
 
 using namespace hqslam;
 using slam::PixelClass;

@@ -1,11 +1,8 @@
 #include "front_end/voxel_thinning.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <random>
-#include <set>
 #include <tuple>
+
+#include "testing.h"
 
 using hqslam::slam::FeaturePoint;
 using hqslam::slam::thin;

@@ -1,8 +1,8 @@
 #include "imu/even_turning.h"
 
-#include <doctest/doctest.h>
-
 #include <Eigen/Geometry>
+
+#include "testing.h"
 
 using namespace hqslam;
 using slam::EvenTurning;

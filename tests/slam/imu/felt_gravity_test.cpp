@@ -1,10 +1,9 @@
 #include "imu/felt_gravity.h"
 
-#include <doctest/doctest.h>
-
 #include "hqslam/core/imu_sample.h"
 #include "slam/imu/accelerometer.h"
 #include "slam/steady_drive.h"
+#include "testing.h"
 
 using namespace hqslam;
 using slam::ImuErrors;

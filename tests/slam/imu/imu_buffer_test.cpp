@@ -1,10 +1,8 @@
 #include "imu/imu_buffer.h"
 
-#include <doctest/doctest.h>
-
 #include <Eigen/Geometry>
-#include <cmath>
-#include <limits>
+
+#include "testing.h"
 
 using namespace hqslam;
 using slam::ImuBuffer;

@@ -1,9 +1,6 @@
 #include "imu/inertial_check.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <string>
+#include "testing.h"
 
 namespace hqslam::slam {
 namespace {

@@ -1,13 +1,10 @@
 #include "imu/inertial_state.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
-
 #include "alignment/scan_information.h"
 #include "hqslam/core/imu_sample.h"
 #include "slam/imu/accelerometer.h"
 #include "slam/steady_drive.h"
+#include "testing.h"
 
 using namespace hqslam;
 using slam::ImuStep;

@@ -1,8 +1,6 @@
 #include "feature_extraction.h"
 
-#include <doctest/doctest.h>
-
-#include <algorithm>
+#include "testing.h"
 
 using namespace hqslam::lego_loam;
 

@@ -1,9 +1,5 @@
 #include "hqslam/lego_loam/lego_loam.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include "hqslam/evaluation/trajectory_error.h"
 #include "slam/yard_drive.h"
 #include "testing.h"

@@ -1,8 +1,6 @@
 #include "odometry.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::lego_loam;

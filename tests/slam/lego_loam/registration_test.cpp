@@ -1,6 +1,6 @@
 #include "registration.h"
 
-#include <doctest/doctest.h>
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::lego_loam;

@@ -1,13 +1,9 @@
 #include "segmentation.h"
 
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <utility>
-
 #include "hqslam/core/projection.h"
 #include "hqslam/lego_loam/lego_loam.h"
 #include "slam/village.h"
+#include "testing.h"
 
 using namespace hqslam;
 using lego_loam::ScanTrace;

@@ -1,12 +1,9 @@
 #include "loops/levelling.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
-
 #include "hqslam/core/imu_sample.h"
 #include "slam/imu/accelerometer.h"
 #include "slam/poses.h"
+#include "testing.h"
 
 using namespace hqslam;
 using slam::FeltGravity;

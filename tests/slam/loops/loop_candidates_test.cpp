@@ -1,14 +1,11 @@
 #include "loops/loop_candidates.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <numbers>
 #include <numeric>
 
 #include "slam/poses.h"
 #include "slam/village.h"
 #include "slam/yard.h"
+#include "testing.h"
 
 using namespace hqslam;
 using slam::PoseGraph;

@@ -1,13 +1,10 @@
 #include "loops/loop_closing.h"
 
-#include <doctest/doctest.h>
-
-#include <algorithm>
-
 #include "slam/imu/accelerometer.h"
 #include "slam/poses.h"
 #include "slam/village.h"
 #include "slam/yard.h"
+#include "testing.h"
 
 using namespace hqslam;
 using slam::LoopStatus;

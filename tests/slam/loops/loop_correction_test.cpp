@@ -1,10 +1,7 @@
 #include "loops/loop_correction.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
-
 #include "slam/poses.h"
+#include "testing.h"
 
 using namespace hqslam;
 using slam::PoseGraph;

@@ -1,13 +1,10 @@
 #include "loops/loop_search.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <numbers>
 #include <numeric>
 
 #include "slam/village.h"
 #include "slam/yard.h"
+#include "testing.h"
 
 using namespace hqslam;
 using slam::LoopStatus;

@@ -1,12 +1,8 @@
 #include "loops/loop_verification.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <utility>
-
 #include "slam/village.h"
 #include "slam/yard.h"
+#include "testing.h"
 
 using namespace hqslam;
 

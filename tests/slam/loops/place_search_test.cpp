@@ -1,9 +1,8 @@
 #include "loops/place_search.h"
 
-#include <doctest/doctest.h>
-
-#include <random>
 #include <tuple>
+
+#include "testing.h"
 
 using namespace hqslam;
 using slam::search_place;

@@ -1,10 +1,7 @@
 #include "loops/pose_graph.h"
 
-#include <doctest/doctest.h>
-
-#include <numbers>
-
 #include "slam/poses.h"
+#include "testing.h"
 
 using namespace hqslam;
 using slam::optimized;

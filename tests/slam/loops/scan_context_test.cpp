@@ -1,12 +1,9 @@
 #include "hqslam/slam/scan_context.h"
 
-#include <doctest/doctest.h>
-
-#include <numbers>
-
 #include "slam/cloud_of.h"
 #include "slam/village.h"
 #include "slam/yard.h"
+#include "testing.h"
 
 using namespace hqslam;
 using slam::compare;

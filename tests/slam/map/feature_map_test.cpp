@@ -1,11 +1,6 @@
 #include "map/feature_map.h"
 
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <random>
+#include "testing.h"
 
 using hqslam::Pose;
 using hqslam::slam::FeatureMap;

@@ -1,6 +1,6 @@
 #include "map/map_matching.h"
 
-#include <doctest/doctest.h>
+#include "testing.h"
 
 using hqslam::slam::Neighbours;
 

@@ -1,11 +1,7 @@
 #include "map/mapping.h"
 
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "slam/village.h"
+#include "testing.h"
 
 using namespace hqslam;
 using slam::Status;

@@ -1,10 +1,7 @@
 #include "map/nearby_fit.h"
 
-#include <doctest/doctest.h>
-
-#include <random>
-
 #include "map/map_matching.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::slam;

@@ -1,11 +1,8 @@
 #include "map/recent_features.h"
 
-#include <doctest/doctest.h>
-
-#include <algorithm>
-
 #include "hqslam/core/pose.h"
 #include "slam/poses.h"
+#include "testing.h"
 
 using namespace hqslam;
 

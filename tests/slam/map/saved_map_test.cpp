@@ -1,11 +1,7 @@
 #include "hqslam/slam/saved_map.h"
 
-#include <cmath>
 #include <functional>
-#include <limits>
-#include <string>
 
-#include "hqslam/core/error.h"
 #include "hqslam/core/npz.h"
 #include "testing.h"
 

@@ -1,8 +1,6 @@
 #include "occupancy_grid/cell_chunks.h"
 
-#include <doctest/doctest.h>
-
-#include <map>
+#include "testing.h"
 
 using hqslam::slam::CellChunks;
 

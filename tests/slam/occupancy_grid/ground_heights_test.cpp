@@ -1,6 +1,6 @@
 #include "occupancy_grid/ground_heights.h"
 
-#include <doctest/doctest.h>
+#include "testing.h"
 
 using namespace hqslam::slam;
 

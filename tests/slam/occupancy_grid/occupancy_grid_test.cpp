@@ -2,10 +2,6 @@
 
 #include <omp.h>
 
-#include <algorithm>
-#include <limits>
-#include <optional>
-
 #include "hqslam/core/angles.h"
 #include "slam/yard_drive.h"
 #include "testing.h"

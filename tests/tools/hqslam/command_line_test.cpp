@@ -1,9 +1,5 @@
-#include <doctest/doctest.h>
-
-#include <string>
-#include <vector>
-
 #include "product.h"
+#include "testing.h"
 #include "tools/command_line/parsed_options.h"
 #include "tools/parts_of_text.h"
 

@@ -1,9 +1,5 @@
-#include <doctest/doctest.h>
-
-#include <string>
-#include <vector>
-
 #include "laboratory.h"
+#include "testing.h"
 #include "tools/command_line/parsed_options.h"
 
 namespace hqslam::tools {

@@ -1,9 +1,8 @@
 #include "hqslam/pipeline/beam_check.h"
 
-#include <doctest/doctest.h>
-
 #include "hqslam/core/angles.h"
 #include "slam/yard_drive.h"
+#include "testing.h"
 
 namespace hqslam::pipeline {
 namespace {

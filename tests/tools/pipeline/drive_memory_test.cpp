@@ -1,9 +1,7 @@
 #include "hqslam/pipeline/drive_memory.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "hqslam/core/projection.h"
+#include "made_images.h"
 #include "testing.h"
 #include "tools/program/untrained_weights.h"
 
@@ -17,9 +15,8 @@ nn::ColumnPoses poses_of_scan_from(int first_column) {
   SensorModel sensor = sensor_preset("os1-64");
   const RowSelection rows{3, 4};
   sensor.measured_rows = rows;
-  RangeImage image(16, sensor.columns);
-  for (float& range_m : image.range_m) range_m = 10.0F;
-  OrganizedCloud cloud = unproject(image, select_rows(sensor, rows), CaptureTime::kRolling);
+  OrganizedCloud cloud = unproject(test::flat_image(16, sensor.columns, 10.0F),
+                                   select_rows(sensor, rows), CaptureTime::kRolling);
   for (int row = 0; row < cloud.rows; ++row) {
     for (int column = 0; column < cloud.columns; ++column) {
       const int head = sensor.firing_column(rows.offset + row * rows.stride, column);
@@ -65,10 +62,8 @@ TEST_CASE("without looking ahead a scan recalls those before it, also of a senso
   write_weights(folder.file("memory.npz"),
                 test::untrained_weights(sensor, "du-mix", "scan_memory"));
   const nn::Upsampler upsampler(nn::SuperResolver::load(folder.file("memory.npz")), sensor);
-  RangeImage image(16, sensor.columns);
-  for (float& range_m : image.range_m) range_m = 10.0F;
-  const OrganizedCloud measured =
-      unproject(image, select_rows(sensor, {3, 4}), CaptureTime::kRolling);
+  const OrganizedCloud measured = unproject(test::flat_image(16, sensor.columns, 10.0F),
+                                            select_rows(sensor, {3, 4}), CaptureTime::kRolling);
   ScanPoses poses;
   for (int scan = 0; scan < 30; ++scan) {
     poses.trajectory.push_back({0.1 * scan, Pose::Identity()});

@@ -1,8 +1,6 @@
 #include "hqslam/pipeline/scan_poses.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
+#include "testing.h"
 
 namespace hqslam::pipeline {
 namespace {

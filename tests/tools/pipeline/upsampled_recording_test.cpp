@@ -1,9 +1,7 @@
 #include "hqslam/pipeline/upsampled_recording.h"
 
-#include <string>
-
-#include "hqslam/core/npy.h"
 #include "hqslam/core/projection.h"
+#include "made_images.h"
 #include "points_file.h"
 #include "testing.h"
 #include "tools/program/untrained_weights.h"
@@ -21,16 +19,12 @@ struct Files {
 
   std::string stack(int rows) const {
     const std::string path = folder.file(std::to_string(rows) + ".npy");
-    NpyStackWriter writer(path, rows, 1024);
-    RangeImage image(rows, 1024);
-    image.range_m.assign(image.range_m.size(), 10.0F);
-    writer.append(image);
+    test::write_stack(path, {test::flat_image(rows, 1024, 10.0F)});
     return path;
   }
   std::string cloud(const char* sensor_name) const {
     const SensorModel sensor = sensor_preset(sensor_name);
-    RangeImage image(sensor.rows(), sensor.columns);
-    image.range_m.assign(image.range_m.size(), 10.0F);
+    const RangeImage image = test::flat_image(sensor.rows(), sensor.columns, 10.0F);
     const std::string path = folder.file(std::string(sensor_name) + ".pcd");
     test::write_points(points_of(unproject(image, sensor, CaptureTime::kMotionCorrected)), path);
     return path;

@@ -1,10 +1,7 @@
 #include "hqslam/pipeline/upsampler.h"
 
-#include <algorithm>
-#include <string>
-#include <vector>
-
 #include "hqslam/core/projection.h"
+#include "made_images.h"
 #include "testing.h"
 #include "tools/program/untrained_weights.h"
 
@@ -102,8 +99,7 @@ TEST_CASE("scans in more columns than the network's are projected into its colum
   fine.columns = 2048;
   const Upsampler upsampler(fine, {.method = weights.file});
   CHECK(upsampler.recorded().columns == 1024);
-  RangeImage image(16, fine.columns);
-  image.range_m.assign(image.range_m.size(), 10.0F);
+  const RangeImage image = test::flat_image(16, fine.columns, 10.0F);
   const OrganizedCloud measured = upsampler.measured(unproject(image, fine, CaptureTime::kRolling));
   CHECK(measured.columns == 1024);
   CHECK(points_of(measured).size() == 16 * 1024);
@@ -127,8 +123,7 @@ TEST_CASE("weights for any sensor get 64 rows out of 16 or 32, twice as many out
   CHECK(upsampler.recorded().columns == 896);
   CHECK_FALSE(upsampler.selected_rows());
   CHECK(select_rows(upsampler.sensor(), {3, 4}).beam_elevation_rad == odd.beam_elevation_rad);
-  RangeImage image(16, 900);
-  image.range_m.assign(image.range_m.size(), 10.0F);
+  const RangeImage image = test::flat_image(16, 900, 10.0F);
   const OrganizedCloud measured = upsampler.measured(unproject(image, odd, CaptureTime::kRolling));
   CHECK(upsampler.upsampled(measured).rows == 64);
 }

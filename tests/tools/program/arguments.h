@@ -1,9 +1,5 @@
 #pragma once
 
-#include <fmt/format.h>
-
-#include <string>
-
 #include "tools/program/program.h"
 
 // Short runs of every command that writes, for tests of what goes wrong with them.

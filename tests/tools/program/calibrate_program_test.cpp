@@ -1,9 +1,3 @@
-#include <doctest/doctest.h>
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <string>
-
 #include "hqslam/core/npy.h"
 #include "hqslam/core/sensor_model.h"
 #include "tools/program/program.h"

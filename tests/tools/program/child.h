@@ -4,8 +4,6 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <filesystem>
-#include <string>
 #include <thread>
 
 #include "tools/program/program.h"

@@ -1,14 +1,8 @@
-#include <doctest/doctest.h>
-#include <fmt/format.h>
-
-#include <cmath>
-#include <filesystem>
 #include <sstream>
-#include <vector>
 
 #include "hqslam/core/cloud_file.h"
-#include "hqslam/core/npy.h"
 #include "hqslam/core/trajectory.h"
+#include "made_images.h"
 #include "points_file.h"
 #include "tools/program/program.h"
 
@@ -159,8 +153,7 @@ TEST_CASE("a map is aligned by the trajectory beside it, however the map is name
 
 TEST_CASE("a map that cannot be made costs that map alone") {
   const TemporaryDirectory folder;
-  NpyStackWriter writer(folder.file("empty.npy"), 16, 1024);
-  for (int scan = 0; scan < 3; ++scan) writer.append(RangeImage(16, 1024));
+  write_stack(folder.file("empty.npy"), std::vector(3, RangeImage(16, 1024)));
   const ProgramResult result =
       run_hqslam("run '{}' --sensor os1-16 --dense-map --occupancy-grid --out '{}'",
                  folder.file("empty.npy"), folder.file("out"));

@@ -1,11 +1,6 @@
-#include <doctest/doctest.h>
-#include <fmt/format.h>
-
-#include <string>
-
 #include "hqslam/core/cloud_file.h"
-#include "hqslam/core/npy.h"
 #include "hqslam/core/trajectory.h"
+#include "made_images.h"
 #include "points_file.h"
 #include "tools/program/program.h"
 
@@ -67,8 +62,8 @@ TEST_CASE("two stacks that differ by 0.5 m in every fourth pixel have the MAE th
     truth.range_m[i] = 10.0F;
     image.range_m[i] = i % 4 == 0 ? 10.5F : 10.0F;
   }
-  NpyStackWriter(folder.file("truth.npy"), 16, 1024).append(truth);
-  NpyStackWriter(folder.file("image.npy"), 16, 1024).append(image);
+  write_stack(folder.file("truth.npy"), {truth});
+  write_stack(folder.file("image.npy"), {image});
   const ProgramResult result =
       evaluate(folder.file("image.npy"), folder.file("truth.npy"), "--sensor os1-16");
   CHECK(missing(result.out, {"MAE, all pixels       0.1250 m",
@@ -91,7 +86,7 @@ TEST_CASE("two clouds 1 m apart are all outliers with a Chamfer distance of 2 m^
 TEST_CASE("files of two kinds are not taken for trajectories") {
   const TemporaryDirectory folder;
   write_points({{1.0F, 2.0F, 0.0F}}, folder.file("cloud.pcd"));
-  NpyStackWriter(folder.file("one.npy"), 16, 64).append(RangeImage(16, 64));
+  write_stack(folder.file("one.npy"), {RangeImage(16, 64)});
   for (const char* other : {"one.npy", "truth.tum"}) {
     const ProgramResult result =
         refused("evaluate '{}' '{}'", folder.file("cloud.pcd"), folder.file(other));
@@ -101,11 +96,8 @@ TEST_CASE("files of two kinds are not taken for trajectories") {
 
 TEST_CASE("stacks of different lengths are refused with both lengths") {
   const TemporaryDirectory folder;
-  NpyStackWriter one(folder.file("one.npy"), 16, 64);
-  NpyStackWriter two(folder.file("two.npy"), 16, 64);
-  one.append(RangeImage(16, 64));
-  two.append(RangeImage(16, 64));
-  two.append(RangeImage(16, 64));
+  write_stack(folder.file("one.npy"), {RangeImage(16, 64)});
+  write_stack(folder.file("two.npy"), {RangeImage(16, 64), RangeImage(16, 64)});
   CHECK(missing(refused("evaluate '{}' '{}'", folder.file("one.npy"), folder.file("two.npy")).error,
                 {"1 images", "2; give"}) == "");
 }

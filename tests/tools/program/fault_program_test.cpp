@@ -1,19 +1,12 @@
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <signal.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <filesystem>
-#include <map>
-#include <vector>
-
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/npz.h"
 #include "hqslam/nn/weights_file.h"
-#include "testing.h"
 #include "tools/program/commands.h"
 
 // What goes wrong around every command: disks that are full, programs that are killed, what is in

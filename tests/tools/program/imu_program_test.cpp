@@ -1,9 +1,6 @@
-#include <filesystem>
 #include <sstream>
-#include <string>
 
 #include "hqslam/core/trajectory.h"
-#include "testing.h"
 #include "tools/program/program.h"
 
 namespace hqslam::test {

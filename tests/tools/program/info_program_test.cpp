@@ -1,12 +1,7 @@
-#include <fmt/format.h>
-
-#include <limits>
-
 #include "core/recordings/captures.h"
-#include "hqslam/core/npy.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
-#include "testing.h"
+#include "made_images.h"
 #include "tools/program/program.h"
 
 namespace hqslam::test {
@@ -92,12 +87,8 @@ TEST_CASE("info counts the scans that cannot be read, and says what is wrong wit
 
   const std::string path = folder.file("stack.npy");
   NpyStackWriter stack(path, 16, 1024);
-  RangeImage image(16, 1024);
-  for (const float range_m : {10.0F, std::numeric_limits<float>::quiet_NaN()}) {
-    for (int i = 0; i < 60; ++i) {
-      image.range_m.assign(image.range_m.size(), range_m + 0.01F * static_cast<float>(i));
-      stack.append(image);
-    }
+  for (int i = 0; i < 120; ++i) {
+    stack.append(flat_image(16, 1024, i < 60 ? 10.0F + 0.01F * static_cast<float>(i) : NAN));
   }
   CHECK(missing(succeeds("info '{}' --sensor os1-16", path).out,
                 {"40 scans were left out, the first of them: " + path + "[60]",

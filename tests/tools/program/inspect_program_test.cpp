@@ -1,11 +1,3 @@
-#include <doctest/doctest.h>
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <filesystem>
-#include <set>
-#include <string>
-
 #include "hqslam/core/npz.h"
 #include "tools/page_data.h"
 #include "tools/program/program.h"

@@ -1,9 +1,6 @@
-#include <doctest/doctest.h>
-#include <fmt/format.h>
 #include <signal.h>
 
 #include <chrono>
-#include <filesystem>
 #include <thread>
 
 #include "core/recordings/live/loopback.h"

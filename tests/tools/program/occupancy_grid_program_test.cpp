@@ -1,11 +1,3 @@
-#include <doctest/doctest.h>
-#include <fmt/format.h>
-
-#include <filesystem>
-#include <map>
-#include <string>
-#include <vector>
-
 #include "hqslam/core/trajectory.h"
 #include "hqslam/slam/occupancy_grid.h"
 #include "tools/program/program.h"

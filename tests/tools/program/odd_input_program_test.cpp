@@ -1,8 +1,3 @@
-#include <doctest/doctest.h>
-#include <fmt/format.h>
-
-#include <filesystem>
-
 #include "tools/program/arguments.h"
 #include "tools/program/program.h"
 #include "tools/program/untrained_weights.h"

@@ -1,14 +1,9 @@
 #pragma once
 
-#include <fmt/format.h>
 #include <sys/wait.h>
 
 #include <cstdlib>
-#include <filesystem>
-#include <map>
 #include <nlohmann/json.hpp>
-#include <string>
-#include <utility>
 
 #include "testing.h"
 #include "tools/parts_of_text.h"

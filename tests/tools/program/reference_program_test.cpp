@@ -1,9 +1,3 @@
-#include <doctest/doctest.h>
-#include <fmt/format.h>
-
-#include <filesystem>
-#include <string>
-
 #include "hqslam/core/trajectory.h"
 #include "hqslam/evaluation/trajectory_error.h"
 #include "tools/program/program.h"

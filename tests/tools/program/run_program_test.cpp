@@ -1,10 +1,4 @@
-#include <doctest/doctest.h>
-#include <fmt/format.h>
 #include <signal.h>
-
-#include <algorithm>
-#include <filesystem>
-#include <vector>
 
 #include "golden_folder.h"
 #include "hqslam/core/cloud_file.h"

@@ -1,8 +1,4 @@
-#include <doctest/doctest.h>
-#include <fmt/format.h>
 #include <signal.h>
-
-#include <filesystem>
 
 #include "hqslam/core/trajectory.h"
 #include "hqslam/nn/weights_file.h"

@@ -1,15 +1,10 @@
-#include <doctest/doctest.h>
-
-#include <filesystem>
 #include <iterator>
 #include <sstream>
-#include <string>
-#include <vector>
 
-#include "hqslam/core/npy.h"
 #include "hqslam/nn/network_json.h"
 #include "hqslam/nn/super_resolver.h"
 #include "hqslam/recordings/recording.h"
+#include "made_images.h"
 #include "tools/program/program.h"
 #include "tools/program/untrained_weights.h"
 
@@ -25,8 +20,7 @@ std::string small_configuration(const std::string& from = "", const std::string&
     "validation": [{"drive": "block", "seeds": [6], "scans": 1}],
     "steps": 4, "batch": 2, "augmentation": {"crop_columns": 64}, "validate_every": 2
   })";
-  if (!from.empty()) text.replace(text.find(from), from.size(), to);
-  return text;
+  return replaced_in(text, from, to);
 }
 
 ProgramResult train(const TemporaryDirectory& folder, const std::string& configuration,
@@ -162,14 +156,9 @@ TEST_CASE("weights for any sensor go on with a recorded drive, and stay where th
 
 TEST_CASE("a scan without a return costs a comparison that scan and no more") {
   const TemporaryDirectory folder;
-  {
-    NpyStackWriter stack(folder.file("gap.npy"), 64, 1024);
-    const std::string drive = simulated_drive("--sensor os1-64 --scans 2 --seed 9");
-    const RangeImage image = NpyStackReader(drive + "/scans.npy").read(0);
-    stack.append(image);
-    stack.append(RangeImage(64, 1024));
-    stack.append(image);
-  }
+  const std::string drive = simulated_drive("--sensor os1-64 --scans 2 --seed 9");
+  const RangeImage image = NpyStackReader(drive + "/scans.npy").read(0);
+  write_stack(folder.file("gap.npy"), {image, RangeImage(64, 1024), image});
   const ProgramResult compared =
       succeeds("compare '" + folder.file("gap.npy") + "' --sensor os1-64");
   CHECK(holds(compared.out, "2 scans of"));

@@ -1,9 +1,3 @@
-#include <doctest/doctest.h>
-#include <fmt/format.h>
-
-#include <filesystem>
-#include <vector>
-
 #include "hqslam/core/npy.h"
 #include "hqslam/core/point_fields.h"
 #include "hqslam/core/trajectory.h"

@@ -1,9 +1,4 @@
-#include <doctest/doctest.h>
-#include <fmt/format.h>
-
-#include <filesystem>
 #include <fstream>
-#include <string>
 
 #include "hqslam/core/npz.h"
 #include "hqslam/nn/network_json.h"

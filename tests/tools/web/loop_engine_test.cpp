@@ -1,13 +1,10 @@
-#include <doctest/doctest.h>
-
-#include <algorithm>
 #include <nlohmann/json.hpp>
-#include <string>
 
 #include "hqslam/nn/network_json.h"
 #include "hqslam/nn/super_resolver.h"
 #include "hqslam/nn/trace.h"
 #include "inspect/what_if.h"
+#include "testing.h"
 #include "tools/program/untrained_weights.h"
 
 extern "C" {

@@ -1,8 +1,5 @@
 #include "bags/imu_stream.h"
 
-#include <cmath>
-#include <numbers>
-
 #include "bags.h"
 #include "captures.h"
 #include "hqslam/recordings/recording.h"

@@ -1,11 +1,7 @@
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
-
 #include "files/scan_files.h"
-#include "hqslam/core/npy.h"
 #include "hqslam/core/trajectory.h"
 #include "hqslam/recordings/recording.h"
+#include "made_images.h"
 #include "recording_complaint.h"
 #include "testing.h"
 
@@ -16,10 +12,23 @@ using namespace hqslam::test;
 namespace {
 
 RangeImage a_wall(const SensorModel& sensor) {
-  RangeImage image(sensor.rows(), sensor.columns);
-  for (float& range_m : image.range_m) range_m = 5.0F;
-  return image;
+  return flat_image(sensor.rows(), sensor.columns, 5.0F);
 }
+
+/// A folder with images of a VLP-16, a sensor file beside them.
+struct ImageFolder : TemporaryDirectory {
+  SensorModel sensor = sensor_preset("vlp-16");
+
+  explicit ImageFolder(int images) {
+    write_sensor_json(sensor, file("sensor.json"));
+    NpyStackWriter writer(file("scans.npy"), 16, sensor.columns);
+    for (int i = 0; i < images; ++i) writer.append(a_wall(sensor));
+  }
+  std::unique_ptr<ScanSource> open(const RecordingOptions& options = {}) const {
+    return open_scan_files(path().string(), sensor, options);
+  }
+  std::string complaint() const { return recording_complaint(path().string(), sensor); }
+};
 
 }  // namespace
 
@@ -27,8 +36,7 @@ TEST_CASE("an image that cannot be the sensor's is left out of its stack, the ne
   const TemporaryDirectory directory;
   const SensorModel sensor = sensor_preset("vlp-16");
   const auto stack = [&](int images, const auto& is_good) {
-    RangeImage foreign(sensor.rows(), sensor.columns);
-    std::ranges::fill(foreign.range_m, 5000.0F);
+    const RangeImage foreign = flat_image(sensor.rows(), sensor.columns, 5000.0F);
     NpyStackWriter writer(directory.file("scans.npy"), 16, sensor.columns);
     for (int i = 0; i < images; ++i) writer.append(is_good(i) ? a_wall(sensor) : foreign);
     return open_scan_files(directory.file("scans.npy"), sensor);
@@ -44,47 +52,36 @@ TEST_CASE("an image that cannot be the sensor's is left out of its stack, the ne
 }
 
 TEST_CASE("the scans of a drive have the stamps of its truth, also where it was interrupted") {
-  const TemporaryDirectory directory;
-  const SensorModel sensor = sensor_preset("vlp-16");
-  write_sensor_json(sensor, directory.file("sensor.json"));
-  NpyStackWriter writer(directory.file("scans.npy"), 16, sensor.columns);
-  for (int i = 0; i < 3; ++i) writer.append(a_wall(sensor));
-  const std::string path = directory.path().string();
+  const ImageFolder folder(3);
   const auto with_truth_of = [&](int poses) {
     Trajectory truth;
     for (int i = 0; i < poses; ++i) truth.push_back({0.05 + 0.1 * i, Pose::Identity()});
-    write_tum(truth, directory.file("truth.tum"));
+    write_tum(truth, folder.file("truth.tum"));
   };
   // Of a whole drive, of one that was upsampled in part, of one whose last pose is missing.
   for (const int poses : {3, 5, 2}) {
     CAPTURE(poses);
     with_truth_of(poses);
-    const auto source = open_scan_files(path, sensor);
-    for (int i = 0; i < 3; ++i) {
-      CHECK(source->next()->stamp_s == doctest::Approx(0.05 + 0.1 * i));
-    }
+    const auto source = folder.open();
+    for (int i = 0; i < 3; ++i) CHECK(source->next()->stamp_s == doctest::Approx(0.05 + 0.1 * i));
   }
   with_truth_of(1);
-  CHECK(one_line_with(recording_complaint(path, sensor), "scans.npy", "3 images", "found 1",
-                      "truth.tum"));
+  CHECK(one_line_with(folder.complaint(), "scans.npy", "3 images", "found 1", "truth.tum"));
 }
 
 TEST_CASE("what lies beside the images of a folder is known of their pixels") {
-  const TemporaryDirectory directory;
-  const SensorModel sensor = sensor_preset("vlp-16");
-  write_sensor_json(sensor, directory.file("sensor.json"));
-  RangeImage image = a_wall(sensor);
+  const ImageFolder folder(0);
+  RangeImage image = a_wall(folder.sensor);
   image.at(0, 0) = 0.0F;
-  NpyStackWriter(directory.file("scans.npy"), 16, sensor.columns).append(image);
-  const std::string path = directory.path().string();
-  CHECK(open_scan_files(path, sensor)->next()->cloud.intensity.empty());
-  CHECK(open_scan_files(path, sensor)->next()->cloud.confidence.empty());
+  write_stack(folder.file("scans.npy"), {image});
+  CHECK(folder.open()->next()->cloud.intensity.empty());
+  CHECK(folder.open()->next()->cloud.confidence.empty());
   RangeImage beside = image;
   beside.at(0, 0) = beside.at(0, 1) = 3.0F;
   beside.at(0, 2) = std::nanf("");
-  NpyStackWriter(directory.file("confidence.npy"), 16, sensor.columns).append(beside);
-  NpyStackWriter(directory.file("intensity.npy"), 16, sensor.columns).append(beside);
-  OrganizedCloud cloud = open_scan_files(path, sensor)->next()->cloud;
+  write_stack(folder.file("confidence.npy"), {beside});
+  write_stack(folder.file("intensity.npy"), {beside});
+  OrganizedCloud cloud = folder.open()->next()->cloud;
   CHECK(std::vector(cloud.confidence.begin(), cloud.confidence.begin() + 3) ==
         std::vector{0.0F, 1.0F, 0.0F});
   CHECK(cloud.intensity[0] == 0.0F);
@@ -93,58 +90,46 @@ TEST_CASE("what lies beside the images of a folder is known of their pixels") {
 
   std::vector<std::uint8_t> bytes(image.range_m.size());
   for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::uint8_t>(i);
-  NpyArrayWriter<std::uint8_t>(directory.file("intensity.npy"), {16, sensor.columns}).append(bytes);
-  cloud = open_scan_files(path, sensor)->next()->cloud;
+  NpyArrayWriter<std::uint8_t>(folder.file("intensity.npy"), {16, image.columns}).append(bytes);
+  cloud = folder.open()->next()->cloud;
   for (std::size_t i = 0; i < bytes.size(); ++i) REQUIRE(cloud.intensity[i] == bytes[i]);
-  std::filesystem::copy_file(directory.file("intensity.npy"), directory.file("confidence.npy"),
-                             std::filesystem::copy_options::overwrite_existing);
-  CHECK(one_line_with(recording_complaint(path, sensor), "confidence.npy", "'<f4'", "'|u1'"));
-  NpyStackWriter(directory.file("confidence.npy"), 16, 7).append(RangeImage(16, 7));
-  CHECK(one_line_with(recording_complaint(path, sensor), "confidence.npy", "1 images", "16 x 7"));
+  write_file(folder.file("confidence.npy"), file_contents(folder.file("intensity.npy")));
+  CHECK(one_line_with(folder.complaint(), "confidence.npy", "'<f4'", "'|u1'"));
+  write_stack(folder.file("confidence.npy"), {RangeImage(16, 7)});
+  CHECK(one_line_with(folder.complaint(), "confidence.npy", "1 images", "16 x 7"));
 }
 
 TEST_CASE("images have the stamps that they are given, which go before those in their folder") {
-  const TemporaryDirectory directory;
-  const SensorModel sensor = sensor_preset("vlp-16");
-  write_sensor_json(sensor, directory.file("sensor.json"));
-  NpyStackWriter writer(directory.file("scans.npy"), 16, sensor.columns);
-  for (int i = 0; i < 2; ++i) writer.append(a_wall(sensor));
-  write_tum({{1.0, Pose::Identity()}, {2.0, Pose::Identity()}}, directory.file("truth.tum"));
-  write_file(directory.file("timestamps.txt"), "3\n4.5\n");
-  write_file(directory.file("given.txt"), "5\n6.5\n");
-  const auto second_stamp_s = [&](const std::string& path, const std::string& given) {
-    RecordingOptions options;
-    options.stamps = given;
-    const auto source = open_scan_files(path, sensor, options);
+  const ImageFolder folder(2);
+  const std::string given = folder.file("given.txt");
+  write_tum({{1.0, Pose::Identity()}, {2.0, Pose::Identity()}}, folder.file("truth.tum"));
+  write_file(folder.file("timestamps.txt"), "3\n4.5\n");
+  write_file(given, "5\n6.5\n");
+  const auto second_stamp_s = [&](const std::string& path, const std::string& stamps) {
+    const auto source = open_scan_files(path, folder.sensor, {.stamps = stamps});
     source->next();
     return source->next()->stamp_s;
   };
-  const std::string folder = directory.path().string();
-  CHECK(second_stamp_s(folder, "") == 4.5);
-  CHECK(second_stamp_s(folder, directory.file("given.txt")) == 6.5);
-  CHECK(second_stamp_s(directory.file("scans.npy"), "") == sensor.scan_period_s);
-  CHECK(second_stamp_s(directory.file("scans.npy"), directory.file("given.txt")) == 6.5);
+  CHECK(second_stamp_s(folder.file(""), "") == 4.5);
+  CHECK(second_stamp_s(folder.file(""), given) == 6.5);
+  CHECK(second_stamp_s(folder.file("scans.npy"), "") == folder.sensor.scan_period_s);
+  CHECK(second_stamp_s(folder.file("scans.npy"), given) == 6.5);
   for (const char* stamps : {"5\n6.5\n8\n", "5\n"}) {  // of more images or fewer
-    write_file(directory.file("given.txt"), stamps);
-    CHECK(refused_with([&] { second_stamp_s(folder, directory.file("given.txt")); },
-                       "each of 2 images"));
+    write_file(given, stamps);
+    CHECK(refused_with([&] { second_stamp_s(folder.file(""), given); }, "each of 2 images"));
   }
-  CHECK(refused_with([&] { second_stamp_s(folder, kStampsFromNames); }, "numbers in their names",
-                     "a file with a stamp per image"));
+  CHECK(refused_with([&] { second_stamp_s(folder.file(""), kStampsFromNames); },
+                     "numbers in their names", "a file with a stamp per image"));
 }
 
 TEST_CASE("rows that hold nothing in the images of a stack are left out, and named") {
   const TemporaryDirectory directory;
   const SensorModel sensor = sensor_preset("os1-64");
-  {
-    NpyStackWriter writer(directory.file("a.npy"), 64, sensor.columns);
-    RangeImage image(64, sensor.columns);
-    for (int row = 3; row < 64; row += 4) {
-      for (int column = 0; column < sensor.columns; ++column)
-        image.at(row, column) = 10.0F + static_cast<float>(row);
-    }
-    writer.append(image);
+  RangeImage every_fourth(64, sensor.columns);
+  for (int row = 3; row < 64; row += 4) {
+    std::fill_n(&every_fourth.at(row, 0), sensor.columns, 10.0F + static_cast<float>(row));
   }
+  write_stack(directory.file("a.npy"), {every_fourth});
   const auto source = open_scan_files(directory.file("a.npy"), sensor);
   CHECK(source->sensor().beam_elevation_rad == sensor_preset("os1-16").beam_elevation_rad);
   CHECK(source->warnings().at(0).find("only rows 3, 7, ... 63 of 64") != std::string::npos);
@@ -152,10 +137,9 @@ TEST_CASE("rows that hold nothing in the images of a stack are left out, and nam
   REQUIRE(scan);
   CHECK(scan->cloud.range_m[scan->cloud.index(1, 0)] == 17.0F);
 
-  NpyStackWriter uneven(directory.file("b.npy"), 64, sensor.columns);
-  RangeImage image(64, sensor.columns);
-  for (const int row : {3, 4, 8, 20, 21, 33, 40}) image.at(row, 7) = 10.0F;
-  uneven.append(image);
+  RangeImage uneven(64, sensor.columns);
+  for (const int row : {3, 4, 8, 20, 21, 33, 40}) uneven.at(row, 7) = 10.0F;
+  write_stack(directory.file("b.npy"), {uneven});
   const auto with_holes = open_scan_files(directory.file("b.npy"), sensor);
   CHECK(with_holes->sensor().rows() == 64);
   CHECK(with_holes->warnings().at(0).find("31 of the 38 rows 3 to 40") != std::string::npos);
@@ -167,7 +151,7 @@ TEST_CASE("a stack has the sensor that lies beside it, if it has as many rows, o
   sensor.name = "mine";
   write_sensor_json(sensor, directory.file("sensor.json"));
   const std::string stack = directory.file("scans.npy");
-  NpyStackWriter(stack, 16, sensor.columns).append(a_wall(sensor));
+  write_stack(stack, {a_wall(sensor)});
   CHECK(Recording::open(stack).sensor().name == "mine");
   CHECK(Recording::open(stack, {.sensor = "os1-16"}).sensor().name == "os1-16");
   write_sensor_json(sensor_preset("os1-64"), directory.file("sensor.json"));

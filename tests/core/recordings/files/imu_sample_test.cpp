@@ -1,7 +1,5 @@
 #include "hqslam/core/imu_sample.h"
 
-#include <cmath>
-
 #include "files/scan_files.h"
 #include "made_scans.h"
 #include "testing.h"

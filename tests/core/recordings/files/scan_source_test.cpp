@@ -1,12 +1,8 @@
 #include <sys/stat.h>
 
-#include <cmath>
-#include <filesystem>
-#include <limits>
-
 #include "files/scan_files.h"
 #include "hqslam/core/kitti_bin.h"
-#include "hqslam/core/npy.h"
+#include "made_images.h"
 #include "points_file.h"
 #include "recording_complaint.h"
 #include "testing.h"
@@ -84,9 +80,7 @@ TEST_CASE("an .npy stack gives its images, in either order of rows, rolling or c
       flipped.at(row, column) = image.at(image.rows - 1 - row, column);
     }
   }
-  NpyStackWriter writer(path, image.rows, image.columns);
-  writer.append(image);
-  writer.append(flipped);
+  write_stack(path, {image, flipped});
   const auto source = open_scan_files(path, sensor);
   CHECK(source->size() == 2);
   const auto first = source->next();
@@ -114,7 +108,7 @@ TEST_CASE("bad pixels and pixels out of range are counted and left out") {
   image.at(0, 2) = -3.0F;
   image.at(0, 3) = 1e6F;
   image.at(0, 4) = 0.01F;
-  NpyStackWriter(directory.file("scans.npy"), image.rows, image.columns).append(image);
+  write_stack(directory.file("scans.npy"), {image});
   const auto source = open_scan_files(directory.file("scans.npy"), sensor);
   CHECK(source->warnings().empty());
   const auto scan = source->next();
@@ -132,7 +126,7 @@ TEST_CASE("a simulated drive is opened with the sensor it was made with and no o
   const SensorModel sensor = sensor_preset("hdl-32e");
   const RangeImage image = an_image(sensor);
   write_sensor_json(sensor, directory.file("sensor.json"));
-  NpyStackWriter(directory.file("scans.npy"), image.rows, image.columns).append(image);
+  write_stack(directory.file("scans.npy"), {image});
   const std::string path = directory.path().string();
   const auto source = open_scan_files(path, sensor);
   const auto scan = source->next();
@@ -156,7 +150,7 @@ TEST_CASE("what a folder's sensor file says of its images holds whatever the sen
   upsampled.measured_rows = RowSelection{3, 4};
   upsampled.motion_corrected = true;
   write_sensor_json(upsampled, directory.file("sensor.json"));
-  NpyStackWriter(directory.file("scans.npy"), 32, preset.columns).append(an_image(preset));
+  write_stack(directory.file("scans.npy"), {an_image(preset)});
   const std::string path = directory.path().string();
   const auto source = open_scan_files(path, preset);
   CHECK(source->sensor() == upsampled);
@@ -246,7 +240,7 @@ TEST_CASE("scans of another sensor or in other units are refused") {
 
   RangeImage image = an_image(os1_64);
   for (float& range : image.range_m) range *= 1000.0F;
-  NpyStackWriter(directory.file("mm.npy"), image.rows, image.columns).append(image);
+  write_stack(directory.file("mm.npy"), {image});
   CHECK(
       one_line_with(recording_complaint(directory.file("mm.npy"), os1_64), "mm.npy[0]", "metres"));
   CHECK(one_line_with(recording_complaint(directory.file("mm.npy"), sensor_preset("os1-16")),

@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include "core/recordings/captures.h"
 #include "hqslam/live/live.h"
 #include "hqslam/recordings/recording.h"

@@ -1,8 +1,5 @@
 #include "hqslam/live/live.h"
 
-#include <fmt/format.h>
-
-#include <filesystem>
 #include <sstream>
 #include <thread>
 

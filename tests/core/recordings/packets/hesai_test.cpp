@@ -1,8 +1,3 @@
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "bags.h"
 #include "captures.h"
 #include "hqslam/core/angles.h"

@@ -1,8 +1,3 @@
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <numbers>
-
 #include "bags.h"
 #include "captures.h"
 #include "files/scan_files.h"

@@ -1,7 +1,3 @@
-#include <fmt/format.h>
-
-#include <cmath>
-#include <numbers>
 #include <tuple>
 
 #include "captures.h"

@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <cmath>
-
 #include "captures.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/recordings/recording.h"

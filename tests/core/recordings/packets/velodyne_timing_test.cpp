@@ -1,13 +1,7 @@
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <map>
-
 #include "captures.h"
 #include "hqslam/core/angles.h"
 #include "packets/velodyne_decoder.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

@@ -1,12 +1,7 @@
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "core/real_data.h"
 #include "hqslam/recordings/recording.h"
 #include "points/sensor_finder.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

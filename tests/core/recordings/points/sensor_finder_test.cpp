@@ -1,10 +1,5 @@
 #include "points/sensor_finder.h"
 
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
-#include <random>
-
 #include "core/real_data.h"
 #include "hqslam/core/angles.h"
 #include "testing.h"

@@ -1,8 +1,5 @@
 #include "files/content_hash.h"
 
-#include <filesystem>
-#include <set>
-
 #include "testing.h"
 
 namespace hqslam::tools {

@@ -1,10 +1,8 @@
 #include "pages/drive_scans.h"
 
-#include <doctest/doctest.h>
-
-#include <limits>
 #include <nlohmann/json.hpp>
 
+#include "testing.h"
 #include "tools/page_data.h"
 
 namespace hqslam::tools {

@@ -1,9 +1,6 @@
 #include "pages/page.h"
 
-#include <cmath>
 #include <regex>
-#include <string>
-#include <vector>
 
 #include "pages/web_files.h"
 #include "testing.h"

@@ -1,13 +1,8 @@
 #include "pages/point_blocks.h"
 
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <random>
-#include <set>
 #include <tuple>
+
+#include "testing.h"
 
 namespace hqslam::tools {
 namespace {

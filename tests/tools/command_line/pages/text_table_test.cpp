@@ -1,12 +1,7 @@
-#include <doctest/doctest.h>
-
-#include <map>
 #include <nlohmann/json.hpp>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "pages/printed_table.h"
+#include "testing.h"
 #include "tools/parts_of_text.h"
 
 namespace hqslam::tools {

@@ -1,11 +1,8 @@
 #include "pages/turning_view.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
 #include <nlohmann/json.hpp>
-#include <random>
 
+#include "testing.h"
 #include "tools/parts_of_text.h"
 
 namespace hqslam::tools {

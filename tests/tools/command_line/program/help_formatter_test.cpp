@@ -1,11 +1,9 @@
 #include "program/help_formatter.h"
 
-#include <doctest/doctest.h>
-
-#include <algorithm>
 #include <sstream>
 
 #include "product.h"
+#include "testing.h"
 #include "tools/command_line/parsed_options.h"
 
 namespace hqslam::tools {

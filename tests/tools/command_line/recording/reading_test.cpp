@@ -2,9 +2,7 @@
 
 #include <csignal>
 #include <functional>
-#include <vector>
 
-#include "hqslam/core/error.h"
 #include "made_scans.h"
 #include "testing.h"
 

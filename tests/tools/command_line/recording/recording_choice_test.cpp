@@ -1,8 +1,5 @@
 #include "recording/recording_choice.h"
 
-#include <algorithm>
-#include <filesystem>
-
 #include "testing.h"
 
 namespace hqslam::tools {

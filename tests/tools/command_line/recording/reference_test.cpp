@@ -1,7 +1,5 @@
 #include "recording/reference.h"
 
-#include <utility>
-
 #include "testing.h"
 #include "tools/example_run.h"
 

@@ -1,9 +1,7 @@
 #include "recording/scan_poses.h"
 
 #include <memory>
-#include <vector>
 
-#include "hqslam/core/error.h"
 #include "made_scans.h"
 #include "testing.h"
 

@@ -1,8 +1,6 @@
 #include "terminal/progress.h"
 
-#include <doctest/doctest.h>
-
-#include <string>
+#include "testing.h"
 
 namespace hqslam::tools {
 

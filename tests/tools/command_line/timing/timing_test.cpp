@@ -1,6 +1,6 @@
 #include "timing/timing.h"
 
-#include <doctest/doctest.h>
+#include "testing.h"
 
 namespace hqslam::tools {
 

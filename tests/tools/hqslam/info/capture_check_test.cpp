@@ -1,9 +1,5 @@
 #include "info/capture_check.h"
 
-#include <fmt/format.h>
-
-#include <filesystem>
-
 #include "hqslam/core/npy.h"
 #include "hqslam/core/point_columns.h"
 #include "hqslam/sim/drive.h"

@@ -1,10 +1,8 @@
 #include "inspect/layers_page.h"
 
-#include <doctest/doctest.h>
-
 #include <nlohmann/json.hpp>
 
-#include "hqslam/core/error.h"
+#include "testing.h"
 #include "tools/page_data.h"
 #include "tools/parts_of_text.h"
 

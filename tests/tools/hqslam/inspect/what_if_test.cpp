@@ -1,11 +1,9 @@
 #include "inspect/what_if.h"
 
-#include <doctest/doctest.h>
-
 #include <nlohmann/json.hpp>
 
-#include "hqslam/core/error.h"
 #include "hqslam/nn/network_json.h"
+#include "testing.h"
 #include "tools/program/untrained_weights.h"
 
 namespace hqslam::tools {

@@ -1,13 +1,10 @@
 #include "live/live_view.h"
 
 #include <arpa/inet.h>
-#include <fmt/format.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 
 #include <chrono>
-#include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "live/live_run.h"

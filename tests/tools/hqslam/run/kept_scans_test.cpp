@@ -1,8 +1,6 @@
 #include "run/kept_scans.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
+#include "testing.h"
 
 namespace hqslam::tools {
 namespace {

@@ -1,14 +1,10 @@
 #include "run/report_page.h"
 
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <regex>
-#include <string>
 
 #include "program/invocation.h"
+#include "testing.h"
 #include "tools/example_run.h"
 #include "tools/page_data.h"
 #include "tools/parts_of_text.h"

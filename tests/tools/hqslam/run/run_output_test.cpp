@@ -1,10 +1,7 @@
 #include "run/run_output.h"
 
 #include <nlohmann/json.hpp>
-#include <set>
 #include <sstream>
-#include <string>
-#include <vector>
 
 #include "hqslam/core/cloud_file.h"
 #include "testing.h"

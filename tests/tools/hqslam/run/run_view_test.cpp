@@ -1,6 +1,5 @@
-#include <doctest/doctest.h>
-
 #include "run/report_page.h"
+#include "testing.h"
 #include "tools/example_run.h"
 
 namespace hqslam::tools {

@@ -1,8 +1,5 @@
 #include "run/slam_settings.h"
 
-#include <string>
-
-#include "hqslam/core/error.h"
 #include "hqslam/core/whole_file.h"
 #include "testing.h"
 

@@ -1,11 +1,9 @@
 #include "upsample/upsample_output.h"
 
-#include <cmath>
-#include <set>
-
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/recordings/recording.h"
+#include "made_images.h"
 #include "testing.h"
 #include "tools/parts_of_text.h"
 
@@ -71,8 +69,7 @@ TEST_CASE("a sensor that begins its turns anywhere has the times of its scans in
   const TemporaryDirectory folder;
   const SensorModel sensor = sensor_preset("os1-16");
   UpsampleOutput output(folder.file("out"), {"input", "linear", 3}, sensor, {});
-  RangeImage image(16, 1024);
-  for (float& range_m : image.range_m) range_m = 10.0F;
+  RangeImage image = flat_image(16, 1024, 10.0F);
   std::vector<OrganizedCloud> clouds;
   for (const int first : {0, 700, 3}) {
     image.range_m[0] += 1.0F;  // no two scans of a real sensor are the same

@@ -1,8 +1,7 @@
 #include "compare/upsampling_comparison.h"
 
-#include <doctest/doctest.h>
-
 #include "hqslam/core/projection.h"
+#include "testing.h"
 
 namespace hqslam::tools {
 

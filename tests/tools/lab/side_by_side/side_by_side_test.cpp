@@ -1,11 +1,11 @@
 #include "side_by_side/side_by_side.h"
 
-#include <doctest/doctest.h>
 #include <omp.h>
 
-#include <array>
 #include <stdexcept>
 #include <thread>
+
+#include "testing.h"
 
 namespace hqslam::tools {
 

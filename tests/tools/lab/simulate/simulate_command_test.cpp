@@ -1,9 +1,5 @@
 #include "simulate/simulate_command.h"
 
-#include <fmt/format.h>
-
-#include <filesystem>
-
 #include "testing.h"
 
 namespace hqslam::tools {

@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "hqslam/sim/drive.h"
 #include "hqslam/sim/write_drive.h"
 #include "small_city.h"

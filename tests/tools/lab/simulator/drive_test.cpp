@@ -2,13 +2,9 @@
 
 #include <omp.h>
 
-#include <cmath>
 #include <cstring>
-#include <string>
-#include <vector>
 
 #include "hash.h"
-#include "hqslam/core/error.h"
 #include "small_city.h"
 #include "style.h"
 #include "testing.h"

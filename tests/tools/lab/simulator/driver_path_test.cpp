@@ -1,13 +1,8 @@
 #include "driver_path.h"
 
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "hqslam/sim/drive.h"
 #include "random.h"
+#include "testing.h"
 
 using namespace hqslam::sim;
 

@@ -1,13 +1,9 @@
 #include "echo.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <vector>
-
 #include "random.h"
 #include "sample_statistics.h"
 #include "small_city.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::sim;

@@ -1,9 +1,5 @@
 #include "hqslam/sim/imu.h"
 
-#include <algorithm>
-#include <filesystem>
-#include <numbers>
-
 #include "hqslam/sim/write_drive.h"
 #include "sample_statistics.h"
 #include "scenario.h"

@@ -1,12 +1,9 @@
 #include "lidar.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
-
 #include "hqslam/core/projection.h"
 #include "hqslam/core/sensor_model.h"
 #include "small_city.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::sim;

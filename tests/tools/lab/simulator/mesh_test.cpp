@@ -1,11 +1,7 @@
 #include "mesh.h"
 
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "small_city.h"
+#include "testing.h"
 
 using namespace hqslam::sim;
 using namespace hqslam::test;

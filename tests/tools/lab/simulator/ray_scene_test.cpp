@@ -1,10 +1,7 @@
 #include "ray_scene.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
-
 #include "small_city.h"
+#include "testing.h"
 
 using namespace hqslam::sim;
 using namespace hqslam::test;

@@ -1,13 +1,7 @@
 #include "scenario.h"
 
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <string>
-
 #include "ray_scene.h"
+#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::sim;

@@ -1,7 +1,5 @@
 #include "hqslam/sim/sensor_errors.h"
 
-#include <cmath>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numeric>
 

@@ -1,9 +1,8 @@
 #include "traffic.h"
 
-#include <doctest/doctest.h>
-
 #include "city.h"
 #include "hqslam/sim/drive.h"
+#include "testing.h"
 
 using namespace hqslam::sim;
 

@@ -1,13 +1,9 @@
 #include "true_surface.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <limits>
-
 #include "echo.h"
 #include "random.h"
 #include "small_city.h"
+#include "testing.h"
 
 using namespace hqslam::sim;
 using namespace hqslam::test;

@@ -1,8 +1,5 @@
 #include "hqslam/sim/write_drive.h"
 
-#include <cmath>
-#include <filesystem>
-
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/npy.h"

@@ -1,9 +1,6 @@
 #include "table/bootstrap.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <limits>
+#include "testing.h"
 
 namespace hqslam::tools {
 namespace {

@@ -1,13 +1,6 @@
 #include "table/table_plan.h"
 
-#include <doctest/doctest.h>
-
-#include <filesystem>
-#include <string>
-
-#include "error_message.h"
-#include "file_contents.h"
-#include "temporary_directory.h"
+#include "testing.h"
 
 namespace hqslam::tools {
 

@@ -1,7 +1,6 @@
 #include "table/table_report.h"
 
-#include <doctest/doctest.h>
-
+#include "testing.h"
 #include "tools/lab/table/example_drives.h"
 #include "tools/parts_of_text.h"
 

@@ -1,26 +1,16 @@
 #include "table/table_run.h"
 
-#include <doctest/doctest.h>
-
-#include <filesystem>
 #include <functional>
-#include <set>
 
-#include "file_contents.h"
-#include "hqslam/core/npy.h"
-#include "temporary_directory.h"
+#include "made_images.h"
+#include "testing.h"
 
 namespace hqslam::tools {
 namespace {
 
 /// A stack of two images of an os1-16, of which the second has this range.
 std::string stack(float range_m, const std::string& path) {
-  NpyStackWriter writer(path, 16, 1024);
-  RangeImage image(16, 1024);
-  for (int i = 0; i < 2; ++i) {
-    writer.append(image);
-    image.range_m.assign(image.range_m.size(), range_m);
-  }
+  test::write_stack(path, {RangeImage(16, 1024), test::flat_image(16, 1024, range_m)});
   return path;
 }
 

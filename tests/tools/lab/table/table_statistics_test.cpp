@@ -1,10 +1,7 @@
 #include "table/table_statistics.h"
 
-#include <doctest/doctest.h>
-
-#include <cmath>
-
 #include "table/table_parts.h"
+#include "testing.h"
 #include "tools/lab/table/example_drives.h"
 
 namespace hqslam::tools {

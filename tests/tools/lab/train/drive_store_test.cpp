@@ -1,7 +1,6 @@
 #include "train/drive_store.h"
 
 #include <csignal>
-#include <filesystem>
 
 #include "files/result_files.h"
 #include "hqslam/core/npy.h"

@@ -1,16 +1,12 @@
 #include "train/training_scans.h"
 
-#include <fmt/format.h>
-
-#include <cmath>
-#include <filesystem>
 #include <thread>
 
-#include "hqslam/core/npy.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/nn/network_json.h"
 #include "hqslam/nn/training/drawn_beams.h"
 #include "hqslam/sim/drive.h"
+#include "made_images.h"
 #include "points_file.h"
 #include "testing.h"
 
@@ -38,8 +34,7 @@ nn::TrainingConfiguration training_for(const SensorModel& sensor, bool with_memo
 
 /// A file with the points of a scan all of whose ranges are alike.
 void write_sensor_pcd(const std::string& path, const SensorModel& sensor, float range_m) {
-  RangeImage image(sensor.rows(), sensor.columns);
-  image.range_m.assign(image.range_m.size(), range_m);
+  const RangeImage image = test::flat_image(sensor.rows(), sensor.columns, range_m);
   test::write_points(points_of(unproject(image, sensor, CaptureTime::kMotionCorrected)), path);
 }
 
@@ -48,9 +43,7 @@ std::string stack(const TemporaryDirectory& folder, int number, int images) {
   const std::string path = folder.file(std::to_string(number) + ".npy");
   NpyStackWriter writer(path, 16, 64);
   for (int i = 0; i < images; ++i) {
-    RangeImage image(16, 64);
-    for (float& range_m : image.range_m) range_m = static_cast<float>(10 * number + i);
-    writer.append(image);
+    writer.append(test::flat_image(16, 64, static_cast<float>(10 * number + i)));
   }
   return path;
 }
@@ -80,15 +73,9 @@ TEST_CASE("scans of several files are numbered through, many threads read them a
 
 TEST_CASE("what is no range is no return; what is no scan is an Error") {
   const TemporaryDirectory folder;
-  {
-    NpyStackWriter writer(folder.file("bad.npy"), 16, 64);
-    RangeImage image(16, 64);
-    image.range_m[0] = std::nanf("");
-    image.range_m[1] = HUGE_VALF;
-    image.range_m[2] = -1.0F;
-    image.range_m[3] = 4.0F;
-    writer.append(image);
-  }
+  RangeImage bad(16, 64);
+  std::ranges::copy(std::array{NAN, HUGE_VALF, -1.0F, 4.0F}, bad.range_m.begin());
+  test::write_stack(folder.file("bad.npy"), {bad});
   const StoredScans scans({{folder.file("bad.npy")}}, tiny_sensor());
   const RangeImage image = scans.read(0).truth;
   CHECK(std::vector(image.range_m.begin(), image.range_m.begin() + 4) ==
@@ -156,10 +143,7 @@ TEST_CASE("a drive with a sensor of its own is simulated and recalls with that o
   const TemporaryDirectory folder;
   const InterruptGuard interrupt;
   nn::TrainingConfiguration configuration = training_for(tiny_sensor(), true, true);
-  SensorModel many = tiny_sensor();
-  many.beam_elevation_rad.clear();
-  for (int row = 0; row < 272; ++row) many.beam_elevation_rad.push_back(0.6 - 0.004 * row);
-  many.beam_azimuth_offset_rad.assign(272, 0.0);
+  const SensorModel many = test::even_sensor(272, tiny_sensor().columns, 34.0, 0.25);
   configuration.drawn_from = many;
   nn::ScanSet set;
   set.simulated = {{.drive = "block", .seeds = {5, 6}, .scans = 3, .every = 2, .own_sensors = true},

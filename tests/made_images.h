@@ -1,0 +1,38 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "hqslam/core/angles.h"
+#include "hqslam/core/npy.h"
+#include "hqslam/core/range_image.h"
+#include "hqslam/core/sensor_model.h"
+
+namespace hqslam::test {
+
+/// Beams `step_deg` apart, from `highest_deg` down, all of which look along their column.
+inline SensorModel even_sensor(int rows, int columns, double highest_deg, double step_deg) {
+  SensorModel sensor;
+  sensor.name = "even";
+  sensor.columns = columns;
+  for (int row = 0; row < rows; ++row) {
+    sensor.beam_elevation_rad.push_back(radians(highest_deg - step_deg * row));
+  }
+  sensor.beam_azimuth_offset_rad.assign(rows, 0.0);
+  return sensor;
+}
+
+/// The same range in every pixel.
+inline RangeImage flat_image(int rows, int columns, float range_m) {
+  RangeImage image(rows, columns);
+  image.range_m.assign(image.range_m.size(), range_m);
+  return image;
+}
+
+/// A stack of these images.
+inline void write_stack(const std::string& path, const std::vector<RangeImage>& images) {
+  NpyStackWriter writer(path, images.front().rows, images.front().columns);
+  for (const RangeImage& image : images) writer.append(image);
+}
+
+}  // namespace hqslam::test
