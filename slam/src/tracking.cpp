@@ -271,6 +271,7 @@ Registered Slam::Implementation::registered(const Tracking& last, const Scan& sc
   if (notes.report.scattered > 0 && matched.close_planes < kFewestPlanesInFog) {
     // Ground and walls alone fit any motion along them.
     matched.state.covariance = expected.covariance;
+    matched.known.setZero();
     if (matched.status == Status::kOk) matched.status = Status::kDegenerate;
   }
   Registered found = judged(last, scan, expected, matched, moved);
@@ -278,8 +279,9 @@ Registered Slam::Implementation::registered(const Tracking& last, const Scan& sc
     found.innovation = normalized_innovation(*measured, found.state, matched.information);
     // What a wrong sample did to the prediction is no error of biases or gravity.
     const bool is_usual = found.is_registered && found.innovation < InertialCheck::kMostOfScan;
-    found.inertial = is_usual ? corrected(*measured, found.state, matched.information)
-                              : kept(measured->inertial, found.state);
+    found.inertial = is_usual
+                         ? corrected(*measured, found.state, matched.information, matched.known)
+                         : kept(measured->inertial, found.state);
   } else if (reference.inertial && inertial_check.agrees()) {
     found.inertial = kept(*reference.inertial, found.state);
   }

@@ -148,19 +148,22 @@ double normalized_innovation(const InertialPrediction& prediction, const MotionS
 }
 
 InertialState corrected(const InertialPrediction& prediction, const MotionState& found,
-                        const Matrix6& of_scan) {
+                        const Matrix6& of_scan, const Matrix6& known) {
   const Matrix18& before = prediction.inertial.covariance;
   const Eigen::Matrix<double, 18, 6> with_pose = before.leftCols<6>();
-  const Eigen::PartialPivLU<Matrix6> inverse_share(Matrix6::Identity() +
-                                                   of_scan * covariance_of_pose(prediction));
+  const auto inverse_share = [&](const Matrix6& information) {
+    return Eigen::PartialPivLU<Matrix6>(Matrix6::Identity() +
+                                        information * covariance_of_pose(prediction));
+  };
   const Eigen::Matrix<double, 18, 1> change =
-      with_pose * inverse_share.solve(weighted_innovation(prediction, found));
+      with_pose * inverse_share(of_scan).solve(weighted_innovation(prediction, found));
   InertialState result = prediction.inertial;
   result.gyroscope_bias_rad_per_s += change.segment<3>(kGyroscope);
   result.accelerometer_bias_mps2 += change.segment<3>(kAccelerometer);
   result.gravity_map_mps2 += change.segment<3>(kGravity);
   result.gravity_map_mps2 *= kGravity_mps2 / result.gravity_map_mps2.norm();
-  result.covariance = before - with_pose * inverse_share.solve(of_scan) * with_pose.transpose();
+  result.covariance =
+      before - with_pose * inverse_share(known).solve(known) * with_pose.transpose();
   result.covariance = (0.5 * (result.covariance + result.covariance.transpose())).eval();
   return result;
 }

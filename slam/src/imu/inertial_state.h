@@ -57,11 +57,13 @@ InertialPrediction predicted(const MotionState& state, const InertialState& iner
 /// motion e from the prediction to it, C^-1 e = L z for the pose z by the scan alone. Where errors
 /// of normals explain a part of L, C is larger (known_information), and C^-1 e is less than L z:
 /// such a direction corrects less. The Kalman update by z with covariance L^-1 + N is
-///   A = (I + L (P + N))^-1,  x <- x + P_all A C^-1 e,  P <- P - P_all A L P_all^T,
+///   A(L) = (I + L (P + N))^-1,  x <- x + P_all A(L) C^-1 e,  P <- P - P_all A(K) K P_all^T,
 /// without L^-1: a direction without information changes nothing. N is the covariance of a
-/// registration's errors beyond its own estimate. Pose and velocity remain as in `found`.
+/// registration's errors beyond its own estimate. K is the information that is `known` of L: a
+/// scan that sees no floor moves in height by errors of normals, and the covariance must grow.
+/// Pose and velocity remain as in `found`.
 InertialState corrected(const InertialPrediction& prediction, const MotionState& found,
-                        const Matrix6& of_scan);
+                        const Matrix6& of_scan, const Matrix6& known);
 
 /// The squared innovation of a scan over its covariance, with the symbols of corrected(): for right
 /// data about 6. In y = L z, of covariance L + L (P + N) L, directions without information count

@@ -172,7 +172,8 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
   }
   result.state.T_map_sensor = orthonormalized(result.state.T_map_sensor);
   const KnownInformation known = known_information(used, R_map_before);
-  result.state.covariance = prior.covariance(known.information);
+  result.known = known.information;
+  result.state.covariance = prior.covariance(result.known);
   if (!known.is_complete) result.status = Status::kDegenerate;
   return result;
 }

@@ -30,6 +30,7 @@ MapFeatures map_features(const Features& features, const MappingOptions& options
 struct MappingResult {
   MotionState state;                      ///< at the scan's stamp
   Matrix6 information = Matrix6::Zero();  ///< of the scan alone about the pose: ScanInformation
+  Matrix6 known = Matrix6::Zero();        ///< what of it is no error of normals: KnownInformation
   Status status = Status::kOk;
   int edge_correspondences = 0;
   int planar_correspondences = 0;

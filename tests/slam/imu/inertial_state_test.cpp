@@ -145,8 +145,8 @@ TEST_CASE("biases and gravity are estimated from a hand's turns, scan by scan") 
     // A registration that finds the pose exactly.
     state = slam::ExpectedState(prediction.state).given(pose_at(0.1 * scan));
     state.covariance *= 1e-6;
-    inertial = slam::corrected(prediction, state,
-                               1e6 * prediction.state.covariance.topLeftCorner<6, 6>().inverse());
+    const Matrix6 of_scan = 1e6 * prediction.state.covariance.topLeftCorner<6, 6>().inverse();
+    inertial = slam::corrected(prediction, state, of_scan, of_scan);
   }
   // Slowly, since registrations in rooms are often wrong: a fifth is left after a minute.
   CHECK((inertial.gyroscope_bias_rad_per_s - gyroscope).norm() < 0.2 * gyroscope.norm());
@@ -178,7 +178,8 @@ TEST_CASE("a scan corrects as a Kalman update by its own information, and not wh
   MotionState joined = expected;
   prior.improve(joined, scan);
   joined.covariance = prior.covariance(scan.information);
-  const InertialState found = slam::corrected(prediction, joined, scan.information);
+  const InertialState found =
+      slam::corrected(prediction, joined, scan.information, scan.information);
 
   const Matrix18& P = prediction.inertial.covariance;
   Vector6 sigma;
@@ -191,6 +192,20 @@ TEST_CASE("a scan corrects as a Kalman update by its own information, and not wh
   const Eigen::Vector3d learnt =
       found.gyroscope_bias_rad_per_s - prediction.inertial.gyroscope_bias_rad_per_s;
   CHECK(learnt.isApprox((K * z).segment<3>(9), 1e-3));
+}
+
+TEST_CASE("feigned information about a direction leaves the covariance as predicted there") {
+  const MotionState state = moving(pose_from_xyz_rpy({1, 2, 3}, 0.4, -0.3, 0.9), {1.2, -0.4, 0.3});
+  const InertialPrediction prediction =
+      slam::predicted(state, slam::first_inertial_state(state, {0.1, 0.2, 9.7}), some_steps(10),
+                      Eigen::Vector3d::Zero());
+  Matrix6 known = 1e6 * Matrix6::Identity();
+  known(2, 2) = 0.0;  // of the height only errors of normals speak
+  const Matrix18 after =
+      slam::corrected(prediction, prediction.state, 1e6 * Matrix6::Identity(), known).covariance;
+  const Matrix18& before = prediction.inertial.covariance;
+  CHECK(after(0, 0) < 0.5 * before(0, 0));
+  CHECK(after(2, 2) > 0.9 * before(2, 2));
 }
 
 TEST_CASE("after a gap biases and gravity are unchanged and uncorrelated with the pose") {
