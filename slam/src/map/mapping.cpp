@@ -17,7 +17,7 @@ namespace {
 /// Most searches of wide reach, before the pose is good enough for the narrow one.
 constexpr int kWideSearches = 2;
 /// A step of a wide search that moves no point up to kLever_m away by more leaves a pose that is
-/// good enough, too: of a tracked sensor most first steps do (weights/NOTEBOOK.md, "Speed").
+/// good enough, too. With 0.05 a real drive is less accurate (weights/NOTEBOOK.md, "Speed").
 constexpr double kGoodEnough_m = 0.03;
 /// Most scans need fewer iterations. After these some oscillate between the same neighbours: then
 /// steps of kLateTolerance times the tolerance count as converged.
