@@ -58,7 +58,7 @@ function scaleLegend(scale) {
   return el(
       'div', {class: 'scale'}, scale.ends[0],
       el('i', {style: `background:linear-gradient(90deg,${scale.stops})`, class: ticks.length && 'ticked'}, ...ticks), scale.ends[1],
-      ...(scale.none ? [el('i', {class: 'none', style: `background:${kNone}`}), 'no return'] : []));
+      ...(scale.none ? [el('span', {class: 'none'}, el('i', {style: `background:${kNone}`}), 'no return')] : []));
 }
 
 /**
