@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <optional>
 
 #include "alignment/drift.h"
@@ -43,6 +42,8 @@ struct Registered {
   double innovation = 0.0;  ///< normalized_innovation() of the inertial prediction
 };
 
+class OdometryOnDemand;
+
 struct Slam::Implementation {
   SlamOptions options;
   Mounting mounting;
@@ -79,18 +80,28 @@ struct Slam::Implementation {
   State next(Lost now, Scan& scan, Notes& notes);
   State next(Searching now, const Scan& scan, Notes& notes);
 
+  // The registration of a scan from its reference: registration.cpp.
   std::optional<InertialPrediction> predicted_by_imu(const Reference& reference,
                                                      const Scan& scan) const;
   Registered judged(const Tracking& last, const Scan& scan, const MotionState& expected,
-                    const MappingResult& matched,
-                    const std::function<const OdometryResult&()>& moved) const;
+                    const MappingResult& matched, OdometryOnDemand& odometry) const;
+  std::optional<InertialState> inertial_after(const Reference& reference,
+                                              const std::optional<InertialPrediction>& measured,
+                                              const MappingResult& matched,
+                                              Registered& found) const;
+  void put_report(const Reference& reference, const Scan& scan, const MappingResult& matched,
+                  const Registered& found, Notes& notes) const;
   Registered registered(const Tracking& last, const Scan& scan, Notes& notes) const;
+
+  // With an inertial sensor: tracking_by_imu.cpp.
   void leave_out_imu(Scan& scan) const;
   Registered checked(const Tracking& last, Scan& scan, Notes& notes);
   bool replaced_without_imu(const Tracking& last, double least_gain, Scan& scan, Registered& found,
                             Notes& notes);
   void compare_turns(const Reference& reference, const Scan& scan, Registered& found);
   Registered first_registered(Tracking& last, Scan& scan, Notes& notes);
+
+  // tracking.cpp
   Registered in_corrected_map(Tracking& last, Scan& scan, Notes& notes);
   State tracked(Tracking last, const Registered& found, const Scan& scan, Notes& notes);
   bool is_keyframe(Tracking& last, const Pose& T_map_sensor) const;

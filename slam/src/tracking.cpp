@@ -1,49 +1,22 @@
 // The states Starting, Tracking and Lost.
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <utility>
 
-#include "map/choice_of_start.h"
-#include "map/registration_trace.h"
 #include "slam_implementation.h"
 
 namespace hqslam::slam {
 
 namespace {
 
-/// Without measurements a velocity is assumed constant for this time.
-constexpr double kSteady_periods = 10.0;
 /// Consecutive scans that may miss the map.
 constexpr std::size_t kMaxMissedScans = 5;
-/// Smallest share of the last registered scan's ratios. From scan to scan the inlier ratio falls to
-/// 0.83 at the lowest on simulated drives of all kinds, and to 0.44 in another street.
-constexpr double kLeastShareOfInlierRatio = 0.6;
-
 /// The place has changed if less than this share of what matched is close to the map: a lorry has
 /// pulled up, a crowd has come (made scenes).
 constexpr double kChangedShare = 0.8;
 /// Between a scan and the one with the best fit since the last keyframe, if the sensor stands.
 constexpr double kStands_m = 0.05;
 constexpr double kStands_rad = 0.02;
-
-/// Planes of features other than the ground that a scan through fog must have within 0.1 m of the
-/// map to determine the pose. In a street (raw HDL-64E, made fog with a visibility of 40 m, echoes
-/// in 5 to 30 % of the lost pixels) steps of 16 rows that are wrong have 207 to 528 of them; 64
-/// rows, where no step is wrong, have 815 to 1,930.
-constexpr int kFewestPlanesInFog = 600;
-
-Matrix6 pose_covariance(const MotionState& state) { return state.covariance.topLeftCorner<6, 6>(); }
-
-/// Whether a sensor that is not carried can deviate this much from its expected motion.
-bool is_plausible(const Twist& innovation, double duration_s) {
-  constexpr double kAccelerated_m_s2 = 10.0;
-  constexpr double kTurned_rad_s2 = 5.0;
-  const double half_square_s2 = 0.5 * duration_s * duration_s;
-  return innovation.linear.norm() <= 0.5 + kAccelerated_m_s2 * half_square_s2 &&
-         innovation.angular.norm() <= 0.2 + kTurned_rad_s2 * half_square_s2;
-}
 
 }  // namespace
 
@@ -185,133 +158,6 @@ State Slam::Implementation::new_segment(const Lost& lost, Registered found, cons
   add_keyframe(scan, found.state.velocity, true, notes);
   return Tracking{reference_of(scan, found.state, against_own_map, notes.report, found.inertial),
                   0.0, 0.0, BestFit(), std::nullopt};
-}
-
-/// The prediction by inertial data; nothing unless they cover the time since the reference.
-std::optional<InertialPrediction> Slam::Implementation::predicted_by_imu(const Reference& reference,
-                                                                         const Scan& scan) const {
-  const bool is_clock_steady =
-      std::abs((scan.stamp_s - reference.stamp_s) - (scan.time_s - reference.time_s)) < 1e-6;
-  if (!reference.inertial || !scan.turning || !is_clock_steady) return std::nullopt;
-  const std::vector<ImuStep> steps =
-      imu.steps(reference.stamp_s, scan.stamp_s, mounting.turn_to_level());
-  if (steps.empty()) return std::nullopt;
-  return predicted(reference.state, *reference.inertial, steps,
-                   scan.turning->mean_rate_rad_per_s());
-}
-
-/// Whether the result of mapping is accepted, and otherwise the odometry's.
-Registered Slam::Implementation::judged(const Tracking& last, const Scan& scan,
-                                        const MotionState& expected, const MappingResult& matched,
-                                        const std::function<const OdometryResult&()>& moved) const {
-  // inlier_ratio alone is that of a wide search, which may have begun far from the result. A place
-  // that no vehicle can have reached is wrong unless the scan fits there as the last one did.
-  const bool fits_elsewhere = matched.inlier_ratio < kLeastShareOfInlierRatio * last.inlier_ratio &&
-                              matched.close_ratio < kLeastShareOfInlierRatio * last.close_ratio;
-  const double duration_s = scan.time_s - last.reference.time_s;
-  const auto is_possible = [&](const Pose& T_map_sensor) {
-    return is_plausible(logarithm(expected.T_map_sensor.inverse() * T_map_sensor), duration_s);
-  };
-  const bool is_elsewhere =
-      fits_elsewhere || (!is_possible(matched.state.T_map_sensor) &&
-                         matched.close_ratio < kChangedShare * last.close_ratio);
-  Registered found;
-  found.is_registered = matched.status != Status::kTooFewFeatures && !is_elsewhere &&
-                        (!place_recognition || is_in_given_map(scan.map_features, matched.state));
-  found.inlier_ratio = matched.inlier_ratio;
-  found.close_ratio = matched.close_ratio;
-  found.state = matched.state;
-  if (found.is_registered) return found;
-  const Pose& motion = moved().T_reference_sensor;
-  const Pose T_map_moved = orthonormalized(last.reference.state.T_map_sensor * motion);
-  const bool is_moved = is_possible(T_map_moved);
-  found.state = expected;
-  if (is_moved) {
-    found.state.T_map_sensor = T_map_moved;
-    found.state.velocity = (1.0 / duration_s) * logarithm(motion);
-  }
-  found.by_odometry = moved().status != Status::kTooFewFeatures;
-  found.is_motion_plausible = found.by_odometry && !is_elsewhere && is_moved;
-  found.is_contradiction = scan.has_enough_features && is_precise(expected) &&
-                           (is_elsewhere || (found.by_odometry && !found.is_motion_plausible));
-  return found;
-}
-
-/// Registers a scan: prediction, odometry, mapping.
-Registered Slam::Implementation::registered(const Tracking& last, const Scan& scan,
-                                            Notes& notes) const {
-  const Reference& reference = last.reference;
-  ScanReport& report = notes.report;
-  const double duration_s = scan.time_s - reference.time_s;
-  const double steady_s = kSteady_periods * sensor.scan_period_s;
-  const std::optional<InertialPrediction> measured = predicted_by_imu(reference, scan);
-  report.predicted_by_imu = measured.has_value();
-  const MotionState expected =
-      measured ? measured->state
-               : predicted(reference.state, duration_s, steady_s, accelerations.density());
-  std::optional<OdometryResult> odometry;  // only where it can change the result
-  const auto moved = [&]() -> const OdometryResult& {
-    if (odometry) return *odometry;
-    report.times.mapping_s += notes.stopwatch.lap_s();
-    odometry =
-        scan_to_scan(reference.target, scan.features,
-                     {reference.state.T_map_sensor.inverse() * expected.T_map_sensor, duration_s},
-                     options.odometry);
-    report.odometry_status = odometry->status;
-    report.times.odometry_s += notes.stopwatch.lap_s();
-    return *odometry;
-  };
-  const auto T_map_moved = [&] {
-    return orthonormalized(reference.state.T_map_sensor * moved().T_reference_sensor);
-  };
-  MappingResult matched =
-      register_from_starts(mapping, scan.map_features,
-                           {expected, T_map_moved, reference.state.T_map_sensor, duration_s,
-                            last.close_ratio, measured.has_value()});
-  if (notes.report.scattered > 0 && matched.close_planes < kFewestPlanesInFog) {
-    // Ground and walls alone fit any motion along them.
-    matched.state.covariance = expected.covariance;
-    matched.known.setZero();
-    if (matched.status == Status::kOk) matched.status = Status::kDegenerate;
-  }
-  Registered found = judged(last, scan, expected, matched, moved);
-  if (measured) {
-    found.innovation = normalized_innovation(*measured, found.state, matched.information);
-    // What a wrong sample did to the prediction is no error of biases or gravity.
-    const bool is_usual = found.is_registered && found.innovation < InertialCheck::kMostOfScan;
-    found.inertial = is_usual
-                         ? corrected(*measured, found.state, matched.information, matched.known)
-                         : kept(measured->inertial, found.state);
-  } else if (reference.inertial && inertial_check.agrees()) {
-    found.inertial = kept(*reference.inertial, found.state);
-  }
-  // ScanClock replaces a very long gap by one period.
-  const bool is_after_gap = std::max(duration_s, scan.stamp_s - reference.stamp_s) > steady_s;
-  report.mapping_status = !found.is_registered ? Status::kTooFewFeatures
-                          : is_after_gap       ? Status::kAfterGap
-                                               : matched.status;
-  report.edge_correspondences = matched.edge_correspondences;
-  report.planar_correspondences = matched.planar_correspondences;
-  report.T_map_sensor = found.state.T_map_sensor;
-  const Pose motion = reference.state.T_map_sensor.inverse() * found.state.T_map_sensor;
-  found.against_map = found.is_registered ? drift.against_map(found.state)
-                                          : carried(reference.against_map, motion) +
-                                                growth(pose_covariance(reference.state),
-                                                       pose_covariance(expected), motion);
-  report.covariance = drift.covariance(motion, found.against_map);
-  report.T_odom_sensor = orthonormalized(reference.T_odom_sensor * motion);
-  notes.own_covariance = drift.own_covariance(motion, found.against_map);
-  if (notes.trace != nullptr) {
-    notes.trace->T_map_expected = expected.T_map_sensor;
-    notes.trace->T_map_odometry = T_map_moved();
-    notes.trace->duration_s = duration_s;
-    notes.trace->sharp_edges = moved().edge_correspondences;
-    notes.trace->flat_points = moved().planar_correspondences;
-    notes.trace->last_inlier_ratio = last.inlier_ratio;
-    trace_registration(mapping, scan.map_features, matched, *notes.trace);
-  }
-  report.times.mapping_s += notes.stopwatch.lap_s();
-  return found;
 }
 
 /// checked(), and again after the map has begun anew with the first keyframe, which was inserted as

@@ -57,6 +57,26 @@ double inlier_share(const ConstraintList& found, const MapFeatures& features) {
   return (found.edges + found.planes - found.ground) / std::max(standing_features(features), 1.0);
 }
 
+void put_matches(const ConstraintList& found, const MapFeatures& features, MappingResult& result) {
+  result.edge_correspondences = found.edges;
+  result.planar_correspondences = found.planes;
+  result.close_planes = close_planes(found);
+  result.close_ratio = close_share(result.close_planes, features);
+  if (!result.is_close_search) result.inlier_ratio = inlier_share(found, features);
+}
+
+/// Whether a step moves the pose so little that it is the last.
+bool has_converged(const Pose& change, int iteration, const MappingOptions& options) {
+  const double near_enough = iteration < kUsualIterations ? 1.0 : kLateTolerance;
+  return rotation_angle_rad(change) < near_enough * options.converged_rotation_rad &&
+         change.translation().norm() < near_enough * options.converged_translation_m;
+}
+
+/// Whether a step of a wide search leaves a pose that is good enough for the narrow one.
+bool is_good_enough(const Pose& change) {
+  return change.translation().norm() + kLever_m * rotation_angle_rad(change) < kGoodEnough_m;
+}
+
 /// Information [1/m^2] that a narrow search with a degenerate direction must have about x, y and
 /// yaw; with less the scan is searched widely to the end.
 ///
@@ -126,9 +146,9 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
   bool narrow_suffices = true;
   std::vector<PlaneConstraint> used;  // by the last step
   Eigen::Matrix3d R_map_before;
-  bool is_good_enough = false;
+  bool is_near = false;  // enough for a narrow search
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
-    const bool narrow = (is_good_enough || iteration >= kWideSearches) && narrow_suffices;
+    const bool narrow = (is_near || iteration >= kWideSearches) && narrow_suffices;
     result.is_close_search = narrow;
     ConstraintList constraints =
         match_with_map(scan, search_at(result, options_, from), map_, options_).constraints();
@@ -144,11 +164,7 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
       result.is_close_search = false;
       continue;
     }
-    result.edge_correspondences = constraints.edges;
-    result.planar_correspondences = constraints.planes;
-    result.close_planes = close_planes(constraints);
-    result.close_ratio = close_share(result.close_planes, features);
-    if (!narrow) result.inlier_ratio = inlier_share(constraints, features);
+    put_matches(constraints, features, result);
     if (!enough) {
       result.state = expected;
       result.status = Status::kTooFewFeatures;
@@ -159,12 +175,8 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
     used = std::move(constraints.all);
     R_map_before = before.linear();
     const Pose change = before.inverse() * result.state.T_map_sensor;
-    is_good_enough =
-        change.translation().norm() + kLever_m * rotation_angle_rad(change) < kGoodEnough_m;
-    const double near_enough = iteration < kUsualIterations ? 1.0 : kLateTolerance;
-    const bool converged =
-        rotation_angle_rad(change) < near_enough * options_.converged_rotation_rad &&
-        change.translation().norm() < near_enough * options_.converged_translation_m;
+    is_near = is_good_enough(change);
+    const bool converged = has_converged(change, iteration, options_);
     result.status = !all_observable ? Status::kDegenerate
                     : converged     ? Status::kOk
                                     : Status::kNotConverged;
