@@ -35,8 +35,9 @@ struct Row {
   /// Near a chosen point, hidden, along the beam, or too near an end of the row.
   std::vector<std::uint8_t> taken;
   std::vector<std::uint8_t> is_edge;
-  std::vector<std::uint8_t> is_ring;  ///< of a short run on what does not stand
-  std::vector<int> candidates;        ///< of the present section; its memory is reused
+  std::vector<std::uint8_t> is_ring;      ///< of a short run on what does not stand
+  std::vector<const FeaturePoint*> post;  ///< the centre of the post that has the point; or nullptr
+  std::vector<int> candidates;            ///< of the present section; its memory is reused
 
   int size() const { return static_cast<int>(range_m.size()); }
   /// Whether neighbours in the sequence are neighbours in the image, too.
@@ -152,6 +153,15 @@ void mark_rings(const OrganizedCloud& cloud, const std::vector<int>& rows, std::
   }
 }
 
+/// Puts edges on posts into their centres.
+void mark_posts(const std::vector<Post>& posts, Row& row) {
+  row.post.assign(row.points.size(), nullptr);
+  for (const Post& post : posts) {
+    auto i = std::ranges::lower_bound(row.column, post.first_column) - row.column.begin();
+    for (; i < row.size() && row.column[i] <= post.last_column; ++i) row.post[i] = &post.centre;
+  }
+}
+
 Row gather_row(const OrganizedCloud& cloud, const Segmentation& segmentation, int row) {
   Row result;
   const auto most = static_cast<std::size_t>(cloud.columns);
@@ -211,8 +221,9 @@ void choose_edges(Row& row, int first, int last, const FeatureOptions& options,
       row, options.edges_per_section,
       [&](int a, int b) { return row.smoothness_m[a] > row.smoothness_m[b]; },
       [&](int i) {
-        if (sharp-- > 0) features.sharp_edges.push_back(row.points[i]);
-        features.edges.push_back(row.points[i]);
+        const FeaturePoint& edge = row.post[i] != nullptr ? *row.post[i] : row.points[i];
+        if (sharp-- > 0) features.sharp_edges.push_back(edge);
+        features.edges.push_back(edge);
         row.is_edge[i] = 1;
       });
 }
@@ -245,9 +256,13 @@ Features features_of_row(const OrganizedCloud& cloud, const Segmentation& segmen
   }
   row.take_unreliable();
   mark_rings(cloud, rows, row_index, row);
+  const std::vector<Post> posts =
+      posts_in_row(cloud, segmentation, rows[row_index], options.max_post_width_m);
+  mark_posts(posts, row);
   row.is_edge.assign(row.points.size(), 0);
 
   Features features;
+  for (const Post& post : posts) features.posts.push_back(post.centre);
   for (int section = 0; section < options.sections; ++section) {
     const int first = row.size() * section / options.sections;
     const int last = row.size() * (section + 1) / options.sections;
@@ -277,7 +292,6 @@ Features extract_features(const OrganizedCloud& cloud, const Segmentation& segme
 #pragma omp parallel for schedule(dynamic)
   for (std::size_t i = 0; i < rows.size(); ++i) {
     of_row[i] = features_of_row(cloud, segmentation, rows, i, options);
-    of_row[i].posts = posts_in_row(cloud, segmentation, rows[i], options.max_post_width_m);
   }
   Features all;
   for (const auto kind : {&Features::sharp_edges, &Features::edges, &Features::flat_points,

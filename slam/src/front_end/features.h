@@ -42,8 +42,8 @@ struct Features {
 /// parallel to the beam are no edges or flat points. Each row is cut into sections; edges are the
 /// largest c of a section, flat points the smallest, and neither has a neighbour of its kind within
 /// 5 points. Short runs on objects that the rows beside do not show to stand are no features: most
-/// are rings on undetected ground, which travel with the sensor. Source: LOAM (Zhang & Singh 2014),
-/// LeGO-LOAM's featureAssociation.
+/// are rings on undetected ground, which travel with the sensor. An edge on a post is the post's
+/// centre (posts.h). Source: LOAM (Zhang & Singh 2014), LeGO-LOAM's featureAssociation.
 ///
 /// measured_rows: SensorModel::measured_rows. Computed rows have no features: they only help to
 /// separate the ground from what stands on it.
@@ -52,7 +52,7 @@ struct Features {
 /// no edge; the ground is not thinned to every fifth column before the smoothness is taken; the
 /// last point of a section can be chosen too, and points at the ends of a row are compared only
 /// with points of the same row and scan; all flat points, the fourth of a section too, suppress
-/// their neighbours; rings are left out; and there are posts.
+/// their neighbours; rings are left out; there are posts, and edges on them are their centres.
 Features extract_features(const OrganizedCloud& cloud, const Segmentation& segmentation,
                           const FeatureOptions& options,
                           const std::optional<RowSelection>& measured_rows = {});

@@ -8,6 +8,13 @@
 
 namespace hqslam::slam {
 
+/// A post in one row.
+struct Post {
+  FeaturePoint centre;
+  int first_column = 0;
+  int last_column = 0;
+};
+
 /// Narrow objects that stand alone in a row: trunks, posts, bushes.
 ///
 /// In: a scan, its segmentation, one of its rows. Out: one point, ordered by column, for each run
@@ -17,16 +24,18 @@ namespace hqslam::slam {
 /// middle column:
 ///
 ///   centre = mean of the points + (pi / 8) width * direction of the beam,
+///   width  = distance of the outer points + range * (angle between columns - angle of the beam),
 ///
 /// since the mean of the half circle that faces the sensor is pi/4 of the radius in front of the
-/// centre. Otherwise a post would seem to move with the sensor and bias its motion. Objects that
-/// something nearer occludes, or at the seam of the image, are left out.
+/// centre, and an object answers every beam that touches it. Points on the side that faces the
+/// sensor travel with it: a path along posts would be 0.1 % too short, and is where the width is
+/// that of the outer points alone. Objects that something nearer occludes, or at the seam of the
+/// image, are left out.
 ///
 /// LeGO-LOAM has none: its edges need five columns on both sides, and its segmentation takes
 /// clusters of fewer than 30 pixels for clutter. In open land there is little else: half of the
 /// about 70 objects in a scan of 16 rows are one or two columns wide.
-std::vector<FeaturePoint> posts_in_row(const OrganizedCloud& cloud,
-                                       const Segmentation& segmentation, int row,
-                                       double max_width_m);
+std::vector<Post> posts_in_row(const OrganizedCloud& cloud, const Segmentation& segmentation,
+                               int row, double max_width_m);
 
 }  // namespace hqslam::slam

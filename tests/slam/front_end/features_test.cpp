@@ -128,6 +128,26 @@ TEST_CASE("the far side of a depth jump is never an edge, the near side may be o
   for (const auto& edge : features.edges) CHECK(edge.point_m.norm() == doctest::Approx(5.0));
 }
 
+TEST_CASE("an edge on a post is the post's centre") {
+  SensorModel sensor;
+  sensor.columns = 360;
+  sensor.beam_elevation_rad = {0.04, 0.0, -0.04};
+  sensor.beam_azimuth_offset_rad = {0.0, 0.0, 0.0};
+  RangeImage image(3, 360);
+  std::ranges::fill(image.range_m, 10.0F);
+  for (int row = 0; row < 3; ++row) std::fill_n(image.range_m.begin() + 360 * row + 100, 6, 5.0F);
+  const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kMotionCorrected);
+  const slam::Segmentation objects{std::vector(image.range_m.size(), slam::PixelClass::kObject)};
+  const auto features = slam::extract_features(cloud, objects, {});
+  REQUIRE(features.posts.size() == 3);
+  CHECK(features.posts[0].point_m.norm() > 5.1F);
+  REQUIRE(features.edges.size() == 3);
+  for (int row = 0; row < 3; ++row) {
+    CHECK(features.edges[row].point_m == features.posts[row].point_m);
+    CHECK(features.sharp_edges[row].point_m == features.posts[row].point_m);
+  }
+}
+
 TEST_CASE("a point whose both neighbours are 2 % away is on a surface along the beam and no edge") {
   // From 2 to 9.8 m by steps below the depth jump of 0.3 m and above 2 % of the range. Their size
   // changes every six points: where it does, the row is bent enough for an edge.

@@ -31,7 +31,24 @@ struct RowWithPosts {
     return unproject(image, sensor, CaptureTime::kRolling);
   }
   std::vector<slam::FeaturePoint> posts() const {
-    return slam::posts_in_row(cloud(), segmentation, 0, 1.0);
+    std::vector<slam::FeaturePoint> centres;
+    for (const slam::Post& post : slam::posts_in_row(cloud(), segmentation, 0, 1.0)) {
+      centres.push_back(post.centre);
+    }
+    return centres;
+  }
+  /// A circle 15 m ahead, `turn_rad` beside the middle of the image, that answers every beam of 3
+  /// mrad that touches it.
+  void put_trunk(double radius_m, double turn_rad) {
+    constexpr double kDistance_m = 15.0;
+    const double middle_rad = sensor.azimuth_rad(0, sensor.columns / 2) + turn_rad;
+    for (int column = 0; column < sensor.columns; ++column) {
+      const double beside_rad = std::abs(sensor.azimuth_rad(0, column) - middle_rad);
+      const double beside_m = kDistance_m * std::sin(std::max(beside_rad - 0.0015, 0.0));
+      if (beside_rad > 0.1 || beside_m >= radius_m) continue;
+      range_m[column] = static_cast<float>(kDistance_m * std::cos(beside_rad) -
+                                           std::sqrt(radius_m * radius_m - beside_m * beside_m));
+    }
   }
 };
 
@@ -45,29 +62,34 @@ TEST_CASE("a post is a little behind the mean of its points, at the time of the 
   REQUIRE(posts.size() == 1);
   const Eigen::Vector3f mean_m =
       (cloud.points_m[100] + cloud.points_m[101] + cloud.points_m[102]) / 3.0F;
-  const float width_m = (cloud.points_m[102] - cloud.points_m[100]).norm();
+  const float outer_m = (cloud.points_m[102] - cloud.points_m[100]).norm();
+  const float width_m = outer_m + (0.017453F - 0.003F) * mean_m.norm();  // columns of 1 degree
   CHECK(posts[0].point_m.norm() == doctest::Approx(mean_m.norm() + 0.3927F * width_m));
   CHECK(posts[0].point_m.cross(mean_m).norm() < 1e-4F);
   CHECK(posts[0].time_offset_s == cloud.time_offset_s[101]);
   CHECK(posts[0].row == 0);
 }
 
-TEST_CASE("of a trunk that a row sees, the middle is found") {
-  // A circle of 0.3 m radius, 6 m away, measured by beams 0.25 degrees apart.
-  RowWithPosts row;
-  row.sensor.columns = 1440;
-  row.range_m.assign(1440, 50.0F);
-  row.segmentation.pixel_class.assign(1440, slam::PixelClass::kObject);
-  for (int column = 380; column <= 420; ++column) {
-    const double turn_rad = row.sensor.azimuth_rad(0, column) - row.sensor.azimuth_rad(0, 400);
-    const double beside_m = 6.0 * std::sin(turn_rad);
-    if (std::abs(beside_m) >= 0.3) continue;
-    row.range_m[column] =
-        static_cast<float>(6.0 * std::cos(turn_rad) - std::sqrt(0.09 - beside_m * beside_m));
+TEST_CASE(
+    "of a trunk the middle is found, whatever the distance of columns and the trunk's width") {
+  for (const int columns : {512, 1024, 2048}) {
+    for (const double radius_m : {0.15, 0.3}) {
+      double error_m = 0.0;
+      constexpr int kPlaces = 40;  // between two columns
+      for (int place = 0; place < kPlaces; ++place) {
+        RowWithPosts row;
+        row.sensor.columns = columns;
+        row.range_m.assign(columns, 50.0F);
+        row.segmentation.pixel_class.assign(columns, slam::PixelClass::kObject);
+        row.put_trunk(radius_m, 2.0 * std::numbers::pi / columns * place / kPlaces);
+        const auto posts = row.posts();
+        REQUIRE(posts.size() == 1);
+        error_m += (posts[0].point_m.norm() - 15.0) / kPlaces;
+      }
+      // By the outer points alone 0.02 to 0.06 m before the middle with 512 and 1,024 columns.
+      CHECK(std::abs(error_m) < 0.012);
+    }
   }
-  const auto posts = row.posts();
-  REQUIRE(posts.size() == 1);
-  CHECK(posts[0].point_m.norm() == doctest::Approx(6.0).epsilon(0.003));
 }
 
 TEST_CASE("a single pixel before nothing is a post unless it is ground") {
@@ -111,5 +133,5 @@ TEST_CASE("two posts side by side are two where one stands behind the other's ga
   touching.put(102, 103, 5.6F);
   const auto posts = touching.posts();
   REQUIRE(posts.size() == 1);
-  CHECK(posts[0].point_m.norm() == doctest::Approx(5.03).epsilon(0.001));
+  CHECK(posts[0].point_m.norm() == doctest::Approx(5.063).epsilon(0.001));
 }
