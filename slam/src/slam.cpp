@@ -115,7 +115,10 @@ Scan Slam::Implementation::front_end(const OrganizedCloud& cloud, double stamp_s
 
   scan.features = measured_features(scan);
   make_turning_even(scan);
-  scan.map_features = map_features(scan.features, options.mapping);
+  if (loop_closing && rooms.add(scan.features.surfaces)) {
+    mapping.change_voxels(rooms.is_in_room() ? in_rooms(options.mapping) : options.mapping);
+  }
+  scan.map_features = map_features(scan.features, mapping.options());
   const auto planar = static_cast<int>(scan.features.ground.size() + scan.features.surfaces.size());
   report.edge_features = static_cast<int>(scan.features.edges.size());
   report.planar_features = planar;

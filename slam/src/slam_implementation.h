@@ -14,6 +14,7 @@
 #include "imu/inertial_check.h"
 #include "loops/background_loop_closing.h"
 #include "loops/place_recognition.h"
+#include "map/rooms.h"
 #include "segmented_trajectory.h"
 #include "states.h"
 #include "stopwatch.h"
@@ -52,6 +53,7 @@ struct Slam::Implementation {
   ImuBuffer imu;
   InertialCheck inertial_check;
   State state;
+  RoomCheck rooms;
   Mapping mapping;
   SegmentedTrajectory path;
   GravityWindow gravity_window;

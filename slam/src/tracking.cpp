@@ -174,8 +174,8 @@ Features Slam::Implementation::put_first_keyframe(const FirstKeyframe& first,
                                                   const Twist& velocity) {
   Features features = first.measured_features;
   if (first.turning) first.turning->apply(features);
-  mapping = Mapping(options.mapping, mapping.keyframes() - 1);
-  mapping.insert(map_features(features, options.mapping), Pose::Identity(), velocity);
+  mapping = Mapping(mapping.options(), mapping.keyframes() - 1);
+  mapping.insert(map_features(features, mapping.options()), Pose::Identity(), velocity);
   return features;
 }
 

@@ -23,7 +23,7 @@ void Slam::Implementation::leave_out_imu(Scan& scan) const {
   if (!scan.turning) return;
   scan.turning.reset();
   scan.features = measured_features(scan);
-  scan.map_features = map_features(scan.features, options.mapping);
+  scan.map_features = map_features(scan.features, mapping.options());
 }
 
 /// registered(), and without the inertial sensor if its prediction is contradicted: what fits

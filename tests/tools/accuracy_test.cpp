@@ -175,6 +175,28 @@ TEST_CASE("a room is tracked with 64 rows by all of its few surfaces") {
   CHECK(ape_rmse_m(track_simulated(room, "os1-64", 64)) <= 0.08);
 }
 
+TEST_CASE("rooms are mapped in small voxels: to 0.02 m, where those of streets lose the height") {
+  const sim::DriveSpec rooms = drive("indoors", 703, 150, sim::SensorErrors::kNone);
+  CHECK(ape_rmse_m(track_simulated(rooms, "os1-64", 16)) <= 0.02);  // before: 0.032
+  const sim::DriveSpec no_floor = drive("indoors", 536, 200, sim::SensorErrors::kTypical);
+  CHECK(ape_rmse_m(track_simulated(no_floor, "os1-16", 16, kRight)) <= 0.03);  // before: 0.10
+}
+
+TEST_CASE("a path along trunks and posts has its length to 0.07 %") {
+  const sim::DriveSpec meadow = drive("meadow", 701, 150, sim::SensorErrors::kNone);
+  const TrackedDrive tracked = track_simulated(meadow, "os1-64", 16);
+  double found_m = 0.0;  // over seconds
+  double true_m = 0.0;
+  for (std::size_t i = 0; i + 10 < tracked.truth.size(); i += 10) {
+    const auto moved_m = [i](const Trajectory& path) {
+      return (path[i + 10].T_map_sensor.translation() - path[i].T_map_sensor.translation()).norm();
+    };
+    found_m += moved_m(tracked.estimate);
+    true_m += moved_m(tracked.truth);
+  }
+  CHECK(std::abs(found_m / true_m - 1.0) < 7e-4);  // before: 0.16 % too short
+}
+
 TEST_CASE("an inertial sensor keeps a path upright that leans by beams that are off") {
   const sim::DriveSpec town = drive("town", 101, 200, sim::SensorErrors::kTypical);
   const double without_rad = worst_lean_rad(track_simulated(town, "os1-16", 16));

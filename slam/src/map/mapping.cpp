@@ -244,6 +244,13 @@ void Mapping::restore_to_window(MapPoints points) {
   map_.insert(points);
 }
 
+void Mapping::change_voxels(const MappingOptions& options) {
+  const MapPoints points = map_.take_all();
+  options_ = options;
+  map_ = FeatureMaps(options);
+  map_.insert(points);
+}
+
 void Mapping::correct(const std::vector<Pose>& corrections) {
   map_.correct(corrections);
   T_map_last_keyframe_ = orthonormalized(corrections.back() * T_map_last_keyframe_);

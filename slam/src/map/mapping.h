@@ -101,6 +101,9 @@ class Mapping {
   void correct(const std::vector<Pose>& corrections);
 
   const FeatureMaps& map() const { return map_; }
+  const MappingOptions& options() const { return options_; }
+  /// Puts the map into voxels of other sizes; reaches stay as they are.
+  void change_voxels(const MappingOptions& options);
 
  private:
   MappingOptions options_;

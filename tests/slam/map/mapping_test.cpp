@@ -1,5 +1,6 @@
 #include "map/mapping.h"
 
+#include "map/rooms.h"
 #include "slam/village.h"
 #include "testing.h"
 
@@ -104,6 +105,25 @@ double roll_beside_a_bank_rad(const slam::MappingOptions& options) {
 }
 
 }  // namespace
+
+TEST_CASE("a map that is put into voxels of another size stays where it is") {
+  MappedYard mapped;
+  const Pose T_yard_sensor = test::yard_pose(2.3, 0.4, 0.1);
+  const Pose T_map_sensor = mapped.T_map_yard * T_yard_sensor;
+  const auto points = [&] { return mapped.mapping.map().planes.size(); };
+  const std::size_t in_streets = points();
+  mapped.mapping.change_voxels(slam::in_rooms({}));
+  CHECK(points() == in_streets);
+  const auto found = mapped.registered(T_yard_sensor, T_map_sensor);
+  CHECK((found.state.T_map_sensor.translation() - T_map_sensor.translation()).norm() < 0.02);
+  const auto scan =
+      test::scan_features(mapped.yard.scan(mapped.sensor, T_yard_sensor), mapped.sensor);
+  mapped.mapping.insert(slam::map_features(scan, mapped.mapping.options()), T_map_sensor, {});
+  const std::size_t in_rooms = points();
+  CHECK(in_rooms > in_streets);
+  mapped.mapping.change_voxels({});
+  CHECK(points() < in_rooms);
+}
 
 TEST_CASE("a scan is located in the map from a rough prediction, as well far from its origin") {
   // LeGO-LOAM weighs planar features by their distance from the map's origin.
