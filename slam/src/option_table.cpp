@@ -111,11 +111,12 @@ constexpr std::array kOptions = {
         "0.47 and more, noise 0.2; LeGO-LOAM: 0",
         kShare),
     HQSLAM_OPTION(mapping, edge_leaf_m, "Voxel size of edges in the map", kLeaf),
-    HQSLAM_OPTION(mapping, planar_leaf_m, "Voxel size of ground and surfaces in the map", kLeaf),
-    HQSLAM_OPTION(
-        mapping, located_planar_leaf_m,
-        "Voxel size of ground and surfaces in a scan that is registered; LeGO-LOAM: as in the map",
-        kLeaf),
+    HQSLAM_OPTION(mapping, planar_leaf_m,
+                  "Voxel size of ground and surfaces in the map; in rooms half of it", kLeaf),
+    HQSLAM_OPTION(mapping, located_planar_leaf_m,
+                  "Voxel size of ground and surfaces in a scan that is registered, in rooms half "
+                  "of it; LeGO-LOAM: as in the map",
+                  kLeaf),
     HQSLAM_OPTION(mapping, max_neighbour_distance_m, "Reach of the wide searches in the map",
                   kPositive),
     HQSLAM_OPTION(mapping, close_neighbour_distance_m,
@@ -126,7 +127,9 @@ constexpr std::array kOptions = {
         "searches; LeGO-LOAM: by 0.09 for 0.1 m",
         kPositive),
     HQSLAM_OPTION(mapping, max_plane_residual_m,
-                  "Largest distance of the five points of a surface from their plane", kPositive),
+                  "Largest distance of the five points of a surface from their plane; in rooms a "
+                  "quarter of it",
+                  kPositive),
     HQSLAM_OPTION(mapping, max_ground_residual_m,
                   "Largest distance of five points of the ground from their plane; LeGO-LOAM: 0.2",
                   kPositive),

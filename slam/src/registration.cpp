@@ -140,12 +140,11 @@ Registered Slam::Implementation::judged(const Tracking& last, const Scan& scan,
 /// What the inertial sensor has learned from a registration; nothing without one.
 std::optional<InertialState> Slam::Implementation::inertial_after(
     const Reference& reference, const std::optional<InertialPrediction>& measured,
-    const MappingResult& matched, Registered& found) const {
+    const MappingResult& matched, const Registered& found) const {
   if (!measured) {
     if (!reference.inertial || !inertial_check.agrees()) return std::nullopt;
     return kept(*reference.inertial, found.state);
   }
-  found.innovation = normalized_innovation(*measured, found.state, matched.information);
   // What a wrong sample did to the prediction is no error of biases or gravity.
   const bool is_usual = found.is_registered && found.innovation < InertialCheck::kMostOfScan;
   return is_usual ? corrected(*measured, found.state, matched.information, matched.known)
@@ -189,6 +188,9 @@ Registered Slam::Implementation::registered(const Tracking& last, const Scan& sc
        last.close_ratio, measured.has_value()});
   if (notes.report.scattered > 0) doubt_in_fog(expected, matched);
   Registered found = judged(last, scan, expected, matched, odometry);
+  if (measured) {
+    found.innovation = normalized_innovation(*measured, found.state, matched.information);
+  }
   found.inertial = inertial_after(reference, measured, matched, found);
   const Pose motion = reference.state.T_map_sensor.inverse() * found.state.T_map_sensor;
   found.against_map =

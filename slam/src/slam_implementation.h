@@ -90,7 +90,7 @@ struct Slam::Implementation {
   std::optional<InertialState> inertial_after(const Reference& reference,
                                               const std::optional<InertialPrediction>& measured,
                                               const MappingResult& matched,
-                                              Registered& found) const;
+                                              const Registered& found) const;
   void put_report(const Reference& reference, const Scan& scan, const MappingResult& matched,
                   const Registered& found, Notes& notes) const;
   Registered registered(const Tracking& last, const Scan& scan, Notes& notes) const;

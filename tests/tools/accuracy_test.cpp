@@ -132,17 +132,19 @@ TEST_CASE("squared errors are what their covariances say, within a factor of two
     }
   }
   CHECK(mean > 3.0);
-  CHECK(mean < 12.0);  // 4.7
+  CHECK(mean < 12.0);  // 4.0
 }
 
 TEST_CASE("what a blind stretch leaves unknown of a pose is what its covariance says") {
-  // 2.0 after a second, which is bridged, and 3.1 after three: tracking is lost then, and poses
-  // that are 17 and 23 m off have sigmas of 38 m.
+  // 2.0 after a second, which is bridged, and 2.9 after three: tracking is lost then, and poses
+  // that are 17 and 23 m off have sigmas of 38 m. Single drives have 0.8 to 4.0.
   for (const std::int64_t blind : {10, 30}) {
     CAPTURE(blind);
     double mean = 0.0;
-    for (const char* drive : {"town", "hills"}) {
-      mean += normalised_error_squared(drive, 7041, 40 + blind, blind) / 2.0;
+    for (const std::uint64_t seed : {7041, 7042, 7043, 7044}) {
+      for (const char* drive : {"town", "hills"}) {
+        mean += normalised_error_squared(drive, seed, 40 + blind, blind) / 8.0;
+      }
     }
     CHECK(mean > 1.5);
     CHECK(mean < 12.0);

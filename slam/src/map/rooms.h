@@ -10,10 +10,11 @@ namespace hqslam::slam {
 
 /// Whether the sensor is in rooms.
 ///
-/// In: the surfaces of each scan. In rooms, where half of them are within 5 m, voxels of a street
-/// hold pieces of several pieces of furniture, and planes through neighbours half a metre apart are
-/// of none. Over all scans of a second or two, so that a passage or a gate changes nothing. Streets
-/// and alleys have medians of 6 m and more, rooms 3.4 to 6.2 m, mostly 4.5 m (simulated drives).
+/// In: the surfaces of each scan. In rooms, where half of them are within 5 m, a voxel of streets
+/// covers parts of several pieces of furniture, and five neighbours half a metre apart are on none.
+/// The median ranges of the scans of a second or two are averaged, so that a passage or a gate
+/// changes nothing. They are 6 m and more in streets and alleys, and 3.4 to 6.2 m, mostly 4.5 m, in
+/// rooms (simulated drives).
 class RoomCheck {
  public:
   /// Returns whether is_in_room() has changed.
