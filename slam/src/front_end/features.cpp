@@ -153,7 +153,7 @@ void mark_rings(const OrganizedCloud& cloud, const std::vector<int>& rows, std::
   }
 }
 
-/// Puts edges on posts into their centres.
+/// Marks the points on posts: an edge among them is put at the post's centre.
 void mark_posts(const std::vector<Post>& posts, Row& row) {
   row.post.assign(row.points.size(), nullptr);
   for (const Post& post : posts) {

@@ -29,8 +29,8 @@ struct Post {
 /// since the mean of the half circle that faces the sensor is pi/4 of the radius in front of the
 /// centre, and an object answers every beam that touches it. A point on the side that faces the
 /// sensor travels with it, so that paths along posts get too short: by 0.1 % if the width is that
-/// of the outer points alone. Objects that something nearer occludes, or at the seam
-/// of the image, are left out.
+/// of the outer points alone. Objects that something nearer occludes, or at the seam of the image,
+/// are left out.
 ///
 /// LeGO-LOAM has none: its edges need five columns on both sides, and its segmentation takes
 /// clusters of fewer than 30 pixels for clutter. In open land there is little else: half of the
