@@ -36,6 +36,15 @@ Pose turned(const Pose& T_map_sensor, double turn_rad) {
   return result;
 }
 
+/// The pose whose vertical axis is that of the map, turned about it as before.
+Pose upright(Pose T_map_sensor) {
+  const Eigen::Vector3d vertical = T_map_sensor.linear().col(2);
+  T_map_sensor.linear() =
+      Eigen::Quaterniond::FromTwoVectors(vertical, Eigen::Vector3d::UnitZ()).toRotationMatrix() *
+      T_map_sensor.linear();
+  return T_map_sensor;
+}
+
 }  // namespace
 
 bool is_precise(const MotionState& state) {
@@ -59,6 +68,7 @@ MappingResult register_from_starts(const Mapping& mapping, const MapFeatures& fe
     if (expected.is_turn_measured) T_map_moved.linear() = state.T_map_sensor.linear();
     begin_at(T_map_moved);
   }
+  if (!best.has_ground) begin_at(upright(state.T_map_sensor));
   // If nothing fits, a sample of the inertial sensor may be wrong.
   if (expected.is_turn_measured && best.status != Status::kTooFewFeatures) return best;
   if (fits_badly(best, expected.last_close_ratio)) {

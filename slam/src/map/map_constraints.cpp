@@ -15,8 +15,6 @@ namespace {
 constexpr double kMinMapWeight = 0.1;
 /// Cosine of the steepest ground's angle with the sensor's.
 constexpr double kMinGroundUprightness = 0.9;
-/// Points of the ground from which on surfaces do not contribute to the height.
-constexpr int kMinGroundConstraints = 25;
 constexpr double kMinSine = 0.5;  // of the angle between two directions that make a plane
 
 std::optional<EdgeConstraints> match_edge(const std::optional<MapLine>& line,

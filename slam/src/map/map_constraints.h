@@ -11,6 +11,10 @@
 
 namespace hqslam::slam {
 
+/// Points of the ground from which on it determines height, roll and pitch, and surfaces do not
+/// contribute to the height.
+inline constexpr int kMinGroundConstraints = 25;
+
 /// The features of a kind with the fits to their neighbours in the map.
 template <typename Fit, int kNeighbours = Neighbours::kWanted>
 struct SearchedFeatures {

@@ -60,6 +60,7 @@ double inlier_share(const ConstraintList& found, const MapFeatures& features) {
 void put_matches(const ConstraintList& found, const MapFeatures& features, MappingResult& result) {
   result.edge_correspondences = found.edges;
   result.planar_correspondences = found.planes;
+  result.has_ground = found.ground >= kMinGroundConstraints;
   result.close_planes = close_planes(found);
   result.close_ratio = close_share(result.close_planes, features);
   if (!result.is_close_search) result.inlier_ratio = inlier_share(found, features);

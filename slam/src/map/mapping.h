@@ -34,6 +34,7 @@ struct MappingResult {
   Status status = Status::kOk;
   int edge_correspondences = 0;
   int planar_correspondences = 0;
+  bool has_ground = false;  ///< kMinGroundConstraints were found
   /// Share of the features other than ground that found a line or plane in the last wide search:
   /// how well the place fits. The ground fits everywhere, and more is found within 1 m than within
   /// 0.6 m.
