@@ -1,5 +1,6 @@
 #include "hqslam/pipeline/upsampler.h"
 
+#include "hqslam/core/angles.h"
 #include "hqslam/core/projection.h"
 #include "made_images.h"
 #include "testing.h"
@@ -126,6 +127,31 @@ TEST_CASE("weights for any sensor get 64 rows out of 16 or 32, twice as many out
   const RangeImage image = test::flat_image(16, 900, 10.0F);
   const OrganizedCloud measured = upsampler.measured(unproject(image, odd, CaptureTime::kRolling));
   CHECK(upsampler.upsampled(measured).rows == 64);
+}
+
+TEST_CASE("a spacing gives as many rows as leave no wider gap, with weights for any sensor alone") {
+  const test::TemporaryDirectory folder;
+  const std::string any = folder.file("any.npz");
+  write_weights(any, test::untrained_weights(sensor_preset("os1-64"), "du-mix", "any_beams"));
+  const SensorModel vlp16 = sensor_preset("vlp-16");  // 2 degrees apart
+  const auto upsampler = [&](const std::string& method, double spacing_deg, int rows = 0) {
+    return Upsampler(
+        vlp16, {.method = method, .rows = rows, .spacing_rad = spacing_deg * kDegree_rad});
+  };
+  CHECK(upsampler(any, 1.0).sensor().rows() == 32);
+  CHECK(upsampler(any, 0.4).sensor().rows() == 80);
+  CHECK(upsampler(any, 0.39).sensor().rows() == 96);
+  const SensorModel finest = upsampler(any, 0.25).sensor();
+  CHECK(finest.rows() == 128);
+  CHECK(finest.beam_elevation_rad[8] - finest.beam_elevation_rad[9] ==
+        doctest::Approx(0.25 * kDegree_rad));
+
+  CHECK(refused_with([&] { upsampler(any, 0.2); }, "0.25 degrees or more", "found 0.20"));
+  CHECK(refused_with([&] { upsampler(any, 2.0); }, "less than", "2.00"));
+  CHECK(refused_with([&] { upsampler(any, 0.5, 8); }, "all rows", "leave the spacing out"));
+  CHECK(refused_with([&] { upsampler("linear", 0.5); }, "linear", "rows of its own"));
+  const Weights for_os1;
+  CHECK(refused_with([&] { upsampler(for_os1.file, 0.5); }, "rows of its own"));
 }
 
 TEST_CASE("rows that nothing fills are selected, all of them where none are asked for") {

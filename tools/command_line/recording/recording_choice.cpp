@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "files/result_files.h"
+#include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/json_fields.h"
 #include "hqslam/core/whole_file.h"
@@ -128,12 +129,16 @@ void declare_upsampling_method(Command& command, UpsamplingChoice& choice) {
 
 void declare_upsampling(Command& command, UpsamplingChoice& choice) {
   declare_upsampling_method(command, choice);
-  declare_confidence(command, choice, {"--upsample"});
+  declare_computed_rows(command, choice, {"--upsample"});
 }
 
-void declare_confidence(Command& command, UpsamplingChoice& choice,
+void declare_computed_rows(Command& command, UpsamplingChoice& choice,
                         const std::vector<const char*>& needs) {
   command
+      .option("--spacing", &choice.spacing_deg,
+              "Widest gap in degrees between two rows of the result, with weights for any sensor "
+              "and all rows of the recording; default: 64 rows, or twice those of the recording",
+              {.within = std::pair(0.01, 10.0), .needs = needs})
       .option("--confidence", &choice.least_confidence,
               "Least confidence of a computed pixel (du-mix); others are left empty; default: "
               "that of the weights",
@@ -206,6 +211,7 @@ recordings::OpenOptions open_options(const InputChoice& choice) {
 pipeline::UpsamplingOptions upsampling_options(const UpsamplingChoice& choice) {
   pipeline::UpsamplingOptions options{
       .method = choice.upsample, .rows = choice.rows, .corrected = choice.corrected};
+  options.spacing_rad = radians(choice.spacing_deg);
   options.network.least_confidence = choice.least_confidence;
   if (choice.tolerance_m) options.network.tolerance_m = *choice.tolerance_m;
   return options;

@@ -45,6 +45,7 @@ recordings::KeptReturn kept_return_named(const std::string& kept_return);
 struct UpsamplingChoice {
   std::string upsample = {};  ///< weights file or interpolation; empty: nothing
   int rows = 0;  ///< measured ones; 0: all, or, of an upsampling, its own or every fourth
+  double spacing_deg = 0.0;                    ///< 0: UpsamplingOptions' own
   std::optional<float> least_confidence = {};  ///< nothing: the weights'
   std::optional<float> tolerance_m = {};       ///< nothing: SuperResolverOptions' own
   std::optional<SensorModel> corrected = {};   ///< UpsamplingOptions::corrected
@@ -54,10 +55,10 @@ inline constexpr const char* kRowsHelp = "Use only this many of the sensor's row
 std::string weights_help();
 /// --rows and --upsample.
 void declare_upsampling_method(Command& command, UpsamplingChoice& choice);
-/// --rows, --upsample and what declare_confidence declares.
+/// --rows, --upsample and what declare_computed_rows declares.
 void declare_upsampling(Command& command, UpsamplingChoice& choice);
-/// --confidence and --tolerance. needs: options without which they have no effect.
-void declare_confidence(Command& command, UpsamplingChoice& choice,
+/// --spacing, --confidence and --tolerance. needs: options without which they have no effect.
+void declare_computed_rows(Command& command, UpsamplingChoice& choice,
                         const std::vector<const char*>& needs = {});
 
 /// Bounds of a number of scans, rows and the like.

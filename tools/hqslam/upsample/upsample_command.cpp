@@ -147,7 +147,7 @@ void declare(CLI::App& app, UpsampleOptions& options) {
   command.option("--out", &options.out, "Folder for the results; made if it does not exist",
                  {.required = true});
   declare_scans(command, options);
-  declare_confidence(command, options);
+  declare_computed_rows(command, options);
   command.option("--poses", &options.poses, kMemoryPosesHelp, {.given = Given::kFile});
   declare_threads(command, options.threads);
   command.option("--bin", &options.formats.kitti_bin, "Also write KITTI .bin files")

@@ -1,8 +1,10 @@
 #include "hqslam/pipeline/upsampler.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
+#include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/nn/upsampled_cloud.h"
@@ -37,17 +39,47 @@ void check_columns(const UpsamplingOptions& options, const std::string& source, 
       kBeamTolerance_deg, source, found.name, found.rows(), found.columns);
 }
 
+[[noreturn]] void fail_for_spacing(const std::string& method) {
+  throw Error(
+      "{}: has rows of its own, expected weights for any sensor (du-mix) and all rows of the "
+      "recording where a spacing is given; leave the spacing out",
+      method);
+}
+
 /// Sensors with fewer rows get as many in all.
 constexpr int kUsualRows = 64;
 
-/// The network for any sensor, made for this one: with `rows` of its rows, or, with all of them,
-/// for the rows between.
-nn::SuperResolver fitted(const nn::SuperResolver& network, SensorModel recorded, int rows) {
-  recorded.columns -= recorded.columns % column_multiple(network.description());
-  if (rows > 0 && rows < recorded.rows()) {
-    return network.for_sensor(recorded, selection_for(recorded.rows(), rows));
+/// Most rows of the result for each of the recording. Weights for any sensor were tried with up to
+/// seven rows between two beams (weights/RESULTS.md, "Any number of computed rows").
+constexpr int kMostFactor = 8;
+
+/// How many rows the result has for each of the recording. Throws Error.
+int row_factor(const SensorModel& recorded, const UpsamplingOptions& options) {
+  if (options.spacing_rad <= 0.0) return std::max(2, kUsualRows / recorded.rows());
+  double widest_rad = 0.0;
+  for (int row = 0; row + 1 < recorded.rows(); ++row) {
+    widest_rad = std::max(widest_rad, recorded.beam_elevation_rad[row] -
+                                          recorded.beam_elevation_rad[row + 1]);
   }
-  const int factor = std::max(2, kUsualRows / recorded.rows());
+  // An error of rounding is no reason for another row.
+  const double factor = std::ceil(widest_rad / options.spacing_rad - 1e-6);
+  if (factor >= 2.0 && factor <= kMostFactor) return static_cast<int>(factor);
+  throw Error(
+      "{}: expected a spacing of {:.2f} degrees or more, and less than the sensor's widest gap of "
+      "{:.2f}, found {:.2f}",
+      options.method, degrees(widest_rad) / kMostFactor, degrees(widest_rad),
+      degrees(options.spacing_rad));
+}
+
+/// The network for any sensor, made for this one: with `rows` of its rows, or, with all of them,
+/// for the rows between. Throws Error.
+nn::SuperResolver fitted(const nn::SuperResolver& network, SensorModel recorded,
+                         const UpsamplingOptions& options) {
+  recorded.columns -= recorded.columns % column_multiple(network.description());
+  if (options.rows > 0 && options.rows < recorded.rows()) {
+    return network.for_sensor(recorded, selection_for(recorded.rows(), options.rows));
+  }
+  const int factor = row_factor(recorded, options);
   return network.for_sensor(with_rows_between(recorded, factor), {factor - 1, factor});
 }
 
@@ -77,6 +109,7 @@ Upsampler::Upsampler(const SensorModel& recorded, UpsamplingMethod method,
   if (auto* network = std::get_if<nn::SuperResolver>(&method)) {
     fit_network(std::move(*network), options, source);
   } else if (const auto* interpolation = std::get_if<nn::Interpolation>(&method)) {
+    if (options.spacing_rad > 0.0) fail_for_spacing(options.method);
     fit_interpolation(*interpolation, options, source);
   } else if (options.rows > 0 && options.rows != recorded_.rows()) {
     rows_ = selection_for(recorded_.rows(), options.rows);
@@ -90,7 +123,11 @@ Upsampler::Upsampler(const SensorModel& recorded, UpsamplingMethod method,
 
 void Upsampler::fit_network(nn::SuperResolver network, const UpsamplingOptions& options,
                             const std::string& source) {
-  if (fits_any_sensor(network.description())) network = fitted(network, recorded_, options.rows);
+  const bool has_all_rows = options.rows == 0 || options.rows == recorded_.rows();
+  if (options.spacing_rad > 0.0 && !(fits_any_sensor(network.description()) && has_all_rows)) {
+    fail_for_spacing(options.method);
+  }
+  if (fits_any_sensor(network.description())) network = fitted(network, recorded_, options);
   SensorModel full = network.sensor();
   const RowSelection measured_rows = network.description().measured_rows;
   const SensorModel measured = select_rows(full, measured_rows);

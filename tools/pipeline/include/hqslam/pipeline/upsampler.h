@@ -21,6 +21,9 @@ struct UpsamplingOptions {
   /// rows, all rows of weights for any sensor; every fourth row for an interpolation; all rows
   /// where nothing is upsampled.
   int rows = 0;
+  /// With weights for any sensor and all rows of the recording: the widest gap between two rows of
+  /// the result, in radians. 0: 64 rows in all, or twice those of the recording.
+  double spacing_rad = 0.0;
   /// The sensor of the result, for the interpolation of scans that have its measured rows alone.
   std::optional<SensorModel> all_rows = {};
   nn::SuperResolverOptions network = {};
