@@ -58,8 +58,8 @@ int row_factor(const SensorModel& recorded, const UpsamplingOptions& options) {
   if (options.spacing_rad <= 0.0) return std::max(2, kUsualRows / recorded.rows());
   double widest_rad = 0.0;
   for (int row = 0; row + 1 < recorded.rows(); ++row) {
-    widest_rad = std::max(widest_rad, recorded.beam_elevation_rad[row] -
-                                          recorded.beam_elevation_rad[row + 1]);
+    widest_rad = std::max(widest_rad,
+                          recorded.beam_elevation_rad[row] - recorded.beam_elevation_rad[row + 1]);
   }
   // An error of rounding is no reason for another row.
   const double factor = std::ceil(widest_rad / options.spacing_rad - 1e-6);
