@@ -142,6 +142,20 @@ TEST_CASE("weights for any sensor go on with a recorded drive, and stay where th
   const bool is_new = holds(trained.out, ": the new weights");
   CHECK((own.parameters == nn::read_weights(weights).parameters) == !is_new);
   CHECK(is_new);  // nobody has trained the old ones
+  const ProgramResult compared = succeeds("compare '{}' --weights '{}' --json '{}'", drive,
+                                          folder.file("own/weights.npz"), folder.file("own.json"));
+  CHECK(holds(compared.out, "\nlinear "));
+  CHECK(holds(compared.out, "\ndu-mix "));
+  CHECK(holds(compared.out, "that other scans measured"));
+  const nlohmann::json scores = json_of(folder.file("own.json"))["methods"];
+  REQUIRE(scores.size() == 4);
+  CHECK(scores[1]["over_linear"] == 0.0);
+  CHECK(scores[2]["right_share"] > scores[0]["right_share"]);  // inverse, nearest
+  CHECK(holds(refused("compare '{}' --every 2", drive).error, "leave --layers, --poses"));
+  const ProgramResult short_drive =
+      run_hqslam("compare '{}'", simulated_drive("--sensor os1-16 --scans 2 --seed 9"));
+  CHECK(short_drive.status == 2);
+  CHECK(holds(short_drive.error, "expected 20 scans or more"));
   const ProgramResult few = run_hqslam("train --from-recording '{}' --start-from '{}' --out '{}'",
                                        simulated_drive("--sensor os1-16 --scans 2 --seed 9"),
                                        weights, folder.file("few"));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "compare/comparison_text.h"
+#include "compare/other_scans_comparison.h"
 #include "compare/upsampling_comparison.h"
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
@@ -70,15 +71,6 @@ OrganizedCloud compared(const OrganizedCloud& recorded, const SensorModel& senso
   return calibrated(
       recorded.columns == sensor.columns ? recorded : project(returns_of(recorded), sensor).cloud,
       sensor);
-}
-
-/// There must be rows between the measured ones.
-void require_rows_to_compute(const CompareOptions& options, const SensorModel& sensor) {
-  if (sensor.rows() > options.rows) return;
-  throw Error(
-      "{}: expected a recording with more than the {} measured rows, found sensor '{}' with {}; "
-      "give a recording with all rows",
-      options.input, options.rows, sensor.name, sensor.rows());
 }
 
 /// The network of a weights file, if it is for scans such as the sensor's.
@@ -182,12 +174,16 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
 
 void declare(CLI::App& app, CompareOptions& options) {
   Command command = add_command(
-      app, "compare", "Compare methods of upsampling with a recording that has all rows",
+      app, "compare", "Compare methods of upsampling with what a recording has between their rows",
       "Methods: nearest, linear and inverse interpolation (linear in 1/range, by the beams'\n"
       "elevations), and each network, named by its kind or, where several are of that kind, by\n"
       "its file. A network with a filter at its end is also compared without that one\n"
-      "(unfiltered); the filters inside stay. A line below each table defines each column.");
-  declare_input(command, options, "Recording with all rows (as for hqslam run)");
+      "(unfiltered); the filters inside stay. A line below each table defines each column.\n"
+      "\n"
+      "Of a recording without other rows the scans are located by SLAM, and the methods\n"
+      "compared with what the scans before and after each measured between its rows.");
+  declare_input(command, options,
+                "Recording as for hqslam run, with all rows or with the measured ones alone");
   declare_scans(command, options);
   command
       .option("--weights", &options.weights,
@@ -210,13 +206,47 @@ void declare(CLI::App& app, CompareOptions& options) {
   declare_threads(command, options.threads);
 }
 
+void write_json(const CompareOptions& options, std::int64_t scans, const std::string& sensor,
+                Json methods) {
+  if (options.json.empty()) return;
+  const Json json = {{"written_by", "hqslam-lab compare"},
+                     {"input", options.input},
+                     {"sensor", sensor},
+                     {"scans", scans},
+                     {"methods", std::move(methods)}};
+  write_text_file(json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n", options.json);
+}
+
+/// Without rows between the measured ones: against what other scans of the drive measured there.
+int compare_with_other_scans(CompareOptions options, const InterruptGuard& interrupt) {
+  if (options.layers || !options.poses.empty() || !options.scans.empty() || options.every > 1) {
+    throw Error(
+        "{}: has no rows between the {} measured ones, so that its scans are located and compared "
+        "with each other; leave --layers, --poses, --scans and --every out",
+        options.input, options.rows);
+  }
+  const std::string weights = options.weights.empty() ? "du-mix" : options.weights.front();
+  const RecordedDrive drive = read_recorded_drive(options, weights, interrupt);
+  if (interrupt.stop_requested()) return kInterrupted;
+  if (drive.scans.size() < kFewestScansOfGain) {
+    throw Error(
+        "{}: expected {} scans or more of which others measured something, found {}; give a longer "
+        "drive, or a recording with more than {} rows",
+        options.input, kFewestScansOfGain, drive.scans.size(), options.rows);
+  }
+  options.rows = select_rows(drive.sensor, drive.measured_rows).rows();
+  const auto scores = compared_with_other_scans(methods_of(options, drive.sensor), drive);
+  to_stdout("{}{} scans of {}\n", scores_text(scores), drive.scans.size(), options.input);
+  write_json(options, std::ssize(drive.scans), drive.sensor.name, scores_json(scores));
+  return kOk;
+}
+
 int run(const CompareOptions& options) {
   use_threads(options.threads);
   guard_outputs(options);
   const InterruptGuard interrupt;
   const SensorModel sensor = sensor_of(options);
-  require_rows_to_compute(options, sensor);
-  Json json;
+  if (sensor.rows() <= options.rows) return compare_with_other_scans(options, interrupt);
   std::int64_t used = 0;
   if (options.layers) {
     LayerComparison comparison(network_of(options.weights.front(), sensor, options.rows), sensor);
@@ -233,16 +263,9 @@ int run(const CompareOptions& options) {
         comparison.with_memory());
     if (used == 0 && interrupt.stop_requested()) return kInterrupted;
     to_stdout("{}", scores_text(comparison.scores()));
-    json = {{"written_by", "hqslam-lab compare"},
-            {"input", options.input},
-            {"sensor", sensor.name},
-            {"scans", used},
-            {"methods", scores_json(comparison.scores())}};
+    write_json(options, used, sensor.name, scores_json(comparison.scores()));
   }
   to_stdout("{} scans of {}\n", used, options.input);
-  if (!options.json.empty()) {
-    write_text_file(json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n", options.json);
-  }
   return interrupt.stop_requested() ? kInterrupted : kOk;
 }
 

@@ -18,6 +18,7 @@
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
 #include "train/recorded_drive.h"
+#include "train/right_share.h"
 
 namespace hqslam::tools {
 namespace {
@@ -27,9 +28,6 @@ namespace {
 constexpr double kHeldOutShare = 0.2;
 constexpr std::int64_t kScansBetween = 40;
 constexpr std::int64_t kFewestScans = 100;
-/// Scans beside each other show nearly the same: what they say counts by blocks.
-constexpr std::size_t kBlockScans = 10;
-constexpr float kRight_m = 0.1F;
 
 class ScansInMemory final : public nn::TrainingScans {
  public:
@@ -41,55 +39,18 @@ class ScansInMemory final : public nn::TrainingScans {
   std::vector<nn::TrainingScan> scans_;
 };
 
-/// Of the computed pixels that other scans measured, the share within kRight_m, scan by scan.
+/// PixelShares::right of a network with these parameters.
 std::vector<double> right_shares(const nn::NetworkDescription& network,
                                  const std::vector<float>& parameters,
                                  const std::vector<nn::TrainingScan>& scans) {
   const auto own =
       nn::make_network(network, network.sensor.columns, nn::chosen_instruction_set(), 1);
   own->set_parameters(parameters);
-  std::vector<double> shares;
-  for (const nn::TrainingScan& scan : scans) {
-    const RangeImage measured = select_rows(scan.truth, network.measured_rows);
-    const RangeImage& image = own->upsample({measured, {}}, 0.5F).image;
-    std::int64_t known = 0;
-    std::int64_t right = 0;
-    for (std::size_t i = 0; i < image.range_m.size(); ++i) {
-      const float truth_m = scan.truth.range_m[i];
-      if (truth_m >= 0.0F || truth_m <= -network.sensor.max_range_m) continue;
-      ++known;
-      right += std::fabs(image.range_m[i] + truth_m) < kRight_m;
-    }
-    if (known > 0) shares.push_back(static_cast<double>(right) / static_cast<double>(known));
-  }
-  return shares;
-}
-
-struct Gain {
-  double mean = 0.0;
-  double standard_error = 0.0;
-};
-
-Gain gain_of(const std::vector<double>& before, const std::vector<double>& after) {
-  std::vector<double> blocks;
-  for (std::size_t first = 0; first + kBlockScans <= before.size(); first += kBlockScans) {
-    double sum = 0.0;
-    for (std::size_t i = first; i < first + kBlockScans; ++i) sum += after[i] - before[i];
-    blocks.push_back(sum / kBlockScans);
-  }
-  const auto count = static_cast<double>(blocks.size());
-  Gain gain;
-  for (const double block : blocks) gain.mean += block / count;
-  double squares = 0.0;
-  for (const double block : blocks) squares += (block - gain.mean) * (block - gain.mean);
-  gain.standard_error = std::sqrt(squares / std::max(count - 1.0, 1.0) / count);
-  return gain;
-}
-
-double mean_of(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double value : values) sum += value;
-  return sum / static_cast<double>(values.size());
+  return pixel_shares(scans, network.sensor, network.measured_rows,
+                      [&](const RangeImage& measured) {
+                        return own->upsample({measured, {}}, 0.5F).image;
+                      })
+      .right;
 }
 
 /// The scans that are trained on and, at the end, those that are held out.
@@ -159,10 +120,10 @@ int train_on_recording(const RecordingTraining& training) {
   }
   auto [scans, held_out] = split(drive, training.recording.input);
   const std::vector<double> before = right_shares(network, weights.parameters, held_out);
-  if (before.size() < 2 * kBlockScans) {
+  if (before.size() < kFewestScansOfGain) {
     throw Error(
         "{}: expected {} scans at its end of which other scans measured something, found {}",
-        training.recording.input, 2 * kBlockScans, before.size());
+        training.recording.input, kFewestScansOfGain, before.size());
   }
   const auto parameters =
       trained(network, std::move(scans), training, weights.parameters, interrupt);
