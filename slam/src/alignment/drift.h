@@ -43,10 +43,10 @@ DriftState improved(const DriftState& later, const DriftImprovement& earlier, co
 /// does not last, but a share of it stays in the map and so in all later poses:
 ///
 ///   D <- Ad(T^-1) D Ad(T^-1)^T + step share A + step lean
-///        + (start + shake) (exp(-path / L) - exp(-(path + step) / L)),
+///        + (start + shake + turn) (exp(-path / L) - exp(-(path + step') / L)),
 ///
-/// with the motion T since the scan before, the step in metres, the path up to it, and the
-/// covariance A of a scan's pose against the map,
+/// with the motion T since the scan before, the step in metres, step' = step + L times its turn in
+/// radians, the sum of those as path, and the covariance A of a scan's pose against the map,
 ///
 ///   A = K P K + diag(shake).
 ///
@@ -60,7 +60,8 @@ DriftState improved(const DriftState& later, const DriftImprovement& earlier, co
 /// `shake` comes from uneven motion, of a hand for instance: the motion for which a scan is
 /// corrected is not quite its own. It is a share of the mean square of the velocity's change from
 /// scan to scan times the scan's period, along and about each axis. Errors of the first scans,
-/// which make the map, remain.
+/// which make the map, remain. `turn` is what uneven turns add to these: the first scan is
+/// corrected with the velocity of the second.
 ///
 /// `start` is a tilt: within the first metres, in a map of a few scans, the ground between the rows
 /// is interpolated by chords, and the resulting error remains; it grows with the spacing of the
@@ -115,7 +116,7 @@ class Drift {
   std::optional<Twist> velocity_;    ///< of the last scan that was registered
   Vector6 jolts_ = Vector6::Zero();  ///< mean squares of a scan's unforeseen motion, m^2, rad^2
   int jolt_count_ = 0;
-  double path_m_ = 0.0;
+  double start_path_m_ = 0.0;  ///< with turns, as a length
   DriftState state_;
 };
 

@@ -94,6 +94,24 @@ TEST_CASE("a start tilts the map within the first metres, by the spacing of the 
   CHECK(aside_m < 19.0 * tilt_rad);
 }
 
+TEST_CASE(
+    "a start in a hand that turns unevenly is uncertain along the axes, too, without a path") {
+  const auto sigma_m = [](double turn_rad_per_s) {
+    slam::Drift drift = sixteen_rows();
+    Twist velocity;
+    for (int i = 0; i < 200; ++i) {
+      velocity.angular.z() = i % 2 == 0 ? turn_rad_per_s : -turn_rad_per_s;
+      drift.learn(velocity);
+    }
+    const Pose turned = pose_from_xyz_rpy({0.0, 0.0, 0.0}, 0.0, 0.0, 0.1);
+    for (int i = 0; i < 100; ++i) drift.grow(turned, kExact);
+    return std::sqrt(drift.state().drift(0, 0));
+  };
+  // A jolt of 0.1 rad (2 * 0.5 rad/s * 0.1 s) at a lever of 10 m.
+  CHECK(sigma_m(0.5) == doctest::Approx(std::sqrt(0.003) * 0.1 * 10.0).epsilon(0.02));
+  CHECK(sigma_m(0.0) == 0.0);
+}
+
 TEST_CASE("beam errors make it lean by the root of the path, less where gravity levels it") {
   const auto sigma_after = [](int steps_m, bool is_levelled, int at) {
     slam::Drift drift = sixteen_rows();
