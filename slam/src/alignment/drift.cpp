@@ -34,8 +34,9 @@ constexpr double kLevelledSideways_m2_per_m = 3.2e-3 * 3.2e-3;
 constexpr double kStartTilt = 0.019;
 constexpr double kStart_m = 2.6;
 /// Share of the mean square of unforeseen turns that remains of the start, about the axes, and with
-/// kStartLever_m along them. It makes squared errors as large as their covariance after starts in a
-/// hand that turns (`handheld-turning` 591 to 593, 114 starts, 2 of it; `handheld` 0.5).
+/// kStartLever_m along them. With it the squared errors after starts in a hand that turns are 1.1
+/// to 1.2 times the covariance on drives fresh to the choice, without it 3 (`handheld-turning` 594,
+/// 595), and on `handheld` half of it.
 constexpr double kStartTurn = 0.003;
 constexpr double kStartLever_m = 10.0;
 /// Row spacing assumed for a sensor with one row.

@@ -28,9 +28,9 @@ bool is_precise(const MotionState& state);
 /// Registers a scan from its expected pose; from the odometry's pose too, if the expected one is
 /// uncertain or the result fits badly; from the expected pose made upright where no ground
 /// determines height and tilt, since on stairs treads fit other treads once the pose leans by some
-/// degrees; if it still fits badly, from six headings beside the expected
-/// pose, and then from the last pose and six headings beside that, since a hand that turns back is
-/// nearer to its last pose. The result with most features close to the map wins.
+/// degrees; if it still fits badly, from six headings beside the expected pose, and then from the
+/// last pose and six headings beside that, since a hand that turns back is nearer to its last pose.
+/// The result with most features close to the map wins.
 MappingResult register_from_starts(const Mapping& mapping, const MapFeatures& features,
                                    const ExpectedScan& expected);
 

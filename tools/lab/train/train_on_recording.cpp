@@ -82,7 +82,7 @@ nn::TrainingPlan plan_of(std::int64_t steps, const SensorModel& sensor) {
 std::optional<std::vector<float>> trained(const nn::NetworkDescription& network,
                                           std::vector<nn::TrainingScan> scans,
                                           const RecordingTraining& training,
-                                          std::vector<float> parameters,
+                                          const std::vector<float>& parameters,
                                           const InterruptGuard& interrupt) {
   const nn::TrainingPlan plan = plan_of(training.steps, network.sensor);
   const nn::AdamW optimiser(plan.adamw, parameters.size());
