@@ -186,7 +186,7 @@ TEST_CASE("rooms are mapped in small voxels: to 0.02 m, where those of streets l
 }
 
 TEST_CASE("stairs are climbed without an inertial sensor to 0.1 m") {
-  // On a flight no ground holds height and tilt. Before: 0.3 m, leaning by 15 degrees.
+  // On a flight no ground holds height and tilt. Before: 0.3 m, leaning by 16 degrees.
   const sim::DriveSpec stairs = drive("indoors", 575, 290, sim::SensorErrors::kTypical);
   const TrackedDrive tracked = track_simulated(stairs, "os1-16", 16);
   CHECK(ape_rmse_m(tracked) <= 0.1);

@@ -228,14 +228,9 @@ int compare_with_other_scans(CompareOptions options, const InterruptGuard& inter
   const std::string weights = options.weights.empty() ? "du-mix" : options.weights.front();
   const RecordedDrive drive = read_recorded_drive(options, weights, interrupt);
   if (interrupt.stop_requested()) return kInterrupted;
-  if (drive.scans.size() < kFewestScansOfGain) {
-    throw Error(
-        "{}: expected {} scans or more of which others measured something, found {}; give a longer "
-        "drive, or a recording with more than {} rows",
-        options.input, kFewestScansOfGain, drive.scans.size(), options.rows);
-  }
   options.rows = select_rows(drive.sensor, drive.measured_rows).rows();
-  const auto scores = compared_with_other_scans(methods_of(options, drive.sensor), drive);
+  const auto scores =
+      compared_with_other_scans(methods_of(options, drive.sensor), drive, options.input);
   to_stdout("{}{} scans of {}\n", scores_text(scores), drive.scans.size(), options.input);
   write_json(options, std::ssize(drive.scans), drive.sensor.name, scores_json(scores));
   return kOk;

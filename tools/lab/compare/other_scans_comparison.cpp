@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "hqslam/core/error.h"
 #include "pages/printed_table.h"
 #include "terminal/progress.h"
 
@@ -23,7 +24,8 @@ std::vector<Figure<Score>> figures() {
 }  // namespace
 
 std::vector<OtherScansScore> compared_with_other_scans(std::vector<ComparedMethod> methods,
-                                                       const RecordedDrive& drive) {
+                                                       const RecordedDrive& drive,
+                                                       const std::string& source) {
   std::vector<Score> scores;
   std::vector<PixelShares> shares;
   Progress progress("compare", std::ssize(methods), stderr, "methods");
@@ -31,6 +33,13 @@ std::vector<OtherScansScore> compared_with_other_scans(std::vector<ComparedMetho
     shares.push_back(
         pixel_shares(drive.scans, drive.sensor, drive.measured_rows,
                      [&](const RangeImage& rows) { return method.upsampler.run(rows).image; }));
+    const std::size_t scans = shares.back().right.size();
+    if (scans < kFewestScansOfGain) {
+      throw Error(
+          "{}: expected {} scans or more of which others measured something, found {}; give a "
+          "longer drive, or a recording with rows between the measured ones",
+          source, kFewestScansOfGain, scans);
+    }
     scores.push_back(
         {method.name, mean_of(shares.back().right), mean_of(shares.back().missing), {}});
     progress.advance();

@@ -19,9 +19,11 @@ struct OtherScansScore {
   Gain over_linear;            ///< of right_share
 };
 
-/// In: methods for the drive's sensor, linear interpolation among them.
+/// In: methods for the drive's sensor, linear interpolation among them; what the drive is called in
+/// messages. Throws Error for a drive with too few scans of which others measured something.
 std::vector<OtherScansScore> compared_with_other_scans(std::vector<ComparedMethod> methods,
-                                                       const RecordedDrive& drive);
+                                                       const RecordedDrive& drive,
+                                                       const std::string& source);
 
 std::string scores_text(const std::vector<OtherScansScore>& scores);
 nlohmann::ordered_json scores_json(const std::vector<OtherScansScore>& scores);

@@ -123,11 +123,10 @@ Upsampler::Upsampler(const SensorModel& recorded, UpsamplingMethod method,
 
 void Upsampler::fit_network(nn::SuperResolver network, const UpsamplingOptions& options,
                             const std::string& source) {
+  const bool fits_any = fits_any_sensor(network.description());
   const bool has_all_rows = options.rows == 0 || options.rows == recorded_.rows();
-  if (options.spacing_rad > 0.0 && !(fits_any_sensor(network.description()) && has_all_rows)) {
-    fail_for_spacing(options.method);
-  }
-  if (fits_any_sensor(network.description())) network = fitted(network, recorded_, options);
+  if (options.spacing_rad > 0.0 && !(fits_any && has_all_rows)) fail_for_spacing(options.method);
+  if (fits_any) network = fitted(network, recorded_, options);
   SensorModel full = network.sensor();
   const RowSelection measured_rows = network.description().measured_rows;
   const SensorModel measured = select_rows(full, measured_rows);
