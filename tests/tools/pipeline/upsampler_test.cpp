@@ -135,8 +135,8 @@ TEST_CASE("a spacing gives as many rows as leave no wider gap, with weights for 
   write_weights(any, test::untrained_weights(sensor_preset("os1-64"), "du-mix", "any_beams"));
   const SensorModel vlp16 = sensor_preset("vlp-16");  // 2 degrees apart
   const auto upsampler = [&](const std::string& method, double spacing_deg, int rows = 0) {
-    return Upsampler(
-        vlp16, {.method = method, .rows = rows, .spacing_rad = spacing_deg * kDegree_rad});
+    return Upsampler(vlp16,
+                     {.method = method, .rows = rows, .spacing_rad = spacing_deg * kDegree_rad});
   };
   CHECK(upsampler(any, 1.0).sensor().rows() == 32);
   CHECK(upsampler(any, 0.4).sensor().rows() == 80);

@@ -30,8 +30,7 @@ TEST_CASE("options that would do nothing are refused with what they need") {
                                         simulated_drive(), out.path().string());
   for (const auto& [options, needs] :
        {std::pair("--confidence 0.5", "--upsample"), std::pair("--tolerance 0.1", "--upsample"),
-        std::pair("--spacing 0.5", "--upsample"),
-        std::pair("--map-voxel 0.2", "--dense-map"),
+        std::pair("--spacing 0.5", "--upsample"), std::pair("--map-voxel 0.2", "--dense-map"),
         std::pair("--stamps ''", "expected a file or 'names', found nothing"),
         std::pair("--stream /points", "leave --stream out")}) {
     CAPTURE(options);

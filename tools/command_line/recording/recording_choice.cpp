@@ -133,7 +133,7 @@ void declare_upsampling(Command& command, UpsamplingChoice& choice) {
 }
 
 void declare_computed_rows(Command& command, UpsamplingChoice& choice,
-                        const std::vector<const char*>& needs) {
+                           const std::vector<const char*>& needs) {
   command
       .option("--spacing", &choice.spacing_deg,
               "Widest gap in degrees between two rows of the result, with weights for any sensor "

@@ -59,7 +59,7 @@ void declare_upsampling_method(Command& command, UpsamplingChoice& choice);
 void declare_upsampling(Command& command, UpsamplingChoice& choice);
 /// --spacing, --confidence and --tolerance. needs: options without which they have no effect.
 void declare_computed_rows(Command& command, UpsamplingChoice& choice,
-                        const std::vector<const char*>& needs = {});
+                           const std::vector<const char*>& needs = {});
 
 /// Bounds of a number of scans, rows and the like.
 inline constexpr std::pair kAnyCount(1, 1000000000);
