@@ -31,13 +31,8 @@ Voxel* VoxelGrid::find(const Eigen::Vector3i& voxel) {
 }
 
 Voxel& VoxelGrid::find_or_add(const Eigen::Vector3i& voxel) {
-  const std::uint64_t key = CellIndex::key_of(block_of(voxel));
-  std::uint32_t found = index_.find(key);
-  if (found == CellIndex::kNone) {
-    found = static_cast<std::uint32_t>(blocks_.size());
-    index_.add(key, found);
-    blocks_.emplace_back(block_of(voxel));
-  }
+  const std::uint32_t found = index_.find_or_add(CellIndex::key_of(block_of(voxel)));
+  if (found == blocks_.size()) blocks_.emplace_back(block_of(voxel));
   VoxelBlock& block = blocks_[found];
   const int local = local_of(voxel);
   if (block.has(local)) return block.at(local);

@@ -6,8 +6,9 @@
 
 namespace hqslam::slam {
 
-/// A hash from the coordinates of a cell of space to its number, by open addressing with steps of
-/// one; at most half of the slots are taken.
+/// A hash from the coordinates of a cell of space to its number, the count of those added before it,
+/// by open addressing with steps of one; at most half of the slots are taken. Slots have four bytes,
+/// so that those of one row of a scan stay in the nearest cache.
 class CellIndex {
  public:
   static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
@@ -30,46 +31,43 @@ class CellIndex {
   }
 
   /// The number of a cell; kNone if it was not added or is out of range.
-  std::uint32_t find(std::uint64_t key) const { return slots_[slot_of(key)].number; }
+  std::uint32_t find(std::uint64_t key) const { return slots_[slot_of(key)]; }
   std::uint32_t find(const Eigen::Vector3i& cell) const {
     const bool is_within = (cell.array() >= -kRange).all() && (cell.array() < kRange).all();
     return is_within ? find(key_of(cell)) : kNone;
   }
 
-  /// Adds a cell that is not there yet.
-  void add(std::uint64_t key, std::uint32_t number) {
-    if (2 * ++size_ > slots_.size()) grow();
-    slots_[slot_of(key)] = {key, number};
+  /// The number of a cell, which is added if it is not there yet.
+  std::uint32_t find_or_add(std::uint64_t key) {
+    if (2 * (keys_.size() + 1) > slots_.size()) grow();
+    std::uint32_t& number = slots_[slot_of(key)];
+    if (number == kNone) {
+      number = static_cast<std::uint32_t>(keys_.size());
+      keys_.push_back(key);
+    }
+    return number;
   }
 
   void clear() { *this = {}; }
 
  private:
-  struct Slot {
-    std::uint64_t key = 0;
-    std::uint32_t number = kNone;
-  };
-
   /// The slot of the key, or the empty one for it.
   std::size_t slot_of(std::uint64_t key) const {
     std::uint64_t mixed = key ^ key >> 31;
     mixed *= 0x9E3779B97F4A7C15ULL;
     const std::size_t mask = slots_.size() - 1;
     std::size_t slot = (mixed ^ mixed >> 29) & mask;
-    while (slots_[slot].number != kNone && slots_[slot].key != key) slot = (slot + 1) & mask;
+    while (slots_[slot] != kNone && keys_[slots_[slot]] != key) slot = (slot + 1) & mask;
     return slot;
   }
 
   void grow() {
-    std::vector<Slot> before(2 * slots_.size());
-    before.swap(slots_);
-    for (const Slot& slot : before) {
-      if (slot.number != kNone) slots_[slot_of(slot.key)] = slot;
-    }
+    slots_.assign(2 * slots_.size(), kNone);
+    for (std::uint32_t i = 0; i < keys_.size(); ++i) slots_[slot_of(keys_[i])] = i;
   }
 
-  std::size_t size_ = 0;
-  std::vector<Slot> slots_ = std::vector<Slot>(1024);
+  std::vector<std::uint64_t> keys_;  ///< of the cells, by their numbers
+  std::vector<std::uint32_t> slots_ = std::vector<std::uint32_t>(1024, kNone);
 };
 
 }  // namespace hqslam::slam

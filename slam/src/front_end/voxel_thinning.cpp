@@ -54,16 +54,12 @@ std::vector<FeaturePoint> thin(const std::vector<FeaturePoint>& points, double l
   CellIndex index;
   std::vector<Mean> means;
   std::optional<std::uint64_t> last;  // of successive points most are in one voxel
-  std::uint32_t at = CellIndex::kNone;
+  std::uint32_t at = 0;
   for (const FeaturePoint& point : points) {
     const std::optional<std::uint64_t> voxel = voxel_of(point.point_m, per_m);
     if (!voxel) continue;
-    if (voxel != last) at = index.find(*voxel);
-    if (at == CellIndex::kNone) {
-      at = static_cast<std::uint32_t>(means.size());
-      index.add(*voxel, at);
-      means.emplace_back();
-    }
+    if (voxel != last) at = index.find_or_add(*voxel);
+    if (at == means.size()) means.emplace_back();
     means[at].add(point);
     last = voxel;
   }

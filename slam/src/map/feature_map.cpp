@@ -73,10 +73,8 @@ FeatureMap::FeatureMap(double leaf_m, double max_distance_m)
       voxels_per_side_(static_cast<int>(std::ceil(2.0 * max_distance_m / leaf_m))) {}
 
 FeatureMap::Cube& FeatureMap::find_or_add(std::uint64_t key) {
-  const std::uint32_t found = index_.find(key);
-  if (found != CellIndex::kNone) return cubes_[found];
-  index_.add(key, static_cast<std::uint32_t>(cubes_.size()));
-  return cubes_.emplace_back(Cube{key, {}});
+  const std::uint32_t found = index_.find_or_add(key);
+  return found < cubes_.size() ? cubes_[found] : cubes_.emplace_back(Cube{key, {}});
 }
 
 void FeatureMap::insert(const std::vector<Eigen::Vector3f>& points_m, std::uint32_t keyframe,
@@ -163,9 +161,7 @@ void FeatureMap::drop_empty_cubes() {
   if (2 * empty <= cubes_.size()) return;
   std::erase_if(cubes_, is_empty);
   index_.clear();
-  for (std::size_t i = 0; i < cubes_.size(); ++i) {
-    index_.add(cubes_[i].key, static_cast<std::uint32_t>(i));
-  }
+  for (const Cube& cube : cubes_) index_.find_or_add(cube.key);
 }
 
 NearbyPoints FeatureMap::nearby(const Eigen::Vector3f& query_m, float reach_m) const {

@@ -27,11 +27,8 @@ class CellChunks {
   }
   /// A cell within kSide times CellIndex's range.
   Cell& find_or_add(const Eigen::Vector2i& cell) {
-    const std::uint64_t key = CellIndex::key_of(chunk_of(cell));
-    std::uint32_t number = index_.find(key);
-    if (number == CellIndex::kNone) {
-      number = static_cast<std::uint32_t>(chunks_.size());
-      index_.add(key, number);
+    const std::uint32_t number = index_.find_or_add(CellIndex::key_of(chunk_of(cell)));
+    if (number == chunks_.size()) {
       chunks_.emplace_back(chunk_of(cell).head<2>() * kSide,
                            std::vector<Cell>(std::size_t{kSide} * kSide));
     }
