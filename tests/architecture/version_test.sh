@@ -13,4 +13,3 @@ named() { # FILE PATTERN: what the first line that fits has in its group
 }
 named CHANGELOG.md '^## \([0-9.]*\).*'
 named CITATION.cff '^version: \(.*\)'
-named tools/ros2/package.xml '.*<version>\(.*\)<.version>.*'
