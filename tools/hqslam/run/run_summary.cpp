@@ -31,17 +31,28 @@ std::string mapping_summary(const SlamRun& run) {
   return summary;
 }
 
+/// Why most scans were not predicted by an inertial sensor that nothing contradicted.
+std::string why_not_predicted(const SlamRun& run) {
+  constexpr double kFewest_per_s = 20.0;  // as slam/src/imu/imu_buffer.cpp: 50 ms apart at most
+  const double duration_s =
+      run.trajectory.empty() ? 0.0 : run.trajectory.back().stamp_s - run.trajectory.front().stamp_s;
+  const double per_s = static_cast<double>(run.imu_samples) / duration_s;
+  if (per_s < kFewest_per_s) {
+    return fmt::format("it has {:.3g} samples a second, SLAM uses {:.0f} or more", per_s,
+                       kFewest_per_s);
+  }
+  return "for others its samples are missing, or not yet confirmed by turns of the scans";
+}
+
 /// "inertial sensor: predicted 198 of 200 scans"; nothing where there is none
 std::string inertial_summary(const SlamRun& run) {
-  if (!run.has_imu) return "";
+  if (run.imu_samples == 0) return "";
   const auto predicted = std::ranges::count_if(
       run.scans, [](const ScanRecord& scan) { return scan.report.predicted_by_imu; });
   const std::string reason =
-      !run.imu_complaint.empty() ? fmt::format("; left out: {}", run.imu_complaint)
-      : 2 * predicted > std::ssize(run.scans)
-          ? ""
-          : "; for others its samples are missing, more than 50 ms apart, or not yet "
-            "confirmed by turns of the scans";
+      !run.imu_complaint.empty()              ? "; left out: " + run.imu_complaint
+      : 2 * predicted > std::ssize(run.scans) ? ""
+                                              : "; " + why_not_predicted(run);
   return fmt::format("inertial sensor: predicted {} of {} scans{}\n", predicted, run.scans.size(),
                      reason);
 }

@@ -53,7 +53,7 @@ struct SlamRun : Reading {
   /// Or that have come from a sensor; nothing as long as only the end of the recording tells.
   std::optional<std::int64_t> scans_in_recording;
   std::vector<ScanRecord> scans;
-  bool has_imu = false;                      ///< which SLAM uses
+  std::size_t imu_samples = 0;               ///< that SLAM was given
   std::string imu_complaint;                 ///< slam::Slam::imu_complaint()
   std::vector<slam::LoopReport> loops;       ///< places that were recognised, and are right now
   std::vector<std::size_t> submap_of_scan;   ///< slam::Slam::submap_of_scan()

@@ -33,7 +33,7 @@ SlamSession::SlamSession(pipeline::Upsampler upsampler, const pipeline::Pipeline
 
 ScanRecord& SlamSession::process(const RecordedScan& scan, std::int64_t index, double reading_s,
                                  slam::ScanTrace* trace) {
-  run_.has_imu = run_.has_imu || (uses_imu_ && !scan.imu.empty());
+  if (uses_imu_) run_.imu_samples += scan.imu.size();
   pipeline::LocatedScan located = pipeline_.process(scan, trace);
   cloud_ = std::move(located.cloud);
   ScanRecord record;
