@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <malloc.h>
 #include <omp.h>
 #include <unistd.h>
 
@@ -58,6 +59,15 @@ int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
       is_extra ? fmt::format("found unexpected '{}'", fmt::join(unexpected, " ")) : error.what(),
       name, name.empty() ? "" : " ", nearest_to(unexpected, asked));
   return kWrongInput;
+}
+
+/// The next scan needs the memory that one has freed: returned to the system at once, it would come
+/// back by page faults, a twentieth of SLAM's time with 64 rows.
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  mallopt(M_TRIM_THRESHOLD, 128 << 20);
+#endif
 }
 
 /// libgomp's waiting threads spin for milliseconds by default and keep a core from other processes:
@@ -122,6 +132,7 @@ void when_chosen(CLI::App& app, std::function<void()> call) {
 
 int run_program(const Program& program, int argc, char** argv) {
   wait_briefly(argv);
+  keep_freed_memory();
   prepare_standard_streams();
   limit_threads();
   CLI::App app("", program.name);
