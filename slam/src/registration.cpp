@@ -35,13 +35,17 @@ bool is_plausible(const Twist& innovation, double duration_s) {
          innovation.angular.norm() <= 0.2 + kTurned_rad_s2 * half_square_s2;
 }
 
-/// Ground and walls alone fit any motion along them: a scan through fog that has few other planes
-/// leaves the pose as uncertain as its prediction.
-void doubt_in_fog(const MotionState& expected, MappingResult& matched) {
-  if (matched.close_planes >= kFewestPlanesInFog) return;
+/// Leaves the pose as uncertain as its prediction.
+void doubt(const MotionState& expected, MappingResult& matched) {
   matched.state.covariance = expected.covariance;
   matched.known.setZero();
   if (matched.status == Status::kOk) matched.status = Status::kDegenerate;
+}
+
+/// Whether an uncertain pose was found where the scan fits less than usual.
+bool may_be_elsewhere(const Tracking& last, const MotionState& expected,
+                      const MappingResult& matched, double least_share) {
+  return !is_precise(expected) && matched.close_ratio < least_share * last.usual_close_ratio;
 }
 
 /// The covariance of the pose in the map, for a scan that was not registered.
@@ -116,8 +120,10 @@ Registered Slam::Implementation::judged(const Tracking& last, const Scan& scan,
       fits_elsewhere || (!is_possible(matched.state.T_map_sensor) &&
                          matched.close_ratio < kDoubtfulFit * last.close_ratio);
   Registered found;
-  found.is_registered = matched.status != Status::kTooFewFeatures && !is_elsewhere &&
-                        (!place_recognition || is_in_given_map(scan.map_features, matched.state));
+  found.is_registered =
+      matched.status != Status::kTooFewFeatures && !is_elsewhere &&
+      (!place_recognition || (is_in_given_map(scan.map_features, matched.state) &&
+                              !may_be_elsewhere(last, expected, matched, kLeastShareInGivenMap)));
   found.inlier_ratio = matched.inlier_ratio;
   found.close_ratio = matched.close_ratio;
   found.state = matched.state;
@@ -185,8 +191,11 @@ Registered Slam::Implementation::registered(const Tracking& last, const Scan& sc
   MappingResult matched = register_from_starts(
       mapping, scan.map_features,
       {expected, [&] { return odometry.T_map_sensor(); }, reference.state.T_map_sensor, duration_s,
-       last.close_ratio, measured.has_value()});
-  if (notes.report.scattered > 0) doubt_in_fog(expected, matched);
+       is_precise(expected) ? last.close_ratio : last.usual_close_ratio, measured.has_value()});
+  // Ground and walls alone fit any motion along them.
+  const bool is_fog = notes.report.scattered > 0 && matched.close_planes < kFewestPlanesInFog;
+  if (is_fog || may_be_elsewhere(last, expected, matched, kLeastShareOfUsualFit))
+    doubt(expected, matched);
   Registered found = judged(last, scan, expected, matched, odometry);
   if (measured) {
     found.innovation = normalized_innovation(*measured, found.state, matched.information);

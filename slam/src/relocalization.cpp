@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "loops/loop_verification.h"
+#include "map/choice_of_start.h"
 #include "map/registration_trace.h"
 #include "slam_implementation.h"
 
@@ -15,9 +16,11 @@ namespace {
 constexpr double kMinOverlapInGivenMap = 0.1;
 
 /// A state at a recognized place, with the covariance of the recognition.
-MotionState found_about(MotionState state) {
+MotionState found_about(const Pose& T_map_sensor, const Twist& velocity) {
   constexpr double kAbout_m = 1.0;
   constexpr double kAbout_rad = 0.1;
+  MotionState state = unknown_motion(T_map_sensor);
+  state.velocity = velocity;
   state.covariance.diagonal().head<6>() = six(kAbout_m, kAbout_rad).cwiseAbs2();
   return state;
 }
@@ -46,20 +49,27 @@ State Slam::Implementation::next(Searching now, const Scan& scan, Notes& notes) 
 
   std::optional<Pose> T_map_sensor;
   if (scan.has_enough_features) T_map_sensor = place_recognition->find(searched, mapping.map());
-  MotionState found = unknown_motion(T_map_sensor.value_or(now.T_map_last));
+  std::optional<MappingResult> matched;
+  if (T_map_sensor) {
+    matched =
+        mapping.register_scan(scan.map_features, found_about(*T_map_sensor, searched.velocity),
+                              *T_map_sensor, SearchFrom::kRecognizedPlace);
+  }
+  const bool is_found =
+      matched && matched->close_ratio >= kLeastShareInGivenMap * now.usual_close_ratio;
+  MotionState found = unknown_motion(is_found ? *T_map_sensor : now.T_map_last);
   found.velocity = searched.velocity;
   report.T_map_sensor = found.T_map_sensor;
-  if (T_map_sensor) {
-    const MappingResult matched = mapping.register_scan(
-        scan.map_features, found_about(found), found.T_map_sensor, SearchFrom::kRecognizedPlace);
-    found.covariance = matched.state.covariance;
+  if (is_found) {
+    found.covariance = matched->state.covariance;
     const Matrix6 against_map = drift.against_map(found);
     report.covariance = drift.covariance(Pose::Identity(), against_map);
     if (notes.trace != nullptr) {
-      trace_registration(mapping, scan.map_features, matched, *notes.trace);
+      trace_registration(mapping, scan.map_features, *matched, *notes.trace);
     }
-    return Tracking{reference_of(scan, found, against_map, report), 0.0, 0.0, BestFit(),
-                    std::nullopt};
+    return Tracking{.reference = reference_of(scan, found, against_map, report),
+                    .close_ratio = matched->close_ratio,
+                    .usual_close_ratio = matched->close_ratio};
   }
   report.mapping_status = Status::kNotRecognized;
   report.covariance = unknown_covariance();

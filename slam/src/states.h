@@ -59,8 +59,10 @@ struct Tracking {
   Reference reference;
   double inlier_ratio = 0.0;  ///< MappingResult::inlier_ratio of that scan; 0: none yet
   double close_ratio = 0.0;   ///< MappingResult::close_ratio of that scan; 0: none yet
-  BestFit best_fit;
-  std::optional<FirstKeyframe> first_keyframe;  ///< while it is the only one and not corrected
+  /// The largest one, which falls by a tenth of its difference from each smaller one.
+  double usual_close_ratio = 0.0;
+  BestFit best_fit = {};
+  std::optional<FirstKeyframe> first_keyframe = {};  ///< while it is the only one and not corrected
 };
 
 /// Tracking lost: the last scans were not registered, and the odometry alone follows the sensor.
@@ -77,6 +79,7 @@ struct Searching {
   Pose T_map_last = Pose::Identity();   ///< the last known pose, which is reported
   Pose T_odom_last = Pose::Identity();  ///< in the frame of the odometry, which continues
   std::optional<Reference> reference;   ///< for the motion between the scans that are searched
+  double usual_close_ratio = 0.0;       ///< Tracking's; 0 before a scan was located
 };
 
 using State = std::variant<Starting, Tracking, Lost, Searching>;

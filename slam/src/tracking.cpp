@@ -1,5 +1,6 @@
 // The states Starting, Tracking and Lost.
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -17,6 +18,8 @@ constexpr double kChangedShare = 0.8;
 /// Between a scan and the one with the best fit since the last keyframe, if the sensor stands.
 constexpr double kStands_m = 0.05;
 constexpr double kStands_rad = 0.02;
+/// Of Tracking::usual_close_ratio, by each scan that fits less well.
+constexpr double kForgotten = 0.1;
 
 }  // namespace
 
@@ -55,10 +58,10 @@ State Slam::Implementation::next(Starting, const Scan& scan, Notes& notes) {
   MotionState standing = unknown_motion(Pose::Identity());
   if (scan.turning) standing.velocity.angular = scan.turning->mean_rate_rad_per_s();
   add_keyframe(scan, standing.velocity, true, notes);
-  return Tracking{reference_of(scan, standing, drift.against_map(standing), notes.report), 0.0, 0.0,
-                  BestFit(),
-                  FirstKeyframe{scan.time_s, scan.turning ? measured_features(scan) : scan.features,
-                                scan.turning}};
+  return Tracking{
+      .reference = reference_of(scan, standing, drift.against_map(standing), notes.report),
+      .first_keyframe = FirstKeyframe{
+          scan.time_s, scan.turning ? measured_features(scan) : scan.features, scan.turning}};
 }
 
 State Slam::Implementation::next(Tracking now, Scan& scan, Notes& notes) {
@@ -77,7 +80,8 @@ State Slam::Implementation::next(Lost now, Scan& scan, Notes& notes) {
   const Reference& reference = now.last.reference;
   if (is_lost && place_recognition) {
     place_recognition->forget();
-    return Searching{reference.state.T_map_sensor, notes.report.T_odom_sensor, std::nullopt};
+    return Searching{reference.state.T_map_sensor, notes.report.T_odom_sensor, std::nullopt,
+                     now.last.usual_close_ratio};
   }
   const bool map_goes_on = is_lost && scan.has_enough_features;
   if (map_goes_on && !now.is_motion_measured) return new_segment(now, found, scan, notes);
@@ -134,6 +138,9 @@ State Slam::Implementation::tracked(Tracking last, const Registered& found, cons
   if (!inertial_check.agrees()) gravity_window = {};
   last.inlier_ratio = found.inlier_ratio;
   last.close_ratio = found.close_ratio;
+  last.usual_close_ratio =
+      std::max(last.close_ratio,
+               last.usual_close_ratio + kForgotten * (last.close_ratio - last.usual_close_ratio));
   if (!place_recognition && is_keyframe(last, found.state.T_map_sensor)) {
     add_keyframe(scan, found.state.velocity, false, notes);
   }
@@ -156,8 +163,8 @@ State Slam::Implementation::new_segment(const Lost& lost, Registered found, cons
   notes.own_covariance = drift.own_covariance(Pose::Identity(), against_own_map);
   notes.report.covariance = drift.covariance(Pose::Identity(), against_own_map);
   add_keyframe(scan, found.state.velocity, true, notes);
-  return Tracking{reference_of(scan, found.state, against_own_map, notes.report, found.inertial),
-                  0.0, 0.0, BestFit(), std::nullopt};
+  return Tracking{
+      .reference = reference_of(scan, found.state, against_own_map, notes.report, found.inertial)};
 }
 
 /// checked(), and again after the map has begun anew with the first keyframe, which was inserted as

@@ -12,8 +12,9 @@ struct ExpectedScan {
   std::function<Pose()> T_map_moved;  ///< by the odometry, which takes time
   Pose T_map_last;                    ///< of the scan before
   double duration_s;                  ///< since the scan before
-  double last_close_ratio;            ///< MappingResult::close_ratio of the last registered scan
-  bool is_turn_measured;              ///< by an inertial sensor: no other headings are tried
+  /// MappingResult::close_ratio of the last registered scan; the usual one if state is uncertain.
+  double last_close_ratio;
+  bool is_turn_measured;  ///< by an inertial sensor: no other headings are tried
 };
 
 /// A scan whose close_ratio is less than this share of the last one's fits badly: other starts are
@@ -21,6 +22,14 @@ struct ExpectedScan {
 inline constexpr double kDoubtfulFit = 0.8;
 /// The gain in close_ratio by which another registration is better.
 inline constexpr double kClearlyBetter = 1.1;
+
+/// A scan whose expected state is uncertain may be elsewhere, unless its close_ratio has this share
+/// of the usual one: nothing but the fit shows where it is. A real sensor in a hand that turns
+/// (OS0, a scan every 1 or 1.5 s, 64, 32 and 16 rows) was found at wrong places with shares of 0.4
+/// to 0.75, at right ones with 0.5 and more. In a given map a wrong place is worse: errors do not
+/// add up there, so that no later covariance includes it.
+inline constexpr double kLeastShareOfUsualFit = 0.5;
+inline constexpr double kLeastShareInGivenMap = 0.6;
 
 /// Whether a state is known well enough to be the only start of a registration that fits.
 bool is_precise(const MotionState& state);
