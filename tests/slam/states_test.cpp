@@ -379,3 +379,36 @@ TEST_CASE("a hand that turns by 30 degrees a scan and jerks back by 60 is follow
   CHECK(error.translation().norm() < 0.05);
   CHECK(rotation_angle_rad(error) < 0.01);
 }
+
+TEST_CASE(
+    "a hand in another room, which half fits, is not said to be where it was found, and in a given "
+    "map it is not located") {
+  SensorModel sensor = test::small_sensor(32, 512);
+  sensor.scan_period_s = 0.5;
+  test::Yard room;
+  room.half_length_m = 10.0;
+  room.half_width_m = 6.0;
+  test::Yard other = room;
+  other.half_length_m += 0.3;
+  other.half_width_m += 1.0;
+  const auto pose = [](int scan) {
+    return test::yard_pose(-3.0 + 0.3 * scan, 0.0, 0.1 * (scan % 3));
+  };
+  const auto walk = [&](slam::Slam& slam) {
+    for (int scan = 0; scan < 8; ++scan) {
+      const auto report = slam.process(room.scan(sensor, pose(scan)), 0.5 * scan);
+      CHECK(slam::is_registered(report.mapping_status));
+    }
+  };
+  slam::Slam alone(sensor);
+  walk(alone);
+  slam::Slam in_map(sensor, {}, alone.saved_map());
+  const slam::ScanReport found = alone.process(other.scan(sensor, pose(8)), 4.0);
+  CHECK(found.mapping_status == Status::kDegenerate);
+  const Pose error = (pose(0).inverse() * pose(8)).inverse() * found.T_map_sensor;
+  CHECK(error.translation().norm() > 0.5);
+  CHECK(std::sqrt(found.covariance.diagonal().head<2>().minCoeff()) > error.translation().norm());
+  walk(in_map);
+  const slam::ScanReport missed = in_map.process(other.scan(sensor, pose(8)), 4.0);
+  CHECK_FALSE(slam::is_registered(missed.mapping_status));
+}
