@@ -145,22 +145,4 @@ TEST_CASE(
   for (const std::uint8_t rejected : off.layer(2).rejected) REQUIRE(rejected == 0);
 }
 
-TEST_CASE("columns and parameters that do not fit are refused") {
-  const HqsPlan plan = small_du_or();
-  const InstructionSet any = chosen_instruction_set();
-  const auto message = [&](int columns) {
-    return test::error_message([&] { make_network(plan, columns, any, 1); });
-  };
-  CHECK(message(32) == "no Error");
-  CHECK(test::one_line_with(message(0), "0 columns", "1 to 64"));
-  CHECK(test::one_line_with(message(128), "128 columns", "1 to 64"));
-  CHECK(test::one_line_with(message(60), "60 columns", "multiple of 8"));
-  const auto network = make_network(plan, 64, any, 1);
-  std::vector<float> parameters = initial_parameters(plan, 1);
-  parameters.pop_back();
-  CHECK(test::refused_with([&] { network->set_parameters(parameters); },
-                           std::to_string(parameters.size()),
-                           std::to_string(parameters.size() + 1)));
-}
-
 }  // namespace hqslam::nn

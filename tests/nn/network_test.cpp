@@ -82,6 +82,21 @@ TEST_CASE("images may have any number of columns that the strides divide, down t
   }
 }
 
+TEST_CASE("no columns, more than the sensor has and another number of parameters are refused") {
+  for (const NetworkDescription& description : every_kind()) {
+    for (const int columns : {0, 128}) {
+      CHECK(test::refused_with(
+          [&] { make_network(description, columns, chosen_instruction_set(), 1); },
+          std::to_string(columns) + " columns", "1 to 64"));
+    }
+    std::vector<float> parameters = initial_parameters(description, 1);
+    const std::string expected = std::to_string(parameters.size());
+    parameters.pop_back();
+    CHECK(test::refused_with([&] { made(description, parameters); },
+                             std::to_string(parameters.size()), expected));
+  }
+}
+
 TEST_CASE("a network for an instruction set that the processor has not is refused in one line") {
   const int beyond_all = static_cast<int>(InstructionSet::kAvx512) + 1;
   for (const NetworkDescription& description : every_kind()) {

@@ -5,57 +5,39 @@
 namespace hqslam::nn {
 namespace {
 
-/// The pixels of the component around a pixel of a cut-out closed to a circle, by flood fill.
-class FloodFill {
- public:
-  FloodFill(const RangeImage& image, const SensorModel& sensor, double min_angle_rad)
-      : image_(image), sensor_(sensor), tan_(static_cast<float>(std::tan(min_angle_rad))) {}
-
-  std::vector<std::size_t> component(int row, int column, Mask& visited) const {
-    std::vector<std::size_t> pixels{image_.index(row, column)};
-    visited[pixels[0]] = 1;
+/// By a flood fill of a cut-out that is closed to a circle.
+Mask from_flood_fill(const RangeImage& image, const SensorModel& sensor, RowSelection rows) {
+  const OutlierRemovalOptions options;
+  const auto tan = static_cast<float>(std::tan(options.min_angle_rad));
+  const std::vector<double>& elevation = sensor.beam_elevation_rad;
+  Mask visited(image.range_m.size(), 0);
+  Mask rejected(image.range_m.size(), 0);
+  for (std::size_t first = 0; first < visited.size(); ++first) {
+    if (visited[first] != 0 || image.range_m[first] <= 0.0F) continue;
+    std::vector<std::size_t> pixels{first};
+    visited[first] = 1;
     for (std::size_t next = 0; next < pixels.size(); ++next) {
-      const int r = static_cast<int>(pixels[next]) / image_.columns;
-      const int c = static_cast<int>(pixels[next]) % image_.columns;
+      const int r = static_cast<int>(pixels[next]) / image.columns;
+      const int c = static_cast<int>(pixels[next]) % image.columns;
       const auto visit = [&](int to_row, int to_column, double alpha_rad) {
-        const std::size_t to = image_.index(to_row, to_column);
-        if (visited[to] != 0 || !image_.has_return(to_row, to_column)) return;
-        if (!ComponentLabeler::connected(image_.at(r, c), image_.range_m[to],
+        const std::size_t to = image.index(to_row, to_column);
+        if (visited[to] != 0 || !image.has_return(to_row, to_column)) return;
+        if (!ComponentLabeler::connected(image.at(r, c), image.range_m[to],
                                          static_cast<float>(std::sin(alpha_rad)),
-                                         static_cast<float>(std::cos(alpha_rad)), tan_)) {
+                                         static_cast<float>(std::cos(alpha_rad)), tan)) {
           return;
         }
         visited[to] = 1;
         pixels.push_back(to);
       };
-      const auto& elevation = sensor_.beam_elevation_rad;
       if (r > 0) visit(r - 1, c, elevation[r - 1] - elevation[r]);
-      if (r + 1 < image_.rows) visit(r + 1, c, elevation[r] - elevation[r + 1]);
-      visit(r, (c + 1) % image_.columns, sensor_.column_step_rad());
-      visit(r, (c + image_.columns - 1) % image_.columns, sensor_.column_step_rad());
+      if (r + 1 < image.rows) visit(r + 1, c, elevation[r] - elevation[r + 1]);
+      visit(r, (c + 1) % image.columns, sensor.column_step_rad());
+      visit(r, (c + image.columns - 1) % image.columns, sensor.column_step_rad());
     }
-    return pixels;
-  }
-
- private:
-  const RangeImage& image_;
-  const SensorModel& sensor_;
-  float tan_;
-};
-
-Mask from_flood_fill(const RangeImage& image, const SensorModel& sensor, RowSelection rows,
-                     const OutlierRemovalOptions& options) {
-  const FloodFill flood(image, sensor, options.min_angle_rad);
-  Mask visited(image.range_m.size(), 0);
-  Mask rejected(image.range_m.size(), 0);
-  for (int row = 0; row < image.rows; ++row) {
-    for (int column = 0; column < image.columns; ++column) {
-      if (visited[image.index(row, column)] != 0 || !image.has_return(row, column)) continue;
-      const std::vector<std::size_t> pixels = flood.component(row, column, visited);
-      if (static_cast<int>(pixels.size()) >= options.min_pixels) continue;
-      for (const std::size_t pixel : pixels) {
-        rejected[pixel] = !is_measured(static_cast<int>(pixel) / image.columns, rows);
-      }
+    if (static_cast<int>(pixels.size()) >= options.min_pixels) continue;
+    for (const std::size_t pixel : pixels) {
+      rejected[pixel] = !is_measured(static_cast<int>(pixel) / image.columns, rows);
     }
   }
   return rejected;
@@ -83,8 +65,9 @@ void compare(Counts& counts, const Mask& expected, const Mask& actual, const Ran
 
 }  // namespace
 
-TEST_CASE("whole scans give the same mask as the breadth-first search of core") {
+TEST_CASE("whole scans give the mask of core's breadth-first search, with any number of threads") {
   std::mt19937 generator(20);
+  int threads = 1;
   Counts counts;
   for (const std::string name : {"os1-64", "hdl-64e", "vlp-16"}) {
     SensorModel sensor = sensor_preset(name);
@@ -93,8 +76,9 @@ TEST_CASE("whole scans give the same mask as the breadth-first search of core") 
       const RowSelection rows{sensor.rows() == 64 ? 3 : 0, 4};
       OutlierRemoval removal(sensor, rows, {}, columns);
       for_each_kind(sensor.rows(), columns, generator, [&](const RangeImage& image) {
-        compare(counts, from_component_labeler(image, sensor, rows, {}), found(removal, image),
-                image);
+        compare(counts, from_component_labeler(image, sensor, rows, {}),
+                found(removal, image, threads), image);
+        threads = threads % 3 + 1;
       });
     }
   }
@@ -125,7 +109,7 @@ TEST_CASE("cut-outs give the same mask as a flood fill that closes them to a cir
   for (const int columns : {512, 65, 64, 63, 37, 3, 2, 1}) {
     OutlierRemoval removal(sensor, {3, 4}, {}, columns);
     for_each_kind(sensor.rows(), columns, generator, [&](const RangeImage& image) {
-      compare(counts, from_flood_fill(image, sensor, {3, 4}, {}), found(removal, image), image);
+      compare(counts, from_flood_fill(image, sensor, {3, 4}), found(removal, image), image);
     });
   }
   check(counts, 1000);

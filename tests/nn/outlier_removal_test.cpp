@@ -82,17 +82,6 @@ TEST_CASE("negative ranges are no returns at angles at which the formula connect
   }
 }
 
-TEST_CASE("the number of threads and earlier images change nothing") {
-  std::mt19937 generator(24);
-  const SensorModel sensor = sensor_preset("os1-64");
-  OutlierRemoval used(sensor, {3, 4}, {}, sensor.columns);
-  for_each_kind(sensor.rows(), sensor.columns, generator, [&](const RangeImage& image) {
-    OutlierRemoval fresh(sensor, {3, 4}, {}, sensor.columns);
-    const Mask expected = found(fresh, image);
-    for (const int threads : {1, 2, 3}) CHECK(found(used, image, threads) == expected);
-  });
-}
-
 TEST_CASE("a small component stays where a measured range nearby supports it") {
   const SensorModel sensor = degrees_apart(8, 64);
   std::vector<float> range_m(8 * 64, 0.0F);

@@ -13,13 +13,6 @@ Weights weights_of(HqsPlan plan) {
 
 }  // namespace
 
-TEST_CASE("the measured rows alone and all rows give the same image") {
-  SuperResolver resolver(weights_of(small_du_or()), {});
-  const RangeImage scene = small_scene();
-  CHECK(resolver.run(scene).image.range_m ==
-        resolver.run(select_rows(scene, small_du_or().measured_rows)).image.range_m);
-}
-
 TEST_CASE(
     "a range that the sensor cannot have measured is no return, and empties nothing beside it") {
   for (const Weights& weights : {weights_of(small_du_or()), small_weights(small_du_mix())}) {
@@ -75,14 +68,6 @@ TEST_CASE("an image of another shape is refused with both shapes that would do")
   SuperResolver resolver(weights_of(small_du_or()), {});
   CHECK(test::refused_with([&] { resolver.run(RangeImage(5, 64)); }, "5 x 64", "4 or 16 x 64"));
   CHECK(test::refused_with([&] { resolver.run(RangeImage(4, 32)); }, "4 x 32"));
-}
-
-TEST_CASE("weights with another number of parameters are refused") {
-  for (const HqsPlan& description : {small_du_or(), small_simple_du()}) {
-    Weights weights = weights_of(description);
-    weights.parameters.clear();
-    CHECK(test::refused_with([&] { SuperResolver(weights, {}); }, "0 parameters", "expected"));
-  }
 }
 
 TEST_CASE("the filter at the end can be left out") {

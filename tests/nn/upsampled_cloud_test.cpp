@@ -38,7 +38,8 @@ Eigen::Vector3f point_at(const SensorModel& sensor, int row, int column, double 
 
 }  // namespace
 
-TEST_CASE("what was measured is sure, also where a network takes it for too far") {
+TEST_CASE(
+    "what was measured is sure, also where a network takes it for too far, the rest as it says") {
   const SensorModel sensor = six_row_sensor();
   RangeImage upsampled = flat(10.0F);
   upsampled.at(1, 3) = 0.0F;
@@ -47,11 +48,14 @@ TEST_CASE("what was measured is sure, also where a network takes it for too far"
                 CaptureTime::kMotionCorrected);
   std::vector<float> confidence(upsampled.range_m.size(), 0.5F);
   confidence[upsampled.index(1, 3)] = 0.0F;
+  confidence[upsampled.index(2, 5)] = 0.75F;
   const OrganizedCloud cloud =
       upsampled_cloud({upsampled, confidence}, measured, kMeasuredRows, sensor);
   CHECK(cloud.range_m[cloud.index(1, 3)] == doctest::Approx(10.0));
   CHECK(cloud.confidence[cloud.index(1, 3)] == 1.0F);
   CHECK(cloud.confidence[cloud.index(2, 3)] == 0.5F);
+  CHECK(cloud.confidence[cloud.index(2, 5)] == 0.75F);
+  CHECK(upsampled_cloud({upsampled, {}}, measured, kMeasuredRows, sensor).confidence.empty());
 }
 
 TEST_CASE("measured points and their times stay as they are, to the bit") {
@@ -192,22 +196,6 @@ TEST_CASE("a computed point is as late as the nearer one of the rows above and b
   };
   CHECK(late_s(2) == doctest::Approx(0.01).epsilon(1e-4));
   CHECK(late_s(3) == doctest::Approx(0.02).epsilon(1e-4));
-}
-
-TEST_CASE("the confidence of a upsampled image is that of its cloud") {
-  const SensorModel sensor = six_row_sensor();
-  const RangeImage image = image_of(sensor);
-  const OrganizedCloud measured =
-      select_rows(unproject(image, sensor, CaptureTime::kMotionCorrected), kMeasuredRows);
-  UpsampledImage upsampled{image, std::vector<float>(image.range_m.size(), 0.25F)};
-  upsampled.confidence[33] = 0.75F;  // row 2, which is computed
-  const OrganizedCloud cloud = upsampled_cloud(upsampled, measured, kMeasuredRows, sensor);
-  CHECK(select_rows(cloud, {0, 2}).confidence == std::vector<float>([&] {
-          std::vector<float> computed(std::size_t{3} * 16, 0.25F);
-          computed[17] = 0.75F;
-          return computed;
-        }()));
-  CHECK(upsampled_cloud({image, {}}, measured, kMeasuredRows, sensor).confidence.empty());
 }
 
 }  // namespace hqslam::nn
