@@ -45,7 +45,8 @@ struct CommandInputs {
     write_sensor_json(few_columns, folder.file("sensor.json"));
     succeeds("simulate --drive block --sensor '{}' --scans 75 --out '{}'",
              folder.file("sensor.json"), paths.at("driven"));
-    for (const char* kind : {"npy", "npz", "json", "pcap", "mcap", "tum", "pcd", "las"}) {
+    for (const char* kind :
+         {"npy", "npz", "json", "pcap", "mcap", "tum", "kitti", "txt", "pcd", "las", "yaml"}) {
       paths[kind] = folder.file(std::string("broken.") + kind);
       write_file(paths[kind], "what is this?");
     }
@@ -122,7 +123,8 @@ inline const std::vector<Command>& commands() {
        of_grid},
       {"view {drive}/pcd/000000.pcd --out {out}",
        {"view {pcd} --out {out}", "view {las} --out {out}", "view {npz} --out {out}",
-        "view {npy} --sensor os1-16 --out {out}"},
+        "view {tum} --out {out}", "view {kitti} --out {out}", "view {txt} --out {out}",
+        "view {yaml} --out {out}", "view {npy} --sensor os1-16 --out {out}"},
        {""}},
       {"evaluate {drive}/truth.tum {drive}/truth.tum",
        {"evaluate {tum} {tum}", "evaluate {pcd} {pcd}"}},

@@ -215,7 +215,8 @@ TEST_CASE("no command replaces what it reads") {
   const TemporaryDirectory folder;
   const std::string out = folder.file("out");
   const std::string drive_of_64 = command_inputs().paths.at("drive64");
-  succeeds(run_arguments(out));
+  succeeds(run_arguments(out) + " --save-map");
+  fs::create_directory_symlink(out, folder.file("link"));
   const std::string options = folder.file("upsampled");
   succeeds(upsample_arguments(options));
   const std::string arrays = folder.file("arrays.npz");
@@ -228,6 +229,8 @@ TEST_CASE("no command replaces what it reads") {
            {filled("weights pack {out} {network} --out {out}", folder, arrays), arrays},
            {run_arguments(out) + fmt::format(" --reference '{}/trajectory.tum'", out),
             out + "/trajectory.tum"},
+           {run_arguments(folder.file("link")) + fmt::format(" --map '{}/saved_map.npz'", out),
+            out + "/saved_map.npz"},
            {fmt::format("upsample '{0}/scans.npy' --method linear --sensor os1-64 --rows 16 "
                         "--out '{0}'",
                         options),

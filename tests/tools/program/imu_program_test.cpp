@@ -49,19 +49,6 @@ TEST_CASE(
   const std::string unused = run("--imu '" + folder.file("few.csv") + "'", "few");
   CHECK(holds(summary, "inertial sensor: predicted 0 of 40 scans; it has 10.3 samples a second, SLAM"));
   CHECK(file_contents(unused + "/trajectory.tum") == file_contents(without + "/trajectory.tum"));
-
-  // Nor are those of another clock.
-  write_file(folder.file("late.csv"), "1000,0,0,0,0,0,9.8\n1000.01,0,0,0,0,0,9.8\n");
-  const ProgramResult late = succeeds("run '{}' --imu '{}' --out '{}'", drive,
-                                      folder.file("late.csv"), folder.file("late"));
-  CHECK(holds(late.error,
-              "late.csv: has samples of 1000.000 to 1000.010 s, the scans are of 0.050 "
-              "to 3.950 s: 0 of 40 scans have some; stamp them"));
-
-  write_file(folder.file("bad.csv"), "1,2,3\n");
-  const ProgramResult result = refused("run '{}' --imu '{}' --out '{}'", drive,
-                                       folder.file("bad.csv"), folder.file("refused"));
-  CHECK(holds(result.error, "bad.csv:1: expected 7 numbers"));
 }
 
 }  // namespace hqslam::test

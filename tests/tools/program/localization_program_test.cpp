@@ -69,17 +69,4 @@ TEST_CASE("a map belongs to the run that saved it, and is not located in and mad
   }
 }
 
-TEST_CASE("a map in the folder whose results would be replaced is refused, and stays") {
-  const TemporaryDirectory folder;
-  const std::string map = folder.file("saved_map.npz");
-  fs::copy(saved_map(), map);
-  fs::create_directory_symlink(folder.path(), folder.file("link"));
-  write_file(folder.file("timings.json"), "{\n  \"written_by\": \"hqslam run\",\n}");
-  for (const std::string& out : {folder.path().string(), folder.file("link")}) {
-    CHECK(holds(refused("run '{}' --map '{}' --out '{}'", simulated_drive(), map, out).error,
-                map + ": is read by this command and would be replaced"));
-  }
-  CHECK(file_contents(map) == file_contents(saved_map()));
-}
-
 }  // namespace hqslam::test

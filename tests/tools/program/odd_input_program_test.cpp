@@ -87,7 +87,8 @@ TEST_CASE("a path that cannot be is wrong input") {
     for (const std::string& arguments :
          {simulate_arguments(out), upsample_arguments(out), run_arguments(out),
           "table --drives block --methods rows-16 --scans 3 --out '" + out + "'",
-          train_arguments(folder, out), "demo --out '" + out + "'"}) {
+          train_arguments(folder, out), "live --sensor vlp-16 --port 47813 --out '" + out + "'",
+          "demo --out '" + out + "'"}) {
       CAPTURE(arguments);
       const ProgramResult result = run_hqslam(arguments);
       CHECK(is_one_line(last_line(result.error)));

@@ -3,7 +3,8 @@
 #include "tools/program/program.h"
 
 namespace hqslam::test {
-TEST_CASE("behind a bad file scans are compared and mapped with their own poses of a reference") {
+TEST_CASE(
+    "behind a bad file, which is named, scans keep their own stamps and poses of a reference") {
   const TemporaryDirectory folder;
   fs::copy(simulated_drive() + "/bin", folder.file("bin"));
   fs::resize_file(folder.file("bin/000005.bin"), 1001);
@@ -11,6 +12,13 @@ TEST_CASE("behind a bad file scans are compared and mapped with their own poses 
   const ProgramResult run =
       succeeds("run '{0}/bin' --sensor os1-16 --no-loop-closing --reference '{1}' --out '{0}/out'",
                folder.path().string(), truth);
+  CHECK(holds(last_line(run.error), "000005.bin"));
+  const nlohmann::json timings = json_of(folder.file("out/timings.json"));
+  CHECK(timings["scans_left_out"] == 1);
+  CHECK(holds(timings["left_out"][0].get<std::string>(), "000005.bin"));
+  const Trajectory trajectory = read_tum(folder.file("out/trajectory.tum"));
+  REQUIRE(trajectory.size() == kDriveScans - 1);
+  CHECK(trajectory[5].stamp_s == doctest::Approx(0.6));  // as if none were missing
   const std::size_t rmse = run.out.find("APE RMSE ");
   REQUIRE(rmse != std::string::npos);
   CHECK(std::stod(run.out.substr(rmse + 9)) < 0.1);  // 0.3 if scan 6 had the pose of scan 5

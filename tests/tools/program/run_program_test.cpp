@@ -71,27 +71,6 @@ TEST_CASE("a simulated drive needs no sensor and no reference: both are in its f
         0.2);
 }
 
-TEST_CASE("bad files in mid-drive are left out and named, and the run goes on") {
-  const TemporaryDirectory folder;
-  fs::copy(simulated_drive() + "/bin", folder.file("bin"));
-  std::vector<fs::path> files(fs::directory_iterator(folder.file("bin")), {});
-  std::ranges::sort(files);
-  for (const std::size_t bad : {5, 8}) fs::resize_file(files[bad], 1001);
-  const ProgramResult result =
-      succeeds("run '{0}/bin' --sensor os1-16 --out '{0}/out'", folder.path().string());
-  CHECK(missing(last_line(result.error), {files[5].filename().string(), "2 scans were left out"}) ==
-        "");
-  const auto timings = json_of(folder.file("out/timings.json"));
-  CHECK(timings["scans_left_out"] == 2);
-  REQUIRE(timings["left_out"].size() == 2);
-  CHECK(holds(timings["left_out"][1].get<std::string>(), files[8].filename().string()));
-  const Trajectory trajectory = read_tum(folder.file("out/trajectory.tum"));
-  REQUIRE(trajectory.size() == kDriveScans - 2);
-  CHECK(trajectory[5].stamp_s == doctest::Approx(0.6));  // as if none were missing
-  CHECK(trajectory[7].stamp_s == doctest::Approx(0.9));
-  CHECK(read_cloud(folder.file("out/map.pcd")).points_m.size() > 1000);
-}
-
 TEST_CASE("a recording of which nothing can be used leaves the results of an earlier run") {
   const TemporaryDirectory folder;
   const std::string arguments =

@@ -57,22 +57,12 @@ TEST_CASE(
   CHECK(data["notes"].size() == 2);
 }
 
-TEST_CASE("view refuses trajectories, grids and saved maps that are none, in one line") {
+TEST_CASE("view refuses the image of an occupancy grid alone, and two grids, in one line") {
   const TemporaryDirectory folder;
-  const auto refuses = [&](const char* name, const std::string& content, const char* complaint) {
-    const std::string file = folder.file(name);
-    write_file(file, content);
-    const ProgramResult result = refused("view '{}' --out '{}'", file, folder.file("page.html"));
-    CAPTURE(result.error);
-    CHECK(holds(result.error, complaint));
-  };
-  refuses("a.tum", "0 1 2 3 0 0 0 2\n", "a.tum:1: expected a unit quaternion");
-  refuses("a.kitti", "1 2 3\n", "a.kitti:1: expected 8 numbers (TUM) or 12 (KITTI)");
-  refuses("a.txt", "0 nan\n", "a.txt: line 1: expected 3 numbers x y z");
-  refuses("map.npz", "PK", "map.npz");
-  refuses("map.pgm", "P5 1 1 255 .", "expected the .yaml file");
-  refuses("map.yaml", "image: none.pgm\n", "map.yaml: negate: expected a value");
   write_file(folder.file("map.pgm"), "P5 1 1 255\n\xFE");
+  CHECK(
+      holds(refused("view '{}' --out '{}'", folder.file("map.pgm"), folder.file("page.html")).error,
+            "expected the .yaml file"));
   write_file(folder.file("one.yaml"),
              "image: map.pgm\nresolution: 1\norigin: [0, 0, 0]\nnegate: 0\n"
              "occupied_thresh: 0.65\nfree_thresh: 0.196\n");
