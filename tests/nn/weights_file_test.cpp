@@ -34,6 +34,17 @@ template <typename Change, typename... Parts>
 void refuses_arrays(const Change& change, const Parts&... parts) {
   CHECK(one_line_with(message_after(change), parts...));
 }
+/// With an array instead of one, or without it.
+template <typename... Parts>
+void refuses_array(const char* name, const std::optional<NpzArray>& instead,
+                   const Parts&... parts) {
+  refuses_arrays(
+      [&](NpzArrays& arrays) {
+        arrays.erase(name);
+        if (instead) arrays[name] = *instead;
+      },
+      parts...);
+}
 /// After `from` became `to` in the description.
 template <typename... Parts>
 void refuses_description(const std::string& from, const std::string& to, const Parts&... parts) {
@@ -83,23 +94,15 @@ TEST_CASE("a self-test of another shape is refused") {
 }
 
 TEST_CASE("missing, unknown, misshapen and non-finite arrays are refused by name") {
-  refuses_arrays([](NpzArrays& a) { a.erase("layers.1.bottleneck.bias"); },
-                 "layers.1.bottleneck.bias", "expected", "found none");
-  refuses_arrays([](NpzArrays& a) { a["extra"] = npz_array(std::vector<float>{1.0F}, {1}); },
-                 "unknown array 'extra'");
-  refuses_arrays(
-      [](NpzArrays& a) {
-        a["log_penalty"] = npz_array(std::vector<float>{1.0F, 2.0F}, {2});
-      },
-      "log_penalty", "expected shape 3", "found 2");
-  refuses_arrays(
-      [](NpzArrays& a) {
-        a["log_penalty"] = npz_array(std::vector<float>{1.0F, NAN, 2.0F}, {3});
-      },
-      "log_penalty", "finite");
-  refuses_arrays([](NpzArrays& a) { a.erase("self_test.measured"); }, "self_test.measured",
-                 "found none");
-  refuses_arrays([](NpzArrays& a) { a.erase("description"); }, "description", "hqslam-lab train");
+  using Floats = std::vector<float>;
+  refuses_array("layers.1.bottleneck.bias", {}, "layers.1.bottleneck.bias", "expected",
+                "found none");
+  refuses_array("extra", npz_array(Floats{1.0F}, {1}), "unknown array 'extra'");
+  refuses_array("log_penalty", npz_array(Floats{1.0F, 2.0F}, {2}), "log_penalty",
+                "expected shape 3", "found 2");
+  refuses_array("log_penalty", npz_array(Floats{1.0F, NAN, 2.0F}, {3}), "log_penalty", "finite");
+  refuses_array("self_test.measured", {}, "self_test.measured", "found none");
+  refuses_array("description", {}, "description", "hqslam-lab train");
 }
 
 TEST_CASE("a description that does not fit is refused with field, expected and found") {

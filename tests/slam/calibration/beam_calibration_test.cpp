@@ -1,11 +1,10 @@
 #include "hqslam/slam/beam_calibration.h"
 
-#include <omp.h>
-
 #include "hqslam/core/angles.h"
 #include "hqslam/core/projection.h"
 #include "slam/yard.h"
 #include "testing.h"
+#include "thread_limit.h"
 
 namespace hqslam {
 namespace {
@@ -101,13 +100,11 @@ TEST_CASE("the same scans give the same calibration, bit for bit, with any numbe
   const BiasedSensor sensor = biased_sensor(0.06, 0.02);
   // So many poses that Eigen would share its products among threads.
   const std::vector<slam::LocatedScan> scans = drive(sensor, 0.5);
-  const int threads = omp_get_max_threads();
   std::vector<slam::BeamCalibration> found;
   for (const int count : {1, 2}) {
-    omp_set_num_threads(count);
+    const slam::ThreadLimit limit(count);
     found.push_back(slam::calibrate_beams(sensor.sensor, scans));
   }
-  omp_set_num_threads(threads);
   for (std::size_t row = 0; row < kRows; ++row) {
     CHECK(found[0].beams[row].elevation_rad == found[1].beams[row].elevation_rad);
     CHECK(found[0].beams[row].range_m == found[1].beams[row].range_m);

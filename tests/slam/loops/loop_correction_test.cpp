@@ -6,8 +6,6 @@
 using namespace hqslam;
 using slam::PoseGraph;
 
-namespace {}  // namespace
-
 TEST_CASE("keyframes between two nodes are moved by their share of the path between them") {
   const std::vector<Pose> keyframes = {test::at_x(0), test::at_x(1), test::at_x(2), test::at_x(4),
                                        test::at_x(5)};

@@ -1,7 +1,5 @@
 #include "hqslam/slam/saved_map.h"
 
-#include <functional>
-
 #include "hqslam/core/npz.h"
 #include "testing.h"
 
@@ -22,18 +20,6 @@ slam::SavedMap small_saved_map() {
     map.places.push_back(place);
   }
   return map;
-}
-
-using Change = std::function<void(NpzArrays&)>;
-
-/// A saved map with something else in it.
-std::string changed(const test::TemporaryDirectory& folder, const Change& change) {
-  const std::string path = folder.file("map.npz");
-  slam::write_saved_map(path, small_saved_map());
-  NpzArrays arrays = read_npz(path);
-  change(arrays);
-  write_npz(path, arrays);
-  return path;
 }
 
 }  // namespace
@@ -70,51 +56,40 @@ TEST_CASE("a saved map is read back unchanged") {
 }
 
 TEST_CASE("a file that is no saved map is refused in one line") {
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  using Floats = std::vector<float>;
+  using Doubles = std::vector<double>;
   struct Case {
-    Change change;
+    const char* array;
+    std::optional<NpzArray> instead;
     const char* says;
   };
   const Case cases[] = {
-      {[](NpzArrays& a) { a.erase("format"); }, "expected a map saved by"},
-      {[](NpzArrays& a) { a["format"] = npz_text("hqslam map 2"); }, "expected a map saved by"},
-      {[](NpzArrays& a) { a.erase("posts_m"); }, "expected an array posts_m, found none"},
-      {[](NpzArrays& a) {
-         a["edges_m"] = npz_array(std::vector<float>(6), {3, 2});
-       },
-       "edges_m: expected rows of 3, found another shape"},
-      {[](NpzArrays& a) {
-         a["edges_m"] = npz_array(std::vector<double>(6), {2, 3});
-       },
-       "edges_m"},
-      {[](NpzArrays& a) {
-         a["planes_m"] = npz_array(std::vector<float>{0, kNan, 0}, {1, 3});
-       },
+      {"format", {}, "expected a map saved by"},
+      {"format", npz_text("hqslam map 2"), "expected a map saved by"},
+      {"posts_m", {}, "expected an array posts_m, found none"},
+      {"edges_m", npz_array(Floats(6), {3, 2}), "edges_m: expected rows of 3, found another shape"},
+      {"edges_m", npz_array(Doubles(6), {2, 3}), "edges_m"},
+      {"planes_m", npz_array(Floats{0, std::nanf(""), 0}, {1, 3}),
        "planes_m: expected finite numbers, found nan"},
-      {[](NpzArrays& a) {
-         a["posts_m"] = npz_array(std::vector<float>{0, 0, -1e10F}, {1, 3});
-       },
+      {"posts_m", npz_array(Floats{0, 0, -1e10F}, {1, 3}),
        "posts_m: expected coordinates up to 1000000 m, found -10000000000 m"},
-      {[](NpzArrays& a) { a["edges_intensity"] = npz_array(std::vector<float>(3), {3}); },
+      {"edges_intensity", npz_array(Floats(3), {3}),
        "edges_intensity: expected one number for each of 2 points, found 3"},
-      {[](NpzArrays& a) {
-         std::vector<double> pose = {1, 0, 0, 1e10, 0, 1, 0, 0, 0, 0, 1, 0};
-         a["T_map_place"] = npz_array(pose, {1, 3, 4});
-       },
+      {"T_map_place", npz_array(Doubles{1, 0, 0, 1e10, 0, 1, 0, 0, 0, 0, 1, 0}, {1, 3, 4}),
        "T_map_place: expected coordinates"},
-      {[](NpzArrays& a) {
-         a["T_map_place"] = npz_array(std::vector<double>(24), {2, 3, 4});
-       },
-       "expected rotations"},
-      {[](NpzArrays& a) {
-         a["T_map_place"] = npz_array(std::vector<double>(12), {1, 3, 4});
-       },
-       "a context for each of 1 places, found 2"},
+      {"T_map_place", npz_array(Doubles(24), {2, 3, 4}), "expected rotations"},
+      {"T_map_place", npz_array(Doubles(12), {1, 3, 4}), "a context for each of 1 places, found 2"},
   };
+  const test::TemporaryDirectory folder;
+  const std::string path = folder.file("map.npz");
+  slam::write_saved_map(path, small_saved_map());
+  const NpzArrays saved = read_npz(path);
   for (const Case& c : cases) {
     CAPTURE(c.says);
-    const test::TemporaryDirectory folder;
-    const std::string path = changed(folder, c.change);
+    NpzArrays arrays = saved;
+    arrays.erase(c.array);
+    if (c.instead) arrays[c.array] = *c.instead;
+    write_npz(path, arrays);
     CHECK_THROWS_WITH_AS(slam::read_saved_map(path), doctest::Contains(c.says), Error);
   }
   CHECK_THROWS_AS(slam::read_saved_map("/no/such/file.npz"), Error);

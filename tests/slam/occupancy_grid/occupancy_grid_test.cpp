@@ -5,6 +5,7 @@
 #include "hqslam/core/angles.h"
 #include "slam/yard_drive.h"
 #include "testing.h"
+#include "thread_limit.h"
 
 using namespace hqslam;
 using namespace hqslam::slam;
@@ -118,10 +119,8 @@ TEST_CASE("a parked car is in the map, one that drove away is not") {
 TEST_CASE("the same scans give the same map, in any order and with any number of threads") {
   const OccupancyMap map = yard_map();
   const OccupancyMap backwards = yard_map(std::nullopt, true);
-  const int threads = omp_get_max_threads();
-  omp_set_num_threads(threads == 1 ? 2 : 1);
+  const ThreadLimit limit(omp_get_max_threads() == 1 ? 2 : 1);
   const OccupancyMap other = yard_map();
-  omp_set_num_threads(threads);
   for (const OccupancyMap* same : {&backwards, &other}) {
     CHECK(same->rows == map.rows);
     CHECK(same->columns == map.columns);
@@ -193,16 +192,13 @@ TEST_CASE("a map as large as a country is refused before it is made") {
   const SensorModel sensor = small_sensor();
   const OrganizedCloud scan = Yard().scan(sensor, yard_pose(0, 0, 0));
   OccupancyGrid grid({});
+  std::vector<SensorPath> corners;
   for (const double x_m : {0.0, 9e5}) {
     for (const double y_m : {0.0, 9e5}) {
-      const Pose T_map_sensor(Eigen::Translation3d(x_m, y_m, 0.0));
-      grid.add_ground(scan, sensor, SensorPath(T_map_sensor));
+      corners.emplace_back(Pose(Eigen::Translation3d(x_m, y_m, 0.0)));
     }
   }
-  for (const double x_m : {0.0, 9e5}) {
-    for (const double y_m : {0.0, 9e5}) {
-      grid.see_through(scan, SensorPath(Pose(Eigen::Translation3d(x_m, y_m, 0.0))));
-    }
-  }
+  for (const SensorPath& path : corners) grid.add_ground(scan, sensor, path);
+  for (const SensorPath& path : corners) grid.see_through(scan, path);
   CHECK(refused_with([&] { static_cast<void>(grid.map()); }, "give larger ones"));
 }
