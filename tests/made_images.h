@@ -22,6 +22,13 @@ inline SensorModel even_sensor(int rows, int columns, double highest_deg, double
   return sensor;
 }
 
+/// A preset with so many columns.
+inline SensorModel preset_with(const std::string& name, int columns) {
+  SensorModel sensor = sensor_preset(name);
+  sensor.columns = columns;
+  return sensor;
+}
+
 /// The same range in every pixel.
 inline RangeImage flat_image(int rows, int columns, float range_m) {
   RangeImage image(rows, columns);

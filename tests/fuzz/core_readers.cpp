@@ -4,6 +4,7 @@
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
 #include "input_file.h"
+#include "made_images.h"
 #include "readers.h"
 
 namespace hqslam::fuzz {
@@ -12,11 +13,7 @@ namespace {
 
 /// Few columns: the readers are to be fed, not the projection.
 const SensorModel& small_sensor() {
-  static const SensorModel sensor = [] {
-    SensorModel small = sensor_preset("vlp-16");
-    small.columns = 32;
-    return small;
-  }();
+  static const SensorModel sensor = test::preset_with("vlp-16", 32);
   return sensor;
 }
 

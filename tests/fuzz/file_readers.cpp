@@ -1,6 +1,7 @@
 #include "files/scan_files.h"
 #include "hqslam/core/sensor_model.h"
 #include "input_file.h"
+#include "made_images.h"
 #include "points/sensor_finder.h"
 #include "readers.h"
 
@@ -10,9 +11,8 @@ namespace {
 
 /// To images, as hqslam run reads a recording.
 void read_scans(const std::string& path) {
-  SensorModel sensor = sensor_preset("vlp-16");
-  sensor.columns = 32;  // few: the readers are to be fed, not the projection
-  const auto source = recordings::open_scan_files(path, sensor);
+  // Few columns: the readers are to be fed, not the projection.
+  const auto source = recordings::open_scan_files(path, test::preset_with("vlp-16", 32));
   while (source->next()) {
   }
 }

@@ -10,6 +10,7 @@
 #include "hqslam/nn/training/training_configuration.h"
 #include "hqslam/nn/weights_file.h"
 #include "input_file.h"
+#include "made_images.h"
 #include "readers.h"
 #include "replaced_array.h"
 #include "weights_arrays.h"
@@ -20,15 +21,11 @@ namespace {
 
 /// A network of a few hundred parameters.
 const nn::NetworkDescription& small_network() {
-  static const nn::NetworkDescription network = [] {
-    SensorModel sensor = sensor_preset("vlp-16");
-    sensor.columns = 32;
-    return nn::network_from_json(
-        R"({"kind": "du-or", "layers": 1, "denoiser": {"channels": [2, 2], "memory": 1},
-            "filter": {"min_pixels": 0}, "measured_rows": {"offset": 3, "stride": 4}, "sensor": )" +
-            sensor_json(sensor) + "}",
-        "small network");
-  }();
+  static const nn::NetworkDescription network = nn::network_from_json(
+      R"({"kind": "du-or", "layers": 1, "denoiser": {"channels": [2, 2], "memory": 1},
+          "filter": {"min_pixels": 0}, "measured_rows": {"offset": 3, "stride": 4}, "sensor": )" +
+          sensor_json(test::preset_with("vlp-16", 32)) + "}",
+      "small network");
   return network;
 }
 

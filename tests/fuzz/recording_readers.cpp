@@ -6,6 +6,7 @@
 #include "hqslam/core/projection.h"
 #include "hqslam/recordings/recording.h"
 #include "input_file.h"
+#include "made_images.h"
 #include "packets/hesai_decoder.h"
 #include "packets/ouster_decoder.h"
 #include "packets/robosense_decoder.h"
@@ -59,8 +60,7 @@ const std::vector<SensorModel>& velodyne_sensors() {
   static const std::vector<SensorModel> sensors = [] {
     std::vector<SensorModel> made;
     for (const VelodyneModel model : kVelodyneModels) {
-      made.push_back(sensor_preset(std::string(name(model))));
-      made.back().columns = kColumns;
+      made.push_back(test::preset_with(std::string(name(model)), kColumns));
     }
     return made;
   }();

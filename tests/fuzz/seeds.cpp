@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "file_contents.h"
-#include "hqslam/core/cloud_file.h"
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/npz.h"

@@ -4,6 +4,7 @@
 
 #include "hqslam/core/angles.h"
 #include "hqslam/core/projection.h"
+#include "made_images.h"
 #include "random_values.h"
 #include "testing.h"
 
@@ -11,8 +12,7 @@ namespace hqslam::nn {
 namespace {
 
 SensorModel sensor_with_memory() {
-  SensorModel sensor = sensor_preset("os1-64");
-  sensor.columns = 256;
+  SensorModel sensor = test::preset_with("os1-64", 256);
   sensor.measured_rows = RowSelection{3, 4};
   return sensor;
 }

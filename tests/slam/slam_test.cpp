@@ -2,9 +2,6 @@
 
 #include <omp.h>
 
-#include <iterator>
-#include <thread>
-
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/saved_map.h"
 #include "slam/poses.h"

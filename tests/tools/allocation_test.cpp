@@ -89,10 +89,8 @@ Allocations of_upsampling(const char* weights) {
 Allocations of_slam(const char* sensor_name) {
   constexpr int kFirst = 20;
   constexpr int kCounted = 10;
-  sim::DriveSpec spec = sim::drive_preset("block");
-  spec.scans = kFirst + kCounted;
   const SensorModel sensor = sensor_preset(sensor_name);
-  sim::DriveSimulator simulator(spec, sensor);
+  sim::DriveSimulator simulator({"block", 1, kFirst + kCounted, {}, {}}, sensor);
   slam::SlamOptions options;
   options.threads = 2;
   slam::Slam slam(sensor, options);

@@ -32,10 +32,7 @@ Compared compared(const std::string& weights, const char* sensor_name) {
   if (fits_any_sensor(network.description())) network = network.for_sensor(sensor, rows);
   methods.push_back({"", {std::move(network), sensor}});
   UpsamplingComparison comparison(std::move(methods));
-  sim::DriveSpec spec = sim::drive_preset("town");
-  spec.seed = 4711;
-  spec.scans = 180;
-  sim::DriveSimulator simulator(spec, sensor);
+  sim::DriveSimulator simulator({"town", 4711, 180, {}, {}}, sensor);
   while (const auto scan = simulator.next()) {
     comparison.add(unproject(scan->image, sensor, CaptureTime::kMotionCorrected));
     simulator.skip(59);
@@ -118,10 +115,7 @@ TEST_CASE("what DU-Mix remembers of the last scans makes its ranges better on an
   SensorModel sensor = load().sensor();
   const RowSelection rows = selection_for(sensor.rows(), 16);
   sensor.measured_rows = rows;
-  sim::DriveSpec spec = sim::drive_preset("town");
-  spec.seed = 4711;
-  spec.scans = 140;
-  sim::DriveSimulator simulator(spec, sensor);
+  sim::DriveSimulator simulator({"town", 4711, 140, {}, {}}, sensor);
   const auto comparison_of_it = [&] {
     std::vector<ComparedMethod> methods;
     methods.push_back({"", {load(), sensor}});

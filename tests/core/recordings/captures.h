@@ -67,7 +67,6 @@ struct RoundRoom {
   double rate_hz = 10.0;
   double duration_s = 0.35;
   double first_azimuth_deg = 300.0;
-  double packet_us = 1327.104;
   double firing_us = 110.592;  ///< from block to block
   bool dual = false;
   std::uint8_t product = 0x22;

@@ -17,11 +17,6 @@ struct Weights {
   Weights() { test::write_untrained_weights(file, sensor_preset("os1-64")); }
 };
 
-SensorModel half_as_many_columns(SensorModel sensor) {
-  sensor.columns /= 2;
-  return sensor;
-}
-
 }  // namespace
 
 TEST_CASE("scans of the measured rows and of all rows are upsampled to the same rows") {
@@ -88,16 +83,14 @@ TEST_CASE("a sensor that the weights were not made for is one line with what the
   CHECK(refused_with(
       [&] { Upsampler(sensor_preset("os1-64"), {.method = weights.file, .rows = 32}); },
       "16 measured rows", "32"));
-  CHECK(refused_with(
-      [&] { Upsampler(half_as_many_columns(sensor_preset("os1-16")), options, "drive"); },
-      "expects 1024 columns a turn", "drive has 512"));
+  CHECK(refused_with([&] { Upsampler(test::preset_with("os1-16", 512), options, "drive"); },
+                     "expects 1024 columns a turn", "drive has 512"));
   CHECK(refused_with([&] { Upsampler(UpsamplingOptions{.method = "linear"}); }, "weights"));
 }
 
 TEST_CASE("scans in more columns than the network's are projected into its columns") {
   const Weights weights;
-  SensorModel fine = sensor_preset("os1-16");
-  fine.columns = 2048;
+  const SensorModel fine = test::preset_with("os1-16", 2048);
   const Upsampler upsampler(fine, {.method = weights.file});
   CHECK(upsampler.recorded().columns == 1024);
   const RangeImage image = test::flat_image(16, fine.columns, 10.0F);
@@ -118,8 +111,7 @@ TEST_CASE("weights for any sensor get 64 rows out of 16 or 32, twice as many out
   CHECK(rows_of(sensor_preset("hdl-32e")) == 64);
   CHECK(rows_of(sensor_preset("os1-64")) == 128);
   CHECK(rows_of(sensor_preset("os1-64"), 16) == 64);
-  SensorModel odd = sensor_preset("vlp-16");
-  odd.columns = 900;
+  const SensorModel odd = test::preset_with("vlp-16", 900);
   Upsampler upsampler(odd, {.method = file});
   CHECK(upsampler.recorded().columns == 896);
   CHECK_FALSE(upsampler.selected_rows());
@@ -172,8 +164,7 @@ TEST_CASE("weights have names if the program reads them: not those of the labora
 }
 
 TEST_CASE("weights that come with hqslam are chosen by name and sensor") {
-  SensorModel hdl_64e = sensor_preset("hdl-64e");
-  hdl_64e.columns = 870;
+  const SensorModel hdl_64e = test::preset_with("hdl-64e", 870);
   CHECK(weights_file("du-mix", hdl_64e, 16).ends_with("/du-mix_real-scans.npz"));
   CHECK(weights_file("du-mix", hdl_64e, 0).ends_with("/du-mix_any-beams.npz"));
   CHECK(Upsampler(hdl_64e, {.method = "du-mix", .rows = 16}).sensor().rows() == 64);
@@ -181,8 +172,7 @@ TEST_CASE("weights that come with hqslam are chosen by name and sensor") {
   const Upsampler hdl_32e(sensor_preset("hdl-32e"), {.method = "du-mix"});
   CHECK(hdl_32e.sensor().rows() == 64);
   CHECK(fits_any_sensor(hdl_32e.method()->network()->description()));
-  SensorModel fast_turns = sensor_preset("vlp-16");
-  fast_turns.columns = 900;
+  const SensorModel fast_turns = test::preset_with("vlp-16", 900);
   CHECK(Upsampler(fast_turns, {.method = "du-mix"}).recorded().columns == 896);
   CHECK(refused_with([] { Upsampler(sensor_preset("hdl-32e"), {.method = "du-or"}); }, "du-or",
                      "hdl-64e", "none for 'hdl-32e'"));

@@ -1,5 +1,6 @@
 #include "hqslam/core/npy.h"
 #include "hqslam/core/sensor_model.h"
+#include "made_images.h"
 #include "tools/program/program.h"
 
 // What calibrate writes, and that other commands take it.
@@ -13,9 +14,7 @@ struct LyingDrive {
   std::string sensor = folder.file("calibrated.json");
 
   explicit LyingDrive(int scans = 75, const std::string& errors = "bad") {
-    SensorModel model = sensor_preset("os1-16");
-    model.columns = 512;
-    write_file(folder.file("sensor.json"), sensor_json(model));
+    write_sensor_json(preset_with("os1-16", 512), folder.file("sensor.json"));
     succeeds("simulate --drive block --sensor '{}' --scans {} --sensor-errors {} --out '{}'",
              folder.file("sensor.json"), scans, errors, drive);
   }

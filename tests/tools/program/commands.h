@@ -40,9 +40,7 @@ struct CommandInputs {
     write_file(paths.at("network"), nn::network_json(made.description));
     train_arguments(folder, "");  // makes the recipe
     write_file(paths.at("capture"), pcap_bytes({{0, 47814, Payload(64)}}));
-    SensorModel few_columns = sensor_preset("os1-16");
-    few_columns.columns = 512;
-    write_sensor_json(few_columns, folder.file("sensor.json"));
+    write_sensor_json(preset_with("os1-16", 512), folder.file("sensor.json"));
     succeeds("simulate --drive block --sensor '{}' --scans 75 --out '{}'",
              folder.file("sensor.json"), paths.at("driven"));
     for (const char* kind :

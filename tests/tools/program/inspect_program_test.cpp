@@ -13,8 +13,7 @@ struct Inspected {
   std::string page = folder.file("page.html");
 
   Inspected() {
-    SensorModel sensor = sensor_preset("os1-64");
-    sensor.columns = 128;
+    const SensorModel sensor = preset_with("os1-64", 128);
     nn::Weights weights = untrained_weights(sensor, "du-mix");
     weights.description.least_confidence = 0.9F;  // it empties nearly everything
     write_weights(folder.file("weights.npz"), weights);
@@ -57,9 +56,7 @@ TEST_CASE("inspect and compare take weights that come with hqslam by their name"
 
 TEST_CASE("networks for any sensor are compared on scans of any number of columns") {
   const TemporaryDirectory folder;
-  SensorModel sensor = sensor_preset("hdl-32e");
-  sensor.columns = 270;
-  write_file(folder.file("sensor.json"), sensor_json(sensor));
+  write_sensor_json(preset_with("hdl-32e", 270), folder.file("sensor.json"));
   succeeds("simulate --drive block --sensor '{0}/sensor.json' --scans 1 --out '{0}/drive'",
            folder.path().string());
   CHECK(holds(succeeds("compare '{}' --weights du-mix", folder.file("drive")).out, "\ndu-mix "));

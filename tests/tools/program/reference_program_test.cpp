@@ -1,5 +1,4 @@
 #include "hqslam/core/trajectory.h"
-#include "hqslam/evaluation/trajectory_error.h"
 #include "tools/program/program.h"
 
 namespace hqslam::test {

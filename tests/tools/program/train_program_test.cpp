@@ -126,9 +126,7 @@ TEST_CASE("compare puts interpolation and networks side by side, inspect shows t
 
 TEST_CASE("weights for any sensor go on with a recorded drive, and stay where that is no better") {
   const TemporaryDirectory folder;
-  SensorModel sensor = sensor_preset("vlp-16");
-  sensor.columns = 256;
-  write_sensor_json(sensor, folder.file("sensor.json"));
+  write_sensor_json(preset_with("vlp-16", 256), folder.file("sensor.json"));
   const std::string drive =
       simulated_drive("--sensor '" + folder.file("sensor.json") + "' --scans 110 --seed 9");
   const std::string weights = folder.file("any.npz");

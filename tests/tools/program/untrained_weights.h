@@ -8,6 +8,7 @@
 #include "hqslam/nn/network.h"
 #include "hqslam/nn/network_json.h"
 #include "hqslam/nn/weights_file.h"
+#include "made_images.h"
 
 namespace hqslam::test {
 

@@ -9,17 +9,11 @@
 namespace hqslam::test {
 namespace {
 
-/// A small sensor, so that the network runs at once.
-SensorModel small_sensor() {
-  SensorModel sensor = sensor_preset("os1-64");
-  sensor.columns = 128;
-  return sensor;
-}
-
-/// What another program would have: the arrays of a network and its description.
+/// What another program would have: the arrays of a network and its description. The sensor has few
+/// columns, so that the network runs at once.
 struct Foreign {
   TemporaryDirectory folder;
-  nn::Weights weights = untrained_weights(small_sensor(), "du-mix");
+  nn::Weights weights = untrained_weights(preset_with("os1-64", 128), "du-mix");
   std::string arrays = folder.file("arrays.npz");
   std::string description = folder.file("network.json");
   std::string packed = folder.file("packed.npz");

@@ -19,9 +19,7 @@ const float* tensor(const char* name);
 namespace hqslam::test {
 
 TEST_CASE("a page's engine gives the network's result, as trained and with a changed loop") {
-  SensorModel sensor = sensor_preset("os1-64");
-  sensor.columns = 64;
-  const nn::Weights weights = untrained_weights(sensor, "du-or");
+  const nn::Weights weights = untrained_weights(preset_with("os1-64", 64), "du-or");
   const RangeImage& measured = weights.self_test.measured;
   const nlohmann::json names =
       nlohmann::json::parse(parameter_names(nn::network_json(weights.description).c_str()));

@@ -1,8 +1,5 @@
-#include <nlohmann/json.hpp>
-
 #include "pages/printed_table.h"
 #include "testing.h"
-#include "tools/parts_of_text.h"
 
 namespace hqslam::tools {
 

@@ -49,12 +49,8 @@ TEST_CASE("scans tell whether they were corrected for motion") {
   const TemporaryDirectory folder;
   const std::string corrected_clouds = folder.file("corrected");
   std::filesystem::create_directory(corrected_clouds);
-  sim::DriveSpec spec = sim::drive_preset("town");
-  spec.seed = 7;
-  spec.scans = 40;
-  spec.sensor_errors = sim::SensorErrors::kTypical;
   {
-    sim::DriveSimulator simulator(spec, sensor);
+    sim::DriveSimulator simulator({"town", 7, 40, {}, {}, sim::SensorErrors::kTypical}, sensor);
     NpyStackWriter rolling(folder.file("rolling.npy"), sensor.rows(), sensor.columns);
     NpyStackWriter corrected_stack(folder.file("corrected.npy"), sensor.rows(), sensor.columns);
     NpyStackWriter standing(folder.file("standing.npy"), sensor.rows(), sensor.columns);

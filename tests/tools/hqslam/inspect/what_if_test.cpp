@@ -9,12 +9,14 @@
 namespace hqslam::tools {
 namespace {
 
+nn::Weights untrained(const std::string& kind) {
+  return test::untrained_weights(test::preset_with("os1-64", 64), kind);
+}
+
 /// DU-OR of three layers for a small sensor; each parameter has a value of its own.
 nn::Weights three_layers() {
-  SensorModel sensor = sensor_preset("os1-64");
-  sensor.columns = 64;
-  nlohmann::ordered_json network = nlohmann::ordered_json::parse(
-      nn::network_json(test::untrained_weights(sensor, "du-or").description));
+  nlohmann::ordered_json network =
+      nlohmann::ordered_json::parse(nn::network_json(untrained("du-or").description));
   network["layers"] = 3;
   nn::Weights weights;
   weights.description = nn::network_from_json(network.dump(), "test");
@@ -74,9 +76,7 @@ TEST_CASE("a change that there is not is refused in one line") {
   CHECK_THROWS_AS(what_if(trained, "b=-1"), Error);
   CHECK_THROWS_AS(what_if(trained, "layers=0"), Error);
   CHECK_THROWS_AS(what_if(trained, "y=1"), Error);
-  SensorModel sensor = sensor_preset("os1-64");
-  sensor.columns = 64;
-  CHECK_THROWS_WITH_AS(what_if(test::untrained_weights(sensor, "du-mix"), "b=1"),
+  CHECK_THROWS_WITH_AS(what_if(untrained("du-mix"), "b=1"),
                        "--what-if: du-mix has no such settings, expected weights of du-or", Error);
 }
 

@@ -9,12 +9,7 @@ using namespace hqslam::test;
 
 namespace {
 
-DriveSpec block_with_seed(std::uint64_t seed) {
-  DriveSpec spec = drive_preset("block");
-  spec.seed = seed;
-  spec.scans = 2;
-  return spec;
-}
+DriveSpec block_with_seed(std::uint64_t seed) { return {"block", seed, 2, {}, {}}; }
 
 }  // namespace
 

@@ -63,8 +63,7 @@ TEST_CASE("noise has the data sheet's size, biases walk, and a standing sensor f
 
 TEST_CASE("a drive's inertial samples are written beside it if asked for, skipped scans' too") {
   const TemporaryDirectory folder;
-  DriveSpec spec = drive_preset("block");
-  spec.scans = 4;
+  const DriveSpec spec{"block", 1, 4, {}, {}};
   const auto written = [&](bool imu, const std::string& name) {
     DriveSimulator simulator(spec, small_sensor());
     DriveWriter writer(folder.file(name), spec, small_sensor(), {.imu = imu});

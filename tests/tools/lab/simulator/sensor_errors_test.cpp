@@ -16,12 +16,7 @@ using namespace hqslam::test;
 
 namespace {
 
-DriveSpec drive_with(SensorErrors errors) {
-  DriveSpec spec = drive_preset("block");
-  spec.scans = 2;
-  spec.sensor_errors = errors;
-  return spec;
-}
+DriveSpec drive_with(SensorErrors errors) { return {"block", 1, 2, {}, {}, errors}; }
 
 City city_with_wall() {
   City city = empty_city();

@@ -15,8 +15,7 @@ using namespace hqslam::test;
 TEST_CASE("a drive that is written part of the way reads back as what was simulated") {
   const TemporaryDirectory directory;
   const std::string out = directory.file("drive");
-  DriveSpec spec = drive_preset("block");
-  spec.scans = 5;
+  const DriveSpec spec{"block", 1, 5, {}, {}};
   DriveSimulator simulator(spec, small_sensor());
   DriveWriter writer(out, spec, simulator.sensor(), {.kitti_bin = true, .pcd = true});
   std::vector<SimulatedScan> scans;

@@ -5,6 +5,7 @@
 #include "files/result_files.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/sim/drive.h"
+#include "made_images.h"
 #include "testing.h"
 
 namespace hqslam::tools {
@@ -15,17 +16,8 @@ using test::file_contents;
 using test::TemporaryDirectory;
 using test::write_file;
 
-SensorModel narrow_sensor() {
-  SensorModel sensor = sensor_preset("os1-16");
-  sensor.columns = 64;
-  return sensor;
-}
-
 StoredDrive block(std::uint64_t seed, std::int64_t scans, std::int64_t every) {
-  sim::DriveSpec spec = sim::drive_preset("block");
-  spec.seed = seed;
-  spec.scans = scans;
-  return {spec, narrow_sensor(), every};
+  return {{"block", seed, scans, {}, {}}, test::preset_with("os1-16", 64), every};
 }
 
 bool store(const TemporaryDirectory& folder, const std::vector<StoredDrive>& drives, int threads) {
@@ -53,7 +45,7 @@ TEST_CASE("a stored drive has every n-th scan of what the simulator makes, by an
     CHECK(file_contents(path_of(one, drive)) == file_contents(path_of(three, drive)));
     NpyStackReader reader(path_of(one, drive));
     REQUIRE(reader.images() == drive.scans());
-    sim::DriveSimulator simulator(drive.spec, narrow_sensor());
+    sim::DriveSimulator simulator(drive.spec, drive.sensor);
     for (std::int64_t k = 0; k < drive.scans(); ++k) {
       CHECK(reader.read(k).range_m == simulator.next()->image.range_m);
       simulator.skip(drive.every - 1);

@@ -15,11 +15,7 @@ namespace {
 
 using test::TemporaryDirectory;
 
-SensorModel tiny_sensor() {
-  SensorModel sensor = sensor_preset("os1-16");
-  sensor.columns = 64;
-  return sensor;
-}
+SensorModel tiny_sensor() { return test::preset_with("os1-16", 64); }
 
 nn::TrainingConfiguration training_for(const SensorModel& sensor, bool with_memory = false,
                                        bool any_beams = false) {
@@ -102,10 +98,7 @@ TEST_CASE("a set is its stacks, then its drives, usual or varied, of a sensor th
   REQUIRE(scans != nullptr);
   REQUIRE(scans->size() == 3);
   CHECK(scans->read(0).truth.range_m.front() == 10.0F);
-  sim::DriveSpec spec = sim::drive_preset("block");
-  spec.scans = 1;
-  spec.sensor_errors = sim::SensorErrors::kTypical;
-  spec.seed = 5;
+  sim::DriveSpec spec{"block", 5, 1, {}, {}, sim::SensorErrors::kTypical};
   CHECK(scans->read(1).truth.range_m ==
         sim::DriveSimulator(spec, tiny_sensor()).next()->image.range_m);
   spec.seed = 6;
