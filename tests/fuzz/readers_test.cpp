@@ -1,6 +1,5 @@
 #include "readers.h"
 
-#include "damaged.h"
 #include "golden_folder.h"
 #include "input_file.h"
 #include "seeds.h"
@@ -16,6 +15,42 @@ std::string fuzz::as_whole_file(Bytes input, const char* extension) {
 }
 
 namespace {
+
+/// Bytes that mean something to one parser or another.
+const std::vector<std::string> kTokens = {
+    "\n", " ",     "-",    "0",    "9999999999", "1e308",  "nan",     "inf", "{", "}",
+    "[",  "(",     ")",    "'",    "\"",         ",",      ":",       "#",   "x", "\r",
+    "-1", "1e999", "null", "true", "DATA ",      "COUNT ", "POINTS ", "F",   "U", "True"};
+
+/// The same bytes with one to four edits.
+std::string damaged(std::string bytes, std::mt19937& random) {
+  const auto below = [&](std::size_t count) { return count == 0 ? 0 : random() % count; };
+  const std::size_t edits = 1 + below(4);
+  for (std::size_t edit = 0; edit < edits; ++edit) {
+    const std::size_t at = below(bytes.size() + 1);
+    const std::size_t length = below(std::min<std::size_t>(bytes.size() - at, 40) + 1);
+    switch (below(6)) {
+      case 0:
+        if (at < bytes.size()) bytes[at] = static_cast<char>(random());
+        break;
+      case 1:
+        if (at < bytes.size()) bytes[at] = static_cast<char>(bytes[at] ^ (1 << below(8)));
+        break;
+      case 2:
+        bytes.resize(at);
+        break;
+      case 3:
+        bytes.erase(at, length);
+        break;
+      case 4:
+        bytes.insert(at, bytes.substr(at, length));
+        break;
+      default:
+        bytes.replace(at, std::min<std::size_t>(length, below(3)), kTokens[below(kTokens.size())]);
+    }
+  }
+  return bytes;
+}
 
 using Reader = void (*)(fuzz::Bytes);
 
@@ -62,7 +97,7 @@ const std::vector<NamedReader> kReaders = {
 /// The beginning of a file is where its parser works: every second copy is damaged there.
 std::string damaged_copy(const std::string& valid, int copy, std::mt19937& random) {
   const std::size_t head = copy % 2 == 0 ? valid.size() : std::min<std::size_t>(valid.size(), 300);
-  return test::damaged(valid.substr(0, head), random) + valid.substr(head);
+  return damaged(valid.substr(0, head), random) + valid.substr(head);
 }
 
 /// Whether it was read; any other exception than Error is a failed check.

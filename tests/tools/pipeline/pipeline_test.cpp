@@ -69,17 +69,6 @@ TEST_CASE("a network with a memory recalls the scans before, as SLAM located the
   }
 }
 
-TEST_CASE("scans are located in the map that an earlier drive left behind") {
-  const Pipeline earlier = driven({}, 30);
-  PipelineOptions options{.map = earlier.saved_map()};
-  options.slam_options.loop_closing.enabled = false;
-  Pipeline pipeline(kSensor, options);
-  const LocatedScan located = pipeline.process(recorded_scan(10));
-  REQUIRE(slam::is_registered(located.report.mapping_status));
-  const Pose truth = test::drive_pose(0).inverse() * test::drive_pose(10 * test::kDrivePeriod_s);
-  CHECK((located.report.T_map_sensor.translation() - truth.translation()).norm() < 0.1);
-}
-
 TEST_CASE("a trace shows what SLAM made of a scan") {
   Pipeline pipeline(kSensor);
   slam::ScanTrace trace;
