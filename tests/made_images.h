@@ -10,16 +10,21 @@
 
 namespace hqslam::test {
 
-/// Beams `step_deg` apart, from `highest_deg` down, all of which look along their column.
-inline SensorModel even_sensor(int rows, int columns, double highest_deg, double step_deg) {
+/// Beams at these elevations that look along their column.
+inline SensorModel beams_at(std::vector<double> elevation_rad, int columns) {
   SensorModel sensor;
-  sensor.name = "even";
+  sensor.name = "made";
   sensor.columns = columns;
-  for (int row = 0; row < rows; ++row) {
-    sensor.beam_elevation_rad.push_back(radians(highest_deg - step_deg * row));
-  }
-  sensor.beam_azimuth_offset_rad.assign(rows, 0.0);
+  sensor.beam_azimuth_offset_rad.assign(elevation_rad.size(), 0.0);
+  sensor.beam_elevation_rad = std::move(elevation_rad);
   return sensor;
+}
+
+/// Beams `step_deg` apart, from `highest_deg` down.
+inline SensorModel even_sensor(int rows, int columns, double highest_deg, double step_deg) {
+  std::vector<double> elevation_deg(rows);
+  for (int row = 0; row < rows; ++row) elevation_deg[row] = highest_deg - step_deg * row;
+  return beams_at(radians(elevation_deg), columns);
 }
 
 /// A preset with so many columns.

@@ -1,6 +1,7 @@
 #include "hqs/beam_parameters.h"
 
 #include "hqslam/core/angles.h"
+#include "made_images.h"
 #include "random_values.h"
 #include "testing.h"
 
@@ -9,12 +10,7 @@ namespace {
 
 /// Beams at 10, 8.5, 4 and 3 degrees are measured, with a row in the middle above each.
 SensorModel uneven_beams() {
-  SensorModel sensor;
-  sensor.name = "uneven";
-  sensor.columns = 1024;
-  sensor.beam_elevation_rad = radians({10.75, 10.0, 9.25, 8.5, 6.25, 4.0, 3.5, 3.0});
-  sensor.beam_azimuth_offset_rad.assign(8, 0.0);
-  return sensor;
+  return test::beams_at(radians({10.75, 10.0, 9.25, 8.5, 6.25, 4.0, 3.5, 3.0}), 1024);
 }
 constexpr RowSelection kEveryOther{1, 2};
 

@@ -95,8 +95,7 @@ TEST_CASE("a small component stays where a measured range nearby supports it") {
   at(2, 0) = 9.05F;  // round the circle
   at(7, 40) = 5.0F;  // measured itself
   std::vector<std::uint8_t> rejected(range_m.size());
-  OutlierRemovalOptions options;
-  options.support_share = 0.01F;
+  OutlierRemovalOptions options{.support_share = 0.01F};
   for (const int threads : {1, 2}) {
     OutlierRemoval(sensor, {3, 4}, options, 64).find(range_m.data(), rejected.data(), threads);
     std::vector<int> rejected_pixels;

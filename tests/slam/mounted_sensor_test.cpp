@@ -97,7 +97,6 @@ TEST_CASE("a sensor on its side is refused") {
   options.mounting.pitch_rad = 1.3;
   CHECK_THROWS_WITH_AS(slam::Slam(test::small_sensor(), options),
                        "SLAM option mounting.pitch_rad is 1.3, expected a sensor within 60 degrees "
-                       "of upright or upside "
-                       "down",
+                       "of upright or upside down",
                        Error);
 }

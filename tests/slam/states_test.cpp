@@ -364,9 +364,7 @@ TEST_CASE(
 TEST_CASE("a hand that turns by 30 degrees a scan and jerks back by 60 is followed") {
   SensorModel sensor = test::small_sensor(32, 512);
   sensor.scan_period_s = 0.5;
-  test::Yard room;
-  room.half_length_m = 10.0;
-  room.half_width_m = 6.0;
+  const test::Yard room{.half_length_m = 10.0, .half_width_m = 6.0};
   const auto pose = [](int scan) {
     const int ahead = std::min(scan, 7);
     const int back = scan - ahead;

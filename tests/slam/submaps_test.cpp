@@ -157,9 +157,8 @@ TEST_CASE("a sensor that is covered and carried elsewhere continues in a submap 
   for (int i = 0; i < 10; ++i) process(standing);
   for (int i = 0; i < 20; ++i) process(OrganizedCloud(sensor.rows(), sensor.columns));
   const std::size_t points_before = slam.map_points_m().size();
-  test::Yard elsewhere;
-  elsewhere.pillars = false;
-  const OrganizedCloud there = elsewhere.scan(sensor, test::yard_pose(5.0, 3.0, 1.0));
+  const OrganizedCloud there =
+      test::Yard{.pillars = false}.scan(sensor, test::yard_pose(5.0, 3.0, 1.0));
   const slam::ScanReport first = process(there);
   const Pose T_standing_there = slam.trajectory()[19].T_map_sensor.inverse() * first.T_map_sensor;
   CHECK(T_standing_there.translation().norm() < 0.1);  // the motion is unknown

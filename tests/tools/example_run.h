@@ -15,12 +15,9 @@ inline SlamRun example_run(int scans) {
   run.scans_in_recording = scans;
   run.wall_s = 0.02 * scans;
   for (int i = 0; i < scans; ++i) {
-    StampedPose pose;
-    pose.stamp_s = 0.1 * i;
-    pose.T_map_sensor.translation() = Eigen::Vector3d(i, 0.0, 0.0);
-    run.trajectory.push_back(pose);
+    run.trajectory.push_back({0.1 * i, Pose(Eigen::Translation3d(i, 0.0, 0.0))});
     ScanRecord record;
-    record.report.stamp_s = pose.stamp_s;
+    record.report.stamp_s = 0.1 * i;
     record.report.times = {0.001, 0.002, 0.003, 0.004, 0.0, 0.010};
     record.reading_s = 0.005;
     run.scans.push_back(record);

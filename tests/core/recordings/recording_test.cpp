@@ -124,10 +124,8 @@ TEST_CASE("a capture of less than a turn is refused at its end, stamps of one's 
   auto source = Recording::open(path);
   CHECK(refused_with([&] { source.next(); }, "at least one turn"));
   CHECK_FALSE(source.next());
-  OpenOptions stamped;
-  stamped.files.stamps = "stamps.txt";
-  CHECK(refused_with([&] { Recording::open(path, stamped); }, "--stamps does not apply",
-                     "a capture or a bag"));
+  CHECK(refused_with([&] { Recording::open(path, {.files = {.stamps = "stamps.txt"}}); },
+                     "--stamps does not apply", "a capture or a bag"));
 }
 
 TEST_CASE("the user's sensor wins over the packets, with a warning") {

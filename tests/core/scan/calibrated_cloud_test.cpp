@@ -1,17 +1,14 @@
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/core/sensor_model.h"
+#include "made_images.h"
 #include "testing.h"
 
 namespace hqslam {
 namespace {
 
 SensorModel two_beams() {
-  SensorModel sensor;
-  sensor.name = "two";
-  sensor.columns = 16;
-  sensor.beam_elevation_rad = {0.1, -0.2};
-  sensor.beam_azimuth_offset_rad = {0.0, 0.0};
+  SensorModel sensor = test::beams_at({0.1, -0.2}, 16);
   sensor.elevation_correction_rad = {0.01, -0.02};
   sensor.range_correction_m = {0.5, -0.25};
   return sensor;
@@ -67,7 +64,7 @@ TEST_CASE("corrections of some beams only, or too large for a calibration, are r
   SensorModel sensor = two_beams();
   sensor.range_correction_m.pop_back();
   CHECK_THROWS_WITH_AS(validate(sensor),
-                       "sensor 'two': 2 corrections of elevation and 1 of range for 2 beams, "
+                       "sensor 'made': 2 corrections of elevation and 1 of range for 2 beams, "
                        "expected as many or none",
                        Error);
   sensor = two_beams();

@@ -45,8 +45,7 @@ BiasedSensor biased_sensor(double elevation_deg, double range_m) {
 
 /// Scans around the yard, with errors of the poses of centimetres, as those of SLAM.
 std::vector<slam::LocatedScan> drive(const BiasedSensor& sensor, double step_m = 1.0) {
-  test::Yard yard;
-  yard.half_width_m = 10.0;
+  const test::Yard yard{.half_width_m = 10.0};
   std::vector<slam::LocatedScan> scans;
   for (int i = 0; i < 40.0 / step_m; ++i) {
     const Pose truth = test::yard_pose(-20.0 + step_m * i, 5.0 * std::sin(0.15 * i), 0.1 * i);

@@ -202,9 +202,7 @@ TEST_CASE("rows between the measured ones are computed, with the assumed confide
   map.insert(cloud, RowSelection{1, 2}, kOrigin);
   REQUIRE(map.points().size() == 1);
   CHECK(map.points()[0].point_m.z() > 1.0F);
-  DenseMapOptions trusting;
-  trusting.assumed_confidence = 0.9;
-  DenseMap other(trusting);
+  DenseMap other({.assumed_confidence = 0.9});
   other.insert(cloud, RowSelection{1, 2}, kOrigin);
   CHECK(other.points().size() == 2);
 }
@@ -223,9 +221,7 @@ TEST_CASE("the same scans give the same bytes, in any order, with one thread and
 }
 
 TEST_CASE("memory is bounded: a full map adds no voxels and reports it") {
-  DenseMapOptions options;
-  options.max_voxels = 100;
-  DenseMap map(options);
+  DenseMap map({.max_voxels = 100});
   insert(map, test::cloud_of(wall(5.05F)));
   CHECK(map.is_full());
   CHECK(map.voxels() == 100);
@@ -273,13 +269,9 @@ TEST_CASE("clouds, poses and options that cannot be are errors of one line") {
         map.insert(test::cloud_of({{5.0F, 0.0F, 0.0F}}), std::nullopt, SensorPath(nowhere));
       },
       "expected a finite pose"));
-  DenseMapOptions options;
-  options.voxel_m = 0.0;
-  CHECK(refused_with([&] { DenseMap{options}; }, "voxel_m", "0.02"));
-  options = {};
-  options.least_confidence = 1.0;
-  CHECK(refused_with([&] { validate(options); }, "least_confidence", "0.999"));
-  options = {};
-  options.max_range_m = std::numeric_limits<double>::quiet_NaN();
-  CHECK(refused_with([&] { validate(options); }, "max_range_m"));
+  CHECK(refused_with([] { DenseMap({.voxel_m = 0.0}); }, "voxel_m", "0.02"));
+  CHECK(refused_with([] { validate(DenseMapOptions{.least_confidence = 1.0}); }, "least_confidence",
+                     "0.999"));
+  CHECK(
+      refused_with([] { validate(DenseMapOptions{.max_range_m = std::nan("")}); }, "max_range_m"));
 }

@@ -1,5 +1,6 @@
 #include "front_end/features.h"
 
+#include "made_images.h"
 #include "slam/village.h"
 #include "testing.h"
 
@@ -14,9 +15,7 @@ struct OneRow {
   slam::Segmentation segmentation;
 
   explicit OneRow(const std::vector<float>& range_m) {
-    sensor.columns = static_cast<int>(range_m.size());
-    sensor.beam_elevation_rad = {0.0};
-    sensor.beam_azimuth_offset_rad = {0.0};
+    sensor = test::beams_at({0.0}, static_cast<int>(range_m.size()));
     RangeImage image(1, sensor.columns);
     image.range_m = range_m;
     cloud = unproject(image, sensor, CaptureTime::kMotionCorrected);
@@ -44,9 +43,7 @@ slam::Features yard_features(const SensorModel& sensor, const test::Yard& yard) 
 TEST_CASE("the slope of the ground is in the ground, across the row; nothing else has one") {
   const SensorModel sensor = test::small_sensor(16, 512);
   const Pose tilted = pose_from_xyz_rpy({0.0, 0.0, 1.7}, 0.05, -0.03, 0.4);
-  test::Yard floor;
-  floor.pillars = false;
-  floor.half_length_m = floor.half_width_m = 500.0;
+  const test::Yard floor{.half_length_m = 500.0, .half_width_m = 500.0, .pillars = false};
   const auto features = test::scan_features(floor.scan(sensor, tilted), sensor);
   const Eigen::Vector3f up = tilted.linear().transpose().col(2).cast<float>();
   CHECK(features.ground.size() > 200);
@@ -129,10 +126,7 @@ TEST_CASE("the far side of a depth jump is never an edge, the near side may be o
 }
 
 TEST_CASE("an edge on a post is the post's centre") {
-  SensorModel sensor;
-  sensor.columns = 360;
-  sensor.beam_elevation_rad = {0.04, 0.0, -0.04};
-  sensor.beam_azimuth_offset_rad = {0.0, 0.0, 0.0};
+  const SensorModel sensor = test::beams_at({0.04, 0.0, -0.04}, 360);
   RangeImage image(3, 360);
   std::ranges::fill(image.range_m, 10.0F);
   for (int row = 0; row < 3; ++row) std::fill_n(image.range_m.begin() + 360 * row + 100, 6, 5.0F);
@@ -244,9 +238,7 @@ TEST_CASE("flat points are ground, sharp edges are among the edges, rows rise") 
 
 TEST_CASE("two flat points of a row are never within five points of each other") {
   const SensorModel sensor = test::small_sensor(16, 720);
-  test::Yard yard;
-  yard.pillars = false;
-  const auto features = yard_features(sensor, yard);
+  const auto features = yard_features(sensor, {.pillars = false});
   REQUIRE(features.flat_points.size() > 20);
   for (std::size_t i = 0; i < features.flat_points.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {

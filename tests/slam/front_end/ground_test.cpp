@@ -1,5 +1,6 @@
 #include "front_end/ground.h"
 
+#include "made_images.h"
 #include "slam/yard.h"
 #include "testing.h"
 
@@ -18,13 +19,7 @@ OrganizedCloud column_cloud(const SensorModel& sensor, const std::vector<Eigen::
   return cloud;
 }
 
-SensorModel downward_sensor() {
-  SensorModel sensor;
-  sensor.columns = 16;
-  sensor.beam_elevation_rad = {-0.05, -0.1, -0.15, -0.2};
-  sensor.beam_azimuth_offset_rad.assign(4, 0.0);
-  return sensor;
-}
+SensorModel downward_sensor() { return test::beams_at({-0.05, -0.1, -0.15, -0.2}, 16); }
 
 std::vector<int> marked_rows(const std::vector<Eigen::Vector3f>& points) {
   const SensorModel sensor = downward_sensor();

@@ -1,6 +1,7 @@
 #include "front_end/posts.h"
 
 #include "hqslam/core/projection.h"
+#include "made_images.h"
 #include "testing.h"
 
 using namespace hqslam;
@@ -9,16 +10,10 @@ namespace {
 
 /// One level row with objects 10 m away, 0.17 m from column to column.
 struct RowWithPosts {
-  SensorModel sensor;
+  SensorModel sensor = test::beams_at({0.0}, 360);
   std::vector<float> range_m = std::vector<float>(360, 10.0F);
-  slam::Segmentation segmentation;
+  slam::Segmentation segmentation{std::vector(360, slam::PixelClass::kObject)};
 
-  RowWithPosts() {
-    sensor.columns = 360;
-    sensor.beam_elevation_rad = {0.0};
-    sensor.beam_azimuth_offset_rad = {0.0};
-    segmentation.pixel_class.assign(360, slam::PixelClass::kObject);
-  }
   void put(int first, int last, float range) {
     std::fill(range_m.begin() + first, range_m.begin() + last + 1, range);
     const auto pixel_class = range > 0.0F ? slam::PixelClass::kObject : slam::PixelClass::kNoReturn;

@@ -64,10 +64,9 @@ std::vector<ImuStep> some_steps(int count) {
 TEST_CASE("a steady drive along a screw is integrated to its closed form") {
   const test::SteadyDrive drive{
       pose_from_xyz_rpy({3, 4, 5}, 0.1, 0.2, 0.3), {2, -1, 0.5}, {0.3, -0.2, 0.8}};
-  InertialState inertial;
-  inertial.gravity_map_mps2 = test::kGravity;
-  inertial.gyroscope_bias_rad_per_s = {0.01, 0.02, -0.01};
-  inertial.accelerometer_bias_mps2 = {0.1, -0.2, 0.05};
+  const InertialState inertial{.gyroscope_bias_rad_per_s = {0.01, 0.02, -0.01},
+                               .accelerometer_bias_mps2 = {0.1, -0.2, 0.05},
+                               .gravity_map_mps2 = test::kGravity};
   std::vector<ImuStep> steps;
   for (int k = 0; k < 500; ++k) {
     // a = w x v in the sensor's frame; at the middle of the step.
@@ -86,8 +85,7 @@ TEST_CASE("a steady drive along a screw is integrated to its closed form") {
 
 TEST_CASE("every error grows into the others as it does when it is made") {
   const MotionState state = moving(pose_from_xyz_rpy({1, 2, 3}, 0.4, -0.3, 0.9), {1.2, -0.4, 0.3});
-  InertialState inertial;
-  inertial.gravity_map_mps2 = test::kGravity;
+  InertialState inertial{.gravity_map_mps2 = test::kGravity};
   const std::vector<ImuStep> steps = some_steps(200);
   const auto moved = [&](const InertialPrediction& from) {
     return slam::predicted(from.state, from.inertial, steps, Eigen::Vector3d::Zero());
@@ -223,8 +221,7 @@ TEST_CASE("after a gap biases and gravity are unchanged and uncorrelated with th
 }
 
 TEST_CASE("gravity turns with the map") {
-  InertialState inertial;
-  inertial.gravity_map_mps2 = test::kGravity;
+  InertialState inertial{.gravity_map_mps2 = test::kGravity};
   inertial.covariance(15, 15) = 4.0;
   slam::turn(inertial, Eigen::AngleAxisd(M_PI_2, Eigen::Vector3d::UnitY()).matrix());
   CHECK((inertial.gravity_map_mps2 - Eigen::Vector3d(-kGravity_mps2, 0, 0)).norm() < 1e-9);

@@ -42,11 +42,7 @@ slam::FeltGravity felt_gravity(std::size_t keyframe, const Pose& T_level_sensor)
   return felt;
 }
 
-slam::MappingOptions short_window() {
-  slam::MappingOptions options;
-  options.recent_path_m = 30.0;
-  return options;
-}
+slam::MappingOptions short_window() { return {.recent_path_m = 30.0}; }
 
 /// Drives a circuit with an odometry that adds an error to every step; the map is built from that.
 DrivenCircuit drive(const test::Circuit& circuit, const Estimate& estimate) {

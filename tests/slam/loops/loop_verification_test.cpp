@@ -50,10 +50,7 @@ TEST_CASE("other places are refused") {
 }
 
 TEST_CASE("a place that fits but could slide is refused") {
-  test::Yard corridor;
-  corridor.half_width_m = 4.0;
-  corridor.pillars = false;
-  corridor.end_walls = false;
+  const test::Yard corridor{.half_width_m = 4.0, .pillars = false, .end_walls = false};
   // With 16 rows the registration is degenerate, with 64 it converges at a random place.
   for (const auto& size : {std::pair{16, 512}, {16, 1024}, {64, 1024}}) {
     const int rows = size.first;

@@ -141,9 +141,8 @@ TEST_CASE("a scan is located in the map from a rough prediction, as well far fro
 }
 
 TEST_CASE("ground that bends between the points of the map does not tilt the scan") {
-  slam::MappingOptions lenient;
-  lenient.max_ground_residual_m = lenient.max_plane_residual_m;
-  const double lenient_rad = roll_beside_a_bank_rad(lenient);
+  const double lenient_rad = roll_beside_a_bank_rad(
+      {.max_ground_residual_m = slam::MappingOptions{}.max_plane_residual_m});
   CHECK(std::abs(lenient_rad) > 1e-4);
   CHECK(std::abs(roll_beside_a_bank_rad({})) < 0.1 * std::abs(lenient_rad));
 }
@@ -151,9 +150,7 @@ TEST_CASE("ground that bends between the points of the map does not tilt the sca
 TEST_CASE("ground that fits badly on one side hardly tilts the scan") {
   // Points more than 4.5 m to the left are a kerb's height lower in the scan than in the map.
   const auto roll_rad = [](double trusted_residual_m) {
-    slam::MappingOptions options;
-    options.trusted_residual_m = trusted_residual_m;
-    slam::Mapping mapping{options};
+    slam::Mapping mapping{{.trusted_residual_m = trusted_residual_m}};
     mapping.insert(road(0.1, 0.0), Pose::Identity(), {});
     const slam::MapFeatures scan = road(0.0, -0.12);
     const auto result =
@@ -197,11 +194,7 @@ TEST_CASE("a place met again with drift is matched with only when it was taken u
 }
 
 TEST_CASE("in an endless corridor the motion along it is held at its prediction") {
-  test::Yard corridor;
-  corridor.half_width_m = 4.0;
-  corridor.pillars = false;
-  corridor.end_walls = false;
-  const MappedYard mapped(corridor);
+  const MappedYard mapped({.half_width_m = 4.0, .pillars = false, .end_walls = false});
   const Pose predicted = mapped.T_map_yard * test::yard_pose(0.4, 0.0, 0.01);
   // The accuracy with which a car's next scan is predicted.
   const auto result = mapped.registered(test::yard_pose(0.0, 0.2, 0.0), predicted, 0.03);
@@ -240,11 +233,7 @@ TEST_CASE("a corridor whose normals lean at random is degenerate, whatever they 
 TEST_CASE("rings on a bare floor do not hold the sensor back") {
   // Over an endless floor every scan has the same rings, which must not imply that the sensor
   // stands.
-  test::Yard floor;
-  floor.pillars = false;
-  floor.end_walls = false;
-  floor.half_width_m = 1000.0;
-  const MappedYard mapped(floor);
+  const MappedYard mapped({.half_width_m = 1000.0, .pillars = false, .end_walls = false});
   const Pose predicted = mapped.T_map_yard * test::yard_pose(6.0, 0.0, 0.0);
   const auto result = mapped.registered(test::yard_pose(6.0, 0.0, 0.0), predicted);
   CHECK(result.status == Status::kDegenerate);

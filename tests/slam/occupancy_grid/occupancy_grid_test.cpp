@@ -151,15 +151,11 @@ TEST_CASE("a sensor that hangs upside down makes the same map") {
 }
 
 TEST_CASE("wrong options, scans of another sensor and drives without ground are one line") {
-  OccupancyGridOptions options;
-  options.resolution_m = 0.0;
-  CHECK(refused_with([&] { OccupancyGrid grid(options); }, "resolution_m"));
-  options = {};
-  options.highest_obstacle_m = 0.2;
-  CHECK(refused_with([&] { validate(options); }, "highest_obstacle_m"));
-  options.highest_obstacle_m = std::numeric_limits<double>::quiet_NaN();
-  CHECK(refused_with([&] { validate(options); }, "highest_obstacle_m"));
-
+  CHECK(refused_with([] { OccupancyGrid grid({.resolution_m = 0.0}); }, "resolution_m"));
+  for (const double highest_m : {0.2, std::nan("")}) {
+    CHECK(refused_with([&] { validate(OccupancyGridOptions{.highest_obstacle_m = highest_m}); },
+                       "highest_obstacle_m"));
+  }
   const SensorModel sensor = small_sensor();
   OccupancyGrid grid({});
   const OrganizedCloud nothing(sensor.rows(), sensor.columns);

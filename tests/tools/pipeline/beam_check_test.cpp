@@ -12,10 +12,10 @@ const SensorModel kDriven = sensor_preset("os1-16");
 slam::BeamCalibration calibration(int beams) {
   slam::BeamCalibration found;
   for (int beam = 0; beam < beams; ++beam) {
-    slam::BeamCorrection correction;
-    correction.elevation_rad = 0.001 * (beam + 1);
-    correction.range_m = -0.01 * (beam + 1);
-    found.beams.push_back(correction);
+    found.beams.push_back({.elevation_rad = 0.001 * (beam + 1),
+                           .range_m = -0.01 * (beam + 1),
+                           .before = {},
+                           .after = {}});
   }
   return found;
 }

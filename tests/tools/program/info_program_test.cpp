@@ -9,10 +9,7 @@ namespace hqslam::test {
 TEST_CASE("a capture is explained by info, and the command that it names runs") {
   const TemporaryDirectory folder;
   const std::string path = folder.file("a.pcap");
-  RoundRoom room;
-  room.rate_hz = 20.0;
-  room.duration_s = 0.31;
-  auto packets = velodyne_capture(room);
+  auto packets = velodyne_capture({.rate_hz = 20.0, .duration_s = 0.31});
   packets.erase(packets.begin() + 100);
   packets.push_back({packets.back().time_ns, 8308, Payload(512)});
   write_file(path, pcap_bytes(packets));
@@ -65,10 +62,8 @@ TEST_CASE("of points without times info says how they were captured, and names t
 
 TEST_CASE("a folder of captures is told from one of scans, by info and by run") {
   const TemporaryDirectory folder;
-  RoundRoom room;
-  room.duration_s = 0.11;
   for (const char* name : {"b.pcap", "a.pcap"}) {
-    write_file(folder.file(name), pcap_bytes(velodyne_capture(room)));
+    write_file(folder.file(name), pcap_bytes(velodyne_capture({.duration_s = 0.11})));
   }
   for (const char* command : {"info", "run --out /nowhere"}) {
     CHECK(holds(refused("{} '{}'", command, folder.path().string()).error, folder.file("a.pcap")));

@@ -224,9 +224,7 @@ TEST_CASE("of two returns the strongest is kept, or the farther one on request")
   OusterDecoder decoder(metadata);
   const auto frames = decoded(decoder, ouster_turns(OusterProfile::kRng19Dual, {1}));
   OusterGeometry strongest(metadata);
-  DecoderOptions options;
-  options.kept_return = KeptReturn::kLast;
-  OusterGeometry last(metadata, options);
+  OusterGeometry last(metadata, {.kept_return = KeptReturn::kLast});
   const float near_m = strongest.scan(frames[0])->cloud.range_m[0];
   const float far_m = last.scan(frames[0])->cloud.range_m[0];
   CHECK(far_m - near_m == doctest::Approx(0.5).scale(0).epsilon(0.01));

@@ -95,11 +95,8 @@ TEST_CASE("the spacing of the packets tells the model, whatever the factory byte
        {Case{VelodyneModel::kVlp16, 110.592, false}, Case{VelodyneModel::kVlp16, 110.592, true},
         Case{VelodyneModel::kHdl32e, 46.08, false}, Case{VelodyneModel::kHdl32e, 46.08, true},
         Case{VelodyneModel::kVlp32c, 55.296, false}, Case{VelodyneModel::kVlp32c, 55.296, true}}) {
-    RoundRoom room;
-    room.firing_us = c.firing_us;
-    room.dual = c.dual;
-    room.product = 0x21;  // HDL-32E
-    const VelodyneStream stream = probed(velodyne_capture(room));
+    const VelodyneStream stream = probed(
+        velodyne_capture({.firing_us = c.firing_us, .dual = c.dual, .product = 0x21}));  // HDL-32E
     CHECK(stream.model == c.model);
     CHECK(stream.dual_return == c.dual);
     CHECK(stream.factory_model == VelodyneModel::kHdl32e);
@@ -145,10 +142,7 @@ TEST_CASE("turns of any rate and field of view become scans with the recording's
     for (const bool blind : {false, true}) {
       CAPTURE(rate_hz);
       CAPTURE(blind);
-      RoundRoom room;
-      room.rate_hz = rate_hz;
-      room.duration_s = 4.5 / rate_hz;
-      room.first_azimuth_deg = 300.0;
+      RoundRoom room{.rate_hz = rate_hz, .duration_s = 4.5 / rate_hz};
       if (blind) {  // looks to the front: 280 to 80 degrees
         room.blind_from_deg = 80.0;
         room.blind_to_deg = 280.0;

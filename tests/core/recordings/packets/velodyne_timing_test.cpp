@@ -35,11 +35,9 @@ std::map<int, Seen> decoded(const Payload& packet, VelodyneModel model, bool dua
   std::map<int, Seen> seen;
   for (std::size_t i = 0; i < scans[0].points_m.size(); ++i) {
     const Eigen::Vector3d point_m = scans[0].points_m[i].cast<double>();
-    Seen one;
-    one.time_us = 1e6 * (scans[0].stamp_s + double{scans[0].time_offset_s[i]});
-    one.azimuth_deg = degrees(std::atan2(-point_m.y(), point_m.x()));
-    one.elevation_deg = degrees(std::asin(point_m.z() / point_m.norm()));
-    one.intensity = scans[0].intensity[i];
+    const Seen one{1e6 * (scans[0].stamp_s + double{scans[0].time_offset_s[i]}),
+                   degrees(std::atan2(-point_m.y(), point_m.x())),
+                   degrees(std::asin(point_m.z() / point_m.norm())), scans[0].intensity[i]};
     const double beam_rad = sensor.beam_elevation_rad[scans[0].row[i]];
     CHECK(std::abs(one.elevation_deg - degrees(beam_rad)) < 0.02);
     const bool first =

@@ -1,16 +1,13 @@
 #include "compare/upsampling_comparison.h"
 
 #include "hqslam/core/projection.h"
+#include "made_images.h"
 #include "testing.h"
 
 namespace hqslam::tools {
 
 TEST_CASE("what is said of computed pixels does not count measured rows") {
-  SensorModel sensor;
-  sensor.name = "four";
-  sensor.columns = 4;
-  sensor.beam_elevation_rad = {0.3, 0.1, -0.1, -0.3};
-  sensor.beam_azimuth_offset_rad.assign(4, 0.0);
+  SensorModel sensor = test::beams_at({0.3, 0.1, -0.1, -0.3}, 4);
   sensor.measured_rows = {1, 2};  // rows 1 and 3
   RangeImage image(4, 4);
   image.range_m.assign(16, 10.0F);

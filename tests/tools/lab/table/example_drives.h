@@ -10,12 +10,10 @@ namespace hqslam::test {
 inline Trajectory bumpy_half_circle(double bump_m) {
   Trajectory trajectory;
   for (int i = 0; i < 40; ++i) {
-    StampedPose pose;
-    pose.stamp_s = 0.1 * i;
     const double angle_rad = 3.14159265358979 * i / 39.0;
-    pose.T_map_sensor.translation() = Eigen::Vector3d(
-        124.0 * std::cos(angle_rad), 124.0 * std::sin(angle_rad), i % 2 == 0 ? bump_m : -bump_m);
-    trajectory.push_back(pose);
+    trajectory.push_back({0.1 * i, Pose(Eigen::Translation3d(124.0 * std::cos(angle_rad),
+                                                             124.0 * std::sin(angle_rad),
+                                                             i % 2 == 0 ? bump_m : -bump_m))});
   }
   return trajectory;
 }
@@ -24,10 +22,8 @@ inline Trajectory bumpy_half_circle(double bump_m) {
 inline Trajectory straight_drive(double scale, int scans = 300, int jump = 300) {
   Trajectory trajectory;
   for (int i = 0; i < scans; ++i) {
-    StampedPose pose;
-    pose.stamp_s = 0.1 * i;
-    pose.T_map_sensor.translation() = Eigen::Vector3d(scale * i, i >= jump ? 0.5 : 0.0, 0.0);
-    trajectory.push_back(pose);
+    trajectory.push_back(
+        {0.1 * i, Pose(Eigen::Translation3d(scale * i, i >= jump ? 0.5 : 0.0, 0.0))});
   }
   return trajectory;
 }
@@ -36,21 +32,17 @@ inline Trajectory straight_drive(double scale, int scans = 300, int jump = 300) 
 inline tools::FinishedDrive finished_drive(const std::string& kind, std::uint64_t seed,
                                            std::vector<Trajectory> trajectories,
                                            std::optional<Trajectory> truth) {
-  sim::DriveSpec spec;
-  spec.name = kind;
-  spec.seed = seed;
   const std::int64_t scans = std::ssize(trajectories.front());
-  return {{kind, {}, spec}, scans, std::move(trajectories), std::move(truth)};
+  return {{kind, {}, sim::DriveSpec{kind, seed, 200, {}, {}}},
+          scans,
+          std::move(trajectories),
+          std::move(truth)};
 }
 
 /// LiDAR-16, linear and LiDAR-64; others are paired with linear.
 inline tools::TablePlan example_plan(bool over_seeds) {
   const auto& all = tools::table_methods();
-  tools::TablePlan plan;
-  plan.over_seeds = over_seeds;
-  plan.methods = {all[0], all[2], all.back()};
-  plan.against = 1;
-  return plan;
+  return {{}, over_seeds, {all[0], all[2], all.back()}, 1, std::nullopt, ""};
 }
 
 /// LiDAR-16 drifts by 2.5 % and 2 %, linear by 2 % and 1 %, LiDAR-64 by 1 % and 0.5 %, on a drive
