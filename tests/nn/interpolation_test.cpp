@@ -39,19 +39,15 @@ TEST_CASE("between 4 m and 12 m the three interpolations are what a hand compute
   CHECK(inverse[5] == 12.0F);
 }
 
-TEST_CASE("where one of two rows has no return the nearer one decides") {
+TEST_CASE(
+    "where one of two rows has no return the nearer one decides, and rows beyond the outermost "
+    "measured ones repeat them") {
   for (const Interpolation any :
        {Interpolation::kNearest, Interpolation::kLinear, Interpolation::kInverse}) {
     CHECK(filled({8, 0}, {0, 4}, 5, any) == Ranges{8, 8, 0, 0, 0});
     CHECK(filled({0, 8}, {0, 4}, 5, any) == Ranges{0, 0, 8, 8, 8});
     CHECK(filled({0, 0}, {0, 4}, 5, any) == Ranges{0, 0, 0, 0, 0});
     CHECK(filled({8, 0}, {0, 3}, 4, any) == Ranges{8, 8, 0, 0});
-  }
-}
-
-TEST_CASE("rows beyond the outermost measured ones repeat them") {
-  for (const Interpolation any :
-       {Interpolation::kNearest, Interpolation::kLinear, Interpolation::kInverse}) {
     CHECK(filled({3, 5}, {3, 1}, 5, any) == Ranges{3, 3, 3, 3, 5});
     CHECK(filled({3}, {0, 4}, 4, any) == Ranges{3, 3, 3, 3});
     CHECK(filled({3, 5, 4}, {0, 1}, 3, any) == Ranges{3, 5, 4});

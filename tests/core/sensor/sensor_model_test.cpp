@@ -142,25 +142,24 @@ TEST_CASE("validation names the field, the value and the constraint") {
   sensor.columns = 3;
   CHECK_THROWS_WITH_AS(validate(sensor), "sensor 'vlp-16': columns is 3, expected 16 to 16384",
                        Error);
-  sensor.columns = 16385;
-  CHECK_THROWS_AS(validate(sensor), Error);
-  for (const int columns : {16, 16384}) {
-    sensor.columns = columns;
-    CHECK_NOTHROW(validate(sensor));
+  const auto is_refused = [](const auto& change) {
+    SensorModel changed = sensor_preset("vlp-16");
+    change(changed);
+    return test::error_message([&] { validate(changed); }) != "no Error";
+  };
+  for (const int columns : {16, 16384, 16385}) {
+    CHECK(is_refused([&](SensorModel& s) { s.columns = columns; }) == (columns > 16384));
   }
-  sensor = sensor_preset("vlp-16");
-  std::swap(sensor.beam_elevation_rad[3], sensor.beam_elevation_rad[4]);
-  CHECK_THROWS_AS(validate(sensor), Error);
-  sensor = sensor_preset("vlp-16");
-  sensor.beam_azimuth_offset_rad.pop_back();
-  CHECK_THROWS_AS(validate(sensor), Error);
-  sensor = sensor_preset("vlp-16");
-  sensor.beam_elevation_rad[0] = std::nan("");
-  CHECK_THROWS_AS(validate(sensor), Error);
-  sensor = sensor_preset("vlp-16");
+  CHECK(is_refused(
+      [](SensorModel& s) { std::swap(s.beam_elevation_rad[3], s.beam_elevation_rad[4]); }));
+  CHECK(is_refused([](SensorModel& s) { s.beam_azimuth_offset_rad.pop_back(); }));
+  CHECK(is_refused([](SensorModel& s) { s.beam_elevation_rad[0] = std::nan(""); }));
   for (const RowSelection rows : {RowSelection{0, 0}, {-1, 4}, {16, 4}}) {
-    sensor.measured_rows = rows;
-    CHECK_THROWS_AS(validate(sensor), Error);
+    CHECK(is_refused([&](SensorModel& s) { s.measured_rows = rows; }));
+  }
+  // A turn takes a millisecond to a hundred seconds.
+  for (const double period_s : {1e-300, 0.0, -0.1, 1e300, std::nan(""), 0.001}) {
+    CHECK(is_refused([&](SensorModel& s) { s.scan_period_s = period_s; }) == (period_s != 0.001));
   }
 }
 
@@ -178,14 +177,4 @@ TEST_CASE("rows between beams lie evenly above each, at the top as far apart as 
   CHECK(all.beam_azimuth_offset_rad[3] == 0.02);
   CHECK_NOTHROW(validate(all));
   CHECK_THROWS_AS(with_rows_between(sensor, 1), Error);
-}
-
-TEST_CASE("a turn takes a millisecond to a hundred seconds") {
-  SensorModel sensor = sensor_preset("vlp-16");
-  for (const double period_s : {1e-300, 0.0, -0.1, 1e300, std::nan("")}) {
-    sensor.scan_period_s = period_s;
-    CHECK_THROWS_AS(validate(sensor), Error);
-  }
-  sensor.scan_period_s = 0.001;
-  CHECK_NOTHROW(validate(sensor));
 }

@@ -29,8 +29,9 @@ const Beam kThrough{{0.05, 0.05, 0.05}, {10.05, 0.05, 0.05}};
 
 }  // namespace
 
-TEST_CASE("a beam votes once against a voxel that it crosses") {
+TEST_CASE("a beam votes once against a voxel that it crosses, none beyond the largest range") {
   CHECK(votes_against(kPoint, {kThrough}) == 1);
+  CHECK(votes_against(kPoint, {kThrough}, 4.0) == 0);
   CHECK(votes_against(kPoint, {}) == 0);
 }
 
@@ -58,10 +59,6 @@ TEST_CASE("a beam that misses the points of a voxel by more than half of it does
   const Beam corner{{0.05, 0.099, 0.099}, {10.05, 0.099, 0.099}};
   CHECK(votes_against({5.05, 0.05, 0.05}, {corner}) == 0);
   CHECK(votes_against({5.05, 0.09, 0.09}, {corner}) == 1);
-}
-
-TEST_CASE("no beam votes beyond the largest range") {
-  CHECK(votes_against(kPoint, {kThrough}, 4.0) == 0);
 }
 
 TEST_CASE("beams along a street leave the ground that they end on alone") {

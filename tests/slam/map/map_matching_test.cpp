@@ -18,15 +18,17 @@ TEST_CASE("five points along a pole give the pole") {
   CHECK((line->point_m - Eigen::Vector3d(3, 4, 0.6)).norm() < 1e-6);
 }
 
-TEST_CASE("five points of a patch are no line") {
+TEST_CASE("five points of a patch are no line, along a ring no plane, and fewer neither") {
   CHECK(!hqslam::slam::fit_line(
       five({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0.5F, 0.5F, 0}}})));
-}
-
-TEST_CASE("five points along a ring are no plane") {
   CHECK(!hqslam::slam::fit_plane(
       five({{{0, 0, 0}, {0.4F, 0, 0.01F}, {0.8F, 0.01F, 0}, {1.2F, 0, 0}, {1.6F, 0, 0.01F}}}),
       0.2));
+  Neighbours few = five({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 0, 1}}});
+  few.count = 4;
+  CHECK(!hqslam::slam::fit_line(few));
+  CHECK(!hqslam::slam::fit_plane(few, 10.0));
+  CHECK(!hqslam::slam::fit_surface(few, 10.0));
 }
 
 TEST_CASE("neighbours on a surface make a plane, those of one row a line") {
@@ -55,12 +57,4 @@ TEST_CASE("a point beyond the largest distance spoils the plane") {
   const auto points = five({{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {2, 2, 0}, {1, 1, 0.9F}}});
   CHECK(!hqslam::slam::fit_plane(points, 0.2));
   CHECK(hqslam::slam::fit_plane(points, 0.8));
-}
-
-TEST_CASE("fewer than five neighbours give neither line nor plane") {
-  Neighbours few = five({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 0, 1}}});
-  few.count = 4;
-  CHECK(!hqslam::slam::fit_line(few));
-  CHECK(!hqslam::slam::fit_plane(few, 10.0));
-  CHECK(!hqslam::slam::fit_surface(few, 10.0));
 }
