@@ -33,8 +33,7 @@ std::vector<SensorModel> sensors() {
 
 }  // namespace
 
-TEST_CASE(
-    "the column that is found quickly is the sensor's own, at the edges of all columns, too") {
+TEST_CASE("the column that is found quickly is the sensor's own, also at all columns' edges") {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> coordinate_m(-80.0F, 80.0F);
   for (const SensorModel& sensor : sensors()) {

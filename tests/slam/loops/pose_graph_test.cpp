@@ -45,15 +45,11 @@ TEST_CASE("a gap in a straight path is spread evenly over its edges") {
   // v and a loop of variance w leave the loop w / (n v + w) of the gap, each edge v / (n v + w).
   PoseGraph graph;
   graph.T_map_node.push_back(Pose::Identity());
-  Pose step = Pose::Identity();
-  step.translation().x() = 1.0;
   for (std::size_t i = 0; i < 5; ++i) {
-    graph.odometry.push_back({i, i + 1, step, 0.2, 0.01});
-    graph.T_map_node.push_back(graph.T_map_node.back() * step);
+    graph.odometry.push_back({i, i + 1, test::at_x(1.0), 0.2, 0.01});
+    graph.T_map_node.push_back(graph.T_map_node.back() * test::at_x(1.0));
   }
-  Pose loop = Pose::Identity();
-  loop.translation().x() = 5.5;
-  graph.loops.push_back({0, 5, loop, 0.01, 0.01});
+  graph.loops.push_back({0, 5, test::at_x(5.5), 0.01, 0.01});
   const std::vector<Pose> poses = optimized(graph);
   REQUIRE(poses.size() == 6);
   for (int i = 0; i <= 5; ++i) {
@@ -113,8 +109,7 @@ TEST_CASE("a false loop does not bend a path that true loops hold") {
   }
   const std::vector<Pose> truth = square();
   CHECK(test::worst_error_m(optimized(graph), truth) < 1e-6);
-  Pose false_loop = Pose::Identity();
-  false_loop.translation() << 6.0, -3.0, 0.0;
+  const Pose false_loop(Eigen::Translation3d(6.0, -3.0, 0.0));
   graph.loops.push_back({5, 25, false_loop, 0.1, 0.005});
   const std::vector<Pose> poses = optimized(graph);
   REQUIRE(poses.size() == truth.size());

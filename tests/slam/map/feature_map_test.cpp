@@ -125,9 +125,7 @@ TEST_CASE("a corrected map moves every point with its keyframe") {
   FeatureMap map(0.4, 1.0);
   map.insert({{0.1F, 0.1F, 0.1F}, {1.1F, 0.1F, 0.1F}}, 0);
   map.insert({{5.3F, 0.1F, 0.1F}, {7.1F, 0.1F, 0.1F}}, 1);
-  Pose back = Pose::Identity();
-  back.translation().x() = -5.0;
-  map.correct({Pose::Identity(), back});
+  map.correct({Pose::Identity(), Pose(Eigen::Translation3d(-5.0, 0.0, 0.0))});
   REQUIRE(map.size() == 3);
   const auto points = map.points_m();
   CHECK((points[1] - Eigen::Vector3f(1.1F, 0.1F, 0.1F)).norm() < 1e-5F);

@@ -27,9 +27,8 @@ nn::ColumnPoses poses_of_scan_from(int first_column) {
   }
   Trajectory trajectory;
   for (int scan = 0; scan < 3; ++scan) {
-    Pose pose = Pose::Identity();
-    pose.translation().x() = kSpeed_m_per_s * sensor.scan_period_s * (scan - 1);
-    trajectory.push_back({sensor.scan_period_s * scan, pose});
+    const double x_m = kSpeed_m_per_s * sensor.scan_period_s * (scan - 1);
+    trajectory.push_back({sensor.scan_period_s * scan, Pose(Eigen::Translation3d(x_m, 0.0, 0.0))});
   }
   return column_poses({trajectory, 1}, cloud, sensor);
 }

@@ -9,9 +9,7 @@ constexpr double kPeriod_s = 0.1;
 constexpr double kAhead_m_per_s = 20.0;
 
 Pose at(double time_s, double noise_m = 0.0) {
-  Pose pose = Pose::Identity();
-  pose.translation().x() = kAhead_m_per_s * time_s + noise_m;
-  return pose;
+  return Pose(Eigen::Translation3d(kAhead_m_per_s * time_s + noise_m, 0.0, 0.0));
 }
 
 /// Of a sensor that drives straight on, one pose every so often.

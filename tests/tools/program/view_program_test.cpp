@@ -57,22 +57,6 @@ TEST_CASE(
   CHECK(data["notes"].size() == 2);
 }
 
-TEST_CASE("view refuses the image of an occupancy grid alone, and two grids, in one line") {
-  const TemporaryDirectory folder;
-  write_file(folder.file("map.pgm"), "P5 1 1 255\n\xFE");
-  CHECK(
-      holds(refused("view '{}' --out '{}'", folder.file("map.pgm"), folder.file("page.html")).error,
-            "expected the .yaml file"));
-  write_file(folder.file("one.yaml"),
-             "image: map.pgm\nresolution: 1\norigin: [0, 0, 0]\nnegate: 0\n"
-             "occupied_thresh: 0.65\nfree_thresh: 0.196\n");
-  CHECK(holds(
-      refused("view '{0}' '{0}' --out '{1}'", folder.file("one.yaml"), folder.file("page.html"))
-          .error,
-      "expected one occupancy grid"));
-  CHECK_FALSE(fs::exists(folder.file("page.html")));
-}
-
 TEST_CASE("--open hands the page to xdg-open; without one, or if it fails, a line says so") {
   const TemporaryDirectory folder;
   fs::create_directory(folder.file("bin"));
@@ -100,14 +84,27 @@ TEST_CASE("--open hands the page to xdg-open; without one, or if it fails, a lin
   }
 }
 
-TEST_CASE("view refuses a scan that a recording does not have, and files without points") {
+TEST_CASE(
+    "view refuses the image of an occupancy grid alone, two grids, a scan that a recording does "
+    "not "
+    "have and files without points") {
   const TemporaryDirectory folder;
-  const std::string page = folder.file("page.html");
-  const ProgramResult late = refused("view '{}' --scan 99 --out '{}'", short_drive(), page);
-  CHECK(holds(late.error, fmt::format("expected a scan 99, found {} scans", kShortDriveScans)));
+  write_file(folder.file("map.pgm"), "P5 1 1 255\n\xFE");
+  write_file(folder.file("one.yaml"),
+             "image: map.pgm\nresolution: 1\norigin: [0, 0, 0]\nnegate: 0\n"
+             "occupied_thresh: 0.65\nfree_thresh: 0.196\n");
   write_file(folder.file("none.csv"), "x,y,z\n");
-  CHECK(holds(refused("view '{}' --out '{}'", folder.file("none.csv"), page).error, "found none"));
-  CHECK_FALSE(fs::exists(page));
+  for (const auto& [input, says] : std::vector<std::pair<std::string, std::string>>{
+           {"'{0}/map.pgm'", "expected the .yaml file"},
+           {"'{0}/one.yaml' '{0}/one.yaml'", "expected one occupancy grid"},
+           {"'{1}' --scan 99", fmt::format("expected a scan 99, found {} scans", kShortDriveScans)},
+           {"'{0}/none.csv'", "found none"}}) {
+    const std::string command = "view " + input + " --out '{0}/page.html'";
+    CHECK(holds(
+        refused(fmt::format(fmt::runtime(command), folder.path().string(), short_drive())).error,
+        says));
+  }
+  CHECK_FALSE(fs::exists(folder.file("page.html")));
 }
 
 }  // namespace hqslam::test

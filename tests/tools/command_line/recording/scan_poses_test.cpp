@@ -10,11 +10,7 @@ namespace {
 
 constexpr double kPeriod_s = 0.1;
 
-Pose at(double time_s) {
-  Pose pose = Pose::Identity();
-  pose.translation().x() = 20.0 * time_s;
-  return pose;
-}
+Pose at(double time_s) { return Pose(Eigen::Translation3d(20.0 * time_s, 0.0, 0.0)); }
 
 }  // namespace
 
