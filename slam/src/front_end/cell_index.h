@@ -6,9 +6,9 @@
 
 namespace hqslam::slam {
 
-/// A hash from the coordinates of a cell of space to its number, the count of those added before it,
-/// by open addressing with steps of one; at most half of the slots are taken. Slots have four bytes,
-/// so that those of one row of a scan stay in the nearest cache.
+/// A hash from the coordinates of a cell of space to its number, the count of those added before
+/// it, by open addressing with steps of one; at most half of the slots are taken. Slots have four
+/// bytes, so that those of one row of a scan stay in the nearest cache.
 class CellIndex {
  public:
   static constexpr std::uint32_t kNone = 0xFFFFFFFFU;

@@ -47,7 +47,8 @@ TEST_CASE(
   }
   write_file(folder.file("few.csv"), few);
   const std::string unused = run("--imu '" + folder.file("few.csv") + "'", "few");
-  CHECK(holds(summary, "inertial sensor: predicted 0 of 40 scans; it has 10.3 samples a second, SLAM"));
+  CHECK(holds(summary,
+              "inertial sensor: predicted 0 of 40 scans; it has 10.3 samples a second, SLAM"));
   CHECK(file_contents(unused + "/trajectory.tum") == file_contents(without + "/trajectory.tum"));
 }
 

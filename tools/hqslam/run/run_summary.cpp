@@ -49,10 +49,10 @@ std::string inertial_summary(const SlamRun& run) {
   if (run.imu_samples == 0) return "";
   const auto predicted = std::ranges::count_if(
       run.scans, [](const ScanRecord& scan) { return scan.report.predicted_by_imu; });
-  const std::string reason =
-      !run.imu_complaint.empty()              ? "; left out: " + run.imu_complaint
-      : 2 * predicted > std::ssize(run.scans) ? ""
-                                              : "; " + why_not_predicted(run);
+  const std::string reason = !run.imu_complaint.empty() ? "; left out: " + run.imu_complaint
+                             : 2 * predicted > std::ssize(run.scans)
+                                 ? ""
+                                 : "; " + why_not_predicted(run);
   return fmt::format("inertial sensor: predicted {} of {} scans{}\n", predicted, run.scans.size(),
                      reason);
 }
