@@ -42,10 +42,12 @@ void doubt(const MotionState& expected, MappingResult& matched) {
   if (matched.status == Status::kOk) matched.status = Status::kDegenerate;
 }
 
-/// Whether an uncertain pose was found where the scan fits less than usual.
+/// Whether an uncertain pose was found where the scan fits less than usual, or no better than
+/// elsewhere.
 bool may_be_elsewhere(const Tracking& last, const MotionState& expected,
                       const MappingResult& matched, double least_share) {
-  return !is_precise(expected) && matched.close_ratio < least_share * last.usual_close_ratio;
+  return !is_precise(expected) &&
+         (matched.is_ambiguous || matched.close_ratio < least_share * last.usual_close_ratio);
 }
 
 /// The covariance of the pose in the map, for a scan that was not registered.

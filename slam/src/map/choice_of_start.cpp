@@ -1,7 +1,9 @@
 #include "map/choice_of_start.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
+#include <vector>
 
 #include "hqslam/core/angles.h"
 
@@ -21,6 +23,15 @@ bool fits_better(const MappingResult& a, const MappingResult& b) {
   if (a.status == Status::kTooFewFeatures) return false;
   if (b.status == Status::kTooFewFeatures) return true;
   return a.close_ratio > kClearlyBetter * b.close_ratio;
+}
+
+/// Whether a search ended at another place, at which the scan does not fit clearly less well.
+bool fits_as_well_elsewhere(const MappingResult& other, const MappingResult& best) {
+  constexpr double kElsewhere_m = 0.3;
+  constexpr double kElsewhere_rad = 0.1;
+  const Pose apart = best.state.T_map_sensor.inverse() * other.state.T_map_sensor;
+  return other.status != Status::kTooFewFeatures && !fits_better(best, other) &&
+         (apart.translation().norm() > kElsewhere_m || rotation_angle_rad(apart) > kElsewhere_rad);
 }
 
 /// A scan that fits badly, or did not converge, may have turned as no vehicle does.
@@ -57,11 +68,12 @@ MappingResult register_from_starts(const Mapping& mapping, const MapFeatures& fe
                                    const ExpectedScan& expected) {
   const MotionState& state = expected.state;
   MappingResult best = mapping.register_scan(features, state, state.T_map_sensor);
+  std::vector<MappingResult> found = {best};
   const auto begin_at = [&](const Pose& T_map_start) {
     const Twist innovation = logarithm(state.T_map_sensor.inverse() * T_map_start);
-    const MappingResult found = mapping.register_scan(
-        features, with_innovation(state, innovation, expected.duration_s), T_map_start);
-    if (fits_better(found, best)) best = found;
+    found.push_back(mapping.register_scan(
+        features, with_innovation(state, innovation, expected.duration_s), T_map_start));
+    if (fits_better(found.back(), best)) best = found.back();
   };
   if (!is_precise(state) || fits_badly(best, expected.last_close_ratio)) {
     Pose T_map_moved = expected.T_map_moved();
@@ -70,14 +82,16 @@ MappingResult register_from_starts(const Mapping& mapping, const MapFeatures& fe
   }
   if (!best.has_ground) begin_at(upright(state.T_map_sensor));
   // If nothing fits, a sample of the inertial sensor may be wrong.
-  if (expected.is_turn_measured && best.status != Status::kTooFewFeatures) return best;
-  if (fits_badly(best, expected.last_close_ratio)) {
+  const bool is_heading_known = expected.is_turn_measured && best.status != Status::kTooFewFeatures;
+  if (!is_heading_known && fits_badly(best, expected.last_close_ratio)) {
     for (const double turn_rad : kTurns_rad) begin_at(turned(state.T_map_sensor, turn_rad));
   }
-  if (fits_badly(best, expected.last_close_ratio)) {
+  if (!is_heading_known && fits_badly(best, expected.last_close_ratio)) {
     begin_at(expected.T_map_last);
     for (const double turn_rad : kTurns_rad) begin_at(turned(expected.T_map_last, turn_rad));
   }
+  best.is_ambiguous = std::ranges::any_of(
+      found, [&](const MappingResult& other) { return fits_as_well_elsewhere(other, best); });
   return best;
 }
 

@@ -39,7 +39,7 @@ bool is_precise(const MotionState& state);
 /// determines height and tilt, since on stairs treads fit other treads once the pose leans by some
 /// degrees; if it still fits badly, from six headings beside the expected pose, and then from the
 /// last pose and six headings beside that, since a hand that turns back is nearer to its last pose.
-/// The result with most features close to the map wins.
+/// The result with most features close to the map wins; it is ambiguous if others fit as well.
 MappingResult register_from_starts(const Mapping& mapping, const MapFeatures& features,
                                    const ExpectedScan& expected);
 

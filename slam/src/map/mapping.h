@@ -44,6 +44,7 @@ struct MappingResult {
   /// Their share of all lines and planes of these features. Unlike inlier_ratio it distinguishes a
   /// place from one half a metre or five degrees away.
   double close_ratio = 0.0;
+  bool is_ambiguous = false;     ///< another place fits as well: register_from_starts()
   bool is_close_search = false;  ///< whether the last search was a narrow one (MapSearch)
 };
 
