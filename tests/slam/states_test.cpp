@@ -410,3 +410,21 @@ TEST_CASE(
   const slam::ScanReport missed = in_map.process(other.scan(sensor, pose(8)), 4.0);
   CHECK_FALSE(slam::is_registered(missed.mapping_status));
 }
+
+TEST_CASE("which quarter turn a hand made in a square room is not said to be known") {
+  SensorModel sensor = test::small_sensor(32, 512);
+  sensor.scan_period_s = 0.5;
+  test::Yard room;
+  room.half_length_m = 6.0;
+  room.half_width_m = 6.0;
+  room.pillars = false;
+  for (const double turn_rad : {45.0 * kDegree_rad, -45.0 * kDegree_rad}) {
+    slam::Slam slam(sensor);
+    for (int scan = 0; scan < 6; ++scan) {
+      slam.process(room.scan(sensor, test::yard_pose(0.3 * scan, 0.0, 0.0)), 0.5 * scan);
+    }
+    const auto report = slam.process(room.scan(sensor, test::yard_pose(1.8, 0.0, turn_rad)), 3.0);
+    CHECK(report.mapping_status == Status::kDegenerate);
+    CHECK(std::sqrt(report.covariance(5, 5)) > 10.0 * kDegree_rad);
+  }
+}
