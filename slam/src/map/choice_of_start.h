@@ -26,7 +26,7 @@ inline constexpr double kClearlyBetter = 1.1;
 /// A scan whose expected state is uncertain may be elsewhere, unless its close_ratio has this share
 /// of the usual one: nothing but the fit shows where it is. A real sensor in a hand that turns
 /// (OS0, a scan every 1 or 1.5 s, 64, 32 and 16 rows) was found at wrong places with shares of 0.4
-/// to 0.75, at right ones with 0.5 and more. In a given map a wrong place is worse: errors do not
+/// to 0.75, at right ones with 0.55 and more. In a given map a wrong place is worse: errors do not
 /// add up there, so that no later covariance includes it.
 inline constexpr double kLeastShareOfUsualFit = 0.5;
 inline constexpr double kLeastShareInGivenMap = 0.6;
