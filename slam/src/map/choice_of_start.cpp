@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "hqslam/core/angles.h"
@@ -18,12 +19,6 @@ constexpr double kPrecise_rad = 0.05;
 constexpr std::array<double, 6> kTurns_rad = {15.0 * kDegree_rad, -15.0 * kDegree_rad,
                                               30.0 * kDegree_rad, -30.0 * kDegree_rad,
                                               45.0 * kDegree_rad, -45.0 * kDegree_rad};
-
-bool fits_better(const MappingResult& a, const MappingResult& b) {
-  if (a.status == Status::kTooFewFeatures) return false;
-  if (b.status == Status::kTooFewFeatures) return true;
-  return a.close_ratio > kClearlyBetter * b.close_ratio;
-}
 
 /// Whether a search ended at another place, at which the scan does not fit clearly less well.
 bool fits_as_well_elsewhere(const MappingResult& other, const MappingResult& best) {
@@ -57,6 +52,14 @@ Pose upright(Pose T_map_sensor) {
 }
 
 }  // namespace
+
+bool fits_better(const MappingResult& a, const MappingResult& b) {
+  if (a.status == Status::kTooFewFeatures) return false;
+  if (b.status == Status::kTooFewFeatures) return true;
+  constexpr double kByChance = 3.0;
+  return a.close_ratio > kClearlyBetter * b.close_ratio &&
+         a.close_planes > b.close_planes + kByChance * std::sqrt(b.close_planes);
+}
 
 bool is_precise(const MotionState& state) {
   const Vector6 variance = state.covariance.diagonal().head<6>();
