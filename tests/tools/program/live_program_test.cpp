@@ -195,30 +195,6 @@ TEST_CASE("live makes the maps that run makes of its capture, and one to be loca
   CHECK((end_m(again) - end_m(first)).norm() < 0.1);
 }
 
-TEST_CASE("the page's button saves the chosen maps while the drive goes on") {
-  const TemporaryDirectory folder;
-  LiveProgram live("--view 0 --occupancy-grid --save-map --record '" + folder.file("kept.pcap") +
-                   "'");
-  REQUIRE(live.says("no packet yet"));
-  live.send_drive();
-  const auto posted = [&](const std::string& more) {  // the status
-    const std::string url = live.url();
-    return run_shell(fmt::format(
-                         R"(bash -c "exec 3<>/dev/tcp/127.0.0.1/{}
-        printf 'POST /maps HTTP/1.1\r\nHost: 127.0.0.1\r\n{}\r\n' >&3; head -c 12 <&3")",
-                         url.substr(url.rfind(':') + 1, url.size() - url.rfind(':') - 2), more))
-        .out;
-  };
-  CHECK(posted("Origin: http://evil.example\\r\\n") == "HTTP/1.1 403");
-  CHECK_FALSE(fs::exists(live.path("out/map.pgm")));
-  CHECK(posted("") == "HTTP/1.1 202");
-  REQUIRE(live.says(fmt::format("maps of {} scans saved", kDriveScans)));
-  for (const char* map : {"map.pgm", "map.yaml", "saved_map.npz"}) {
-    CHECK(fs::exists(live.path(fmt::format("out/{}", map))));
-  }
-  CHECK(live.end(SIGINT) == 0);
-}
-
 TEST_CASE("replay refuses what is no address") {
   const TemporaryDirectory folder;
   write_file(folder.file("a.pcap"), pcap_bytes(drive().packets));

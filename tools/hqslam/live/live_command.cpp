@@ -9,7 +9,6 @@
 #include "hqslam/live/live.h"
 #include "live/live_run.h"
 #include "live/live_view.h"
-#include "live/maps_on_demand.h"
 #include "live/view_server.h"
 #include "pages/open_page.h"
 #include "run/run_summary.h"
@@ -91,22 +90,20 @@ void print_summary(const SlamRun& run, const live::LiveCounts& counts, const std
   if (!out.empty()) to_stdout("{}", results_line(run, out));
 }
 
+/// The capture that --record writes, as hqslam run would open it.
+InputChoice recording_of(const LiveOptions& options) {
+  InputChoice recording{options.record};
+  recording.kept_return = options.kept_return;
+  const auto metadata = std::filesystem::path(options.record).replace_extension(".json");
+  if (!std::filesystem::exists(metadata)) recording.sensor = options.sensor;
+  return recording;
+}
+
 /// Makes the maps that need all poses, from the capture. Ctrl-C, which ended the drive, ends this
 /// when it comes again.
 void add_maps_of_capture(const LiveOptions& options, RunOutput& output, SlamRun& run) {
   const InterruptGuard interrupt;
   add_maps(recording_of(options), options, options, interrupt, output, run);
-}
-
-/// The answer to a request to save the maps now.
-ViewAnswer maps_answer(const std::string& target, MapsOnDemand& maps) {
-  if (target != "/maps") return {404, ViewAnswer().type, "nothing here\n"};
-  if (!maps.can_be_made()) {
-    return {409, ViewAnswer().type,
-            "no map was chosen; start with --save-map, --occupancy-grid or --dense-map\n"};
-  }
-  maps.ask();
-  return {202, ViewAnswer().type, "asked for\n"};
 }
 
 /// What to tell the shell, with the line on stderr that explains it.
@@ -160,9 +157,8 @@ void declare(CLI::App& app, LiveOptions& options) {
       .option("--record", &options.record,
               "Also record the packets in this .pcap file, with an Ouster's metadata beside it")
       .option("--view", &options.view,
-              fmt::format("Serve a page with the growing path and map, and a button that saves the "
-                          "chosen maps on the way, on this port (without a value: {}; 0: any "
-                          "free port)",
+              fmt::format("Serve a page with the growing path and map on this port (without a "
+                          "value: {}; 0: any free port)",
                           kViewPort),
               {.within = std::pair(0, 65535), .if_bare = std::to_string(kViewPort)})
       .option("--view-address", &options.view_address,
@@ -185,13 +181,10 @@ int run(const LiveOptions& options) {
   std::optional<live::LiveSensor> sensor(std::in_place, sensor_options(options));
   output.prepare();  // a disk that takes nothing is better known before the drive
   LiveView view(fmt::format("hqslam live, {}", options.sensor));
-  MapsOnDemand maps(options, *interrupt);
   std::optional<ViewServer> server;
   if (options.view) {
-    server.emplace(
-        options.view_address, *options.view,
-        [&view](const std::string& target) { return view.answer(target); },
-        [&maps](const std::string& target) { return maps_answer(target, maps); });
+    server.emplace(options.view_address, *options.view,
+                   [&view](const std::string& target) { return view.answer(target); });
     to_stdout("page: {}\n", server->url());
     if (options.open) open_page(server->url());
   }
@@ -207,7 +200,7 @@ int run(const LiveOptions& options) {
   SlamSession session(std::move(upsampler), pipeline, port);
   session.run().located_in = options.map_file;
   SlamRun run = run_live(*sensor, std::move(session), output, *interrupt, server ? &view : nullptr,
-                         maps, options.save_map);
+                         options.save_map);
   const live::LiveCounts counts = sensor->counts();
   if (run.scans.empty()) {
     if (run.end == ReadingEnd::kUnreadableScan) throw Error(run.end_message);

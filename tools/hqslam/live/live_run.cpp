@@ -12,7 +12,6 @@
 
 #include "hqslam/core/error.h"
 #include "hqslam/slam/status.h"
-#include "live/maps_on_demand.h"
 #include "run/beam_correction.h"
 #include "timing/timing.h"
 
@@ -86,14 +85,12 @@ class LiveProgress {
     status_.results_failure = failure;
   }
 
-  void print_if_due(SlamSession& session, const live::LiveCounts& counts,
-                    const MapsOnDemand& maps) {
+  void print_if_due(SlamSession& session, const live::LiveCounts& counts) {
     const double passed_s = seconds_since(second_start_);
     if (passed_s < kStatusInterval_s) return;
     status_.elapsed_s = seconds_since(start_);
     status_.rate_hz = static_cast<double>(scans_of_second_) / passed_s;
     status_.counts = counts;
-    status_.maps = maps.state();
     status_.submaps = session.submaps();
     status_.path_m = known_path_m(session.run_so_far());
     to_stdout("{}\n", status_line(status_));
@@ -198,8 +195,7 @@ bool wait_for_sensor(live::LiveSensor& sensor, const InterruptGuard& interrupt) 
 }
 
 SlamRun run_live(live::LiveSensor& sensor, SlamSession session, RunOutput& output,
-                 const InterruptGuard& interrupt, LiveView* view, MapsOnDemand& maps,
-                 bool save_map) {
+                 const InterruptGuard& interrupt, LiveView* view, bool save_map) {
   SlamRun& run = session.run();
   run.command = "live";
   LiveProgress progress(view);
@@ -212,10 +208,8 @@ SlamRun run_live(live::LiveSensor& sensor, SlamSession session, RunOutput& outpu
             failure_of_writing([&] { output.write_checkpoint(session.run_so_far()); }));
       }
     }
-    if (!run.scans.empty()) maps.begin_if_asked(session);
-    progress.print_if_due(session, sensor.counts(), maps);
+    progress.print_if_due(session, sensor.counts());
   }
-  maps.finish();
   if (run.end == ReadingEnd::kRunning) run.end = ReadingEnd::kComplete;
   const live::LiveCounts counts = sensor.counts();
   run.scans_in_recording = counts.scans;

@@ -11,8 +11,6 @@
 
 namespace hqslam::tools {
 
-class MapsOnDemand;
-
 /// "12 s  120 scans  x 3.21 y -0.40 z 0.02 m  10.0 scans/s  latency 23 ms  0 packets lost  0 scans
 /// dropped"
 std::string status_line(const LiveStatus& status);
@@ -27,9 +25,8 @@ std::string failure_of_writing(const std::function<void()>& write);
 /// The scans of a sensor that was started through the pipeline, as they come, until it is
 /// interrupted or the port fails. Results that cannot be written now are written later; the status
 /// line shows it. Prints a status line a second. view: shows the run; nullptr: there is none.
-/// maps: made on the way when they are asked for. save_map: the run gets a map for later drives.
+/// save_map: the run gets a map for later drives.
 SlamRun run_live(live::LiveSensor& sensor, SlamSession session, RunOutput& output,
-                 const InterruptGuard& interrupt, LiveView* view, MapsOnDemand& maps,
-                 bool save_map);
+                 const InterruptGuard& interrupt, LiveView* view, bool save_map);
 
 }  // namespace hqslam::tools

@@ -144,7 +144,6 @@ std::string LiveView::state() const {
       {"path_m", status_.path_m},
       {"mapping",
        status_.latest ? slam::name(status_.latest->report.mapping_status) : "no scan yet"},
-      {"maps", status_.maps ? PageJson(*status_.maps) : PageJson()},
       {"warning", warning_of(status_)},
   };
   return json.dump(-1, ' ', false, PageJson::error_handler_t::replace);

@@ -63,8 +63,7 @@ struct LiveStatus {
   double path_m = 0.0;
   std::size_t submaps = 1;  ///< SlamSession::submaps()
   live::LiveCounts counts;
-  std::string results_failure;           ///< why no results are written now; empty: they are
-  std::optional<std::string> maps = {};  ///< MapsOnDemand::state()
+  std::string results_failure;  ///< why no results are written now; empty: they are
 };
 
 /// A place on the path, and the segment that it is on.

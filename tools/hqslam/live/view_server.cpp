@@ -128,12 +128,6 @@ bool is_same_name(std::string_view a, std::string_view b) {
   return a.size() == b.size() && strncasecmp(a.data(), b.data(), a.size()) == 0;
 }
 
-/// Browsers name the origin of the page that posts; a program gives none.
-bool is_from_own_page(const httplib::Request& request) {
-  return !request.has_header("Origin") ||
-         request.get_header_value("Origin") == "http://" + request.get_header_value("Host");
-}
-
 }  // namespace
 
 bool is_own_host(const std::string& host) {
@@ -149,8 +143,8 @@ bool is_own_host(const std::string& host) {
 }
 
 struct ViewServer::Implementation : httplib::Server {
-  Implementation(std::string served_at, std::uint16_t wanted_port, Answer answers, Answer acts)
-      : address(std::move(served_at)), answer(std::move(answers)), act(std::move(acts)) {
+  Implementation(std::string served_at, std::uint16_t wanted_port, Answer answers)
+      : address(std::move(served_at)), answer(std::move(answers)) {
     // The library's own options would let another program take the same port.
     set_socket_options([](socket_t socket) {
       const int yes = 1;
@@ -187,16 +181,13 @@ struct ViewServer::Implementation : httplib::Server {
 
   void respond(const httplib::Request& request, httplib::Response& response) const {
     ViewAnswer given;
-    const bool is_post = request.method == "POST" && act;
-    if (request.method != "GET" && !is_post) {
+    if (request.method != "GET") {
       given = {400, given.type, "GET alone\n"};
     } else if (!is_own_host(request.get_header_value("Host")) || !request.has_header("Host")) {
       given = {403, given.type,
                "asked for by a name that is not this computer's; use its address\n"};
-    } else if (is_post && !is_from_own_page(request)) {
-      given = {403, given.type, "asked for by the page of another site\n"};
     } else {
-      given = is_post ? act(request.target) : answer(request.target);
+      given = answer(request.target);
     }
     response.status = given.status;
     if (given.body.empty()) return;
@@ -222,15 +213,13 @@ struct ViewServer::Implementation : httplib::Server {
 
   std::string address;
   Answer answer;
-  Answer act;
   int port = 0;
   Connections connections;
   std::thread listener;
 };
 
-ViewServer::ViewServer(const std::string& address, std::uint16_t port, Answer answer, Answer act)
-    : implementation_(
-          std::make_unique<Implementation>(address, port, std::move(answer), std::move(act))) {}
+ViewServer::ViewServer(const std::string& address, std::uint16_t port, Answer answer)
+    : implementation_(std::make_unique<Implementation>(address, port, std::move(answer))) {}
 
 ViewServer::~ViewServer() = default;
 

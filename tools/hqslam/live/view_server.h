@@ -19,12 +19,10 @@ struct ViewAnswer {
 /// read the map.
 bool is_own_host(const std::string& host);
 
-/// Serves a page to browsers: GET, and POST from that page or from a program; one request per
-/// connection, up to kMostConnections side by
+/// Serves a page to browsers: GET alone, one request per connection, up to kMostConnections side by
 /// side; one more ends the one that has been silent for longest. A connection has 3 s without a
 /// byte, 30 s and 8,192 bytes of request in all. Its threads give way to all others. No file can be
-/// asked for: every answer is `answer`'s, or that
-/// of `act` to POST.
+/// asked for: every answer is `answer`'s.
 class ViewServer {
  public:
   static constexpr std::size_t kMostConnections = 32;
@@ -32,9 +30,8 @@ class ViewServer {
   /// Answers the request for a target such as "/state"; called by several threads at once.
   using Answer = std::function<ViewAnswer(const std::string& target)>;
 
-  /// address: IPv4, "127.0.0.1" for this computer alone. port 0: any free one. act: nothing is
-  /// posted without it. Throws Error.
-  ViewServer(const std::string& address, std::uint16_t port, Answer answer, Answer act = {});
+  /// address: IPv4, "127.0.0.1" for this computer alone. port 0: any free one. Throws Error.
+  ViewServer(const std::string& address, std::uint16_t port, Answer answer);
   ~ViewServer();
   ViewServer(const ViewServer&) = delete;
   ViewServer& operator=(const ViewServer&) = delete;

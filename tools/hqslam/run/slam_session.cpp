@@ -55,14 +55,6 @@ SlamRun& SlamSession::run_so_far() {
   return run_;
 }
 
-SlamRun SlamSession::so_far(bool save_map) {
-  SlamRun run = run_so_far();
-  run.submap_of_scan = pipeline_.submap_of_scan();
-  run.largest_submap = largest_submap(run);
-  if (save_map) run.saved_map = pipeline_.saved_map();
-  return run;
-}
-
 std::size_t SlamSession::submaps() const {
   const std::vector<std::size_t> submaps = pipeline_.submap_of_scan();
   return std::set<std::size_t>(submaps.begin(), submaps.end()).size();

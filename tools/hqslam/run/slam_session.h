@@ -25,8 +25,6 @@ class SlamSession {
                       slam::ScanTrace* trace = nullptr);
   /// The run so far, with its trajectory and its segments.
   SlamRun& run_so_far();
-  /// The run so far as maps are made of it. save_map: with a map for later drives. Throws Error.
-  SlamRun so_far(bool save_map);
   /// The run so far without its trajectory and its map.
   SlamRun& run() { return run_; }
   /// Of the last scan.

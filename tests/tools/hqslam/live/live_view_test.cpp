@@ -206,28 +206,6 @@ TEST_CASE("a page of another site, whose name leads here, is told nothing") {
   }
 }
 
-TEST_CASE("its own page and programs may post, the page of another site may not") {
-  int posts = 0;
-  const auto nothing = [](const std::string&) { return ViewAnswer(); };
-  const ViewServer server("127.0.0.1", 0, nothing, [&](const std::string& target) {
-    ++posts;
-    return ViewAnswer{202, "text/plain", target};
-  });
-  const auto post = [&](const std::string& host, const std::string& origin) {
-    return answer_to(server.url(),
-                     fmt::format("POST /maps HTTP/1.1\r\nHost: {}\r\n{}\r\n", host, origin));
-  };
-  CHECK(post("localhost:8642", "").ends_with("/maps"));
-  CHECK(post("localhost:8642", "Origin: http://localhost:8642\r\n").starts_with("HTTP/1.1 202"));
-  CHECK(posts == 2);
-  for (const char* origin : {"http://evil.example", "http://localhost", "null"}) {
-    CHECK(
-        post("localhost:8642", fmt::format("Origin: {}\r\n", origin)).starts_with("HTTP/1.1 403"));
-  }
-  CHECK(post("evil.example", "Origin: http://evil.example\r\n").starts_with("HTTP/1.1 403"));
-  CHECK(posts == 2);
-}
-
 TEST_CASE("clients that say nothing, or do not read, keep nobody from the page") {
   const ViewServer server("127.0.0.1", 0, [](const std::string&) {
     return ViewAnswer{200, "text/plain", std::string(1'000'000, 'x')};
