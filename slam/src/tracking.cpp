@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "map/choice_of_start.h"
 #include "slam_implementation.h"
 
 namespace hqslam::slam {
@@ -128,6 +129,10 @@ State Slam::Implementation::tracked(Tracking last, const Registered& found, cons
   } else {
     drift.grow(motion, found.state, found.inertial && inertial_check.is_proven());
   }
+  const bool is_known = is_precise(found.state);
+  if (drift.inherit(found.against_map, is_known)) {
+    notes.report.covariance = drift.covariance(Pose::Identity(), found.against_map);
+  }
   last.reference = reference_of(scan, found.state, found.against_map, notes.report, found.inertial);
   if (last.reference.inertial) {
     gravity_window.add({scan.stamp_s, found.state.T_map_sensor},
@@ -143,6 +148,7 @@ State Slam::Implementation::tracked(Tracking last, const Registered& found, cons
                last.usual_close_ratio + kForgotten * (last.close_ratio - last.usual_close_ratio));
   if (!place_recognition && is_keyframe(last, found.state.T_map_sensor)) {
     add_keyframe(scan, found.state.velocity, false, notes);
+    if (!is_known) drift.add_uncertain_keyframe(found.against_map);
   }
   return last;
 }

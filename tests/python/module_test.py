@@ -245,6 +245,13 @@ class Slam(unittest.TestCase):
 
 
 class Pipeline(unittest.TestCase):
+    def test_computes_as_many_rows_as_a_spacing_needs(self):
+        spacing_rad = np.deg2rad(1.2)
+        pipeline = hqslam.Pipeline(SENSOR, WEIGHTS, spacing_rad=spacing_rad)
+        upsampler = hqslam.Upsampler(WEIGHTS, SENSOR, spacing_rad=spacing_rad)
+        self.assertEqual(pipeline.sensor, upsampler.sensor)
+        self.assertEqual(upsampler.sensor.rows, 31)  # one between two rows of the OS1-16's
+
     def test_upsamples_a_recordings_scans_and_locates_them(self):
         recording = hqslam.open_recording(RECORDING)
         pipeline = hqslam.Pipeline(recording.sensor, "du-mix-memory")

@@ -101,7 +101,19 @@ Matrix6 Drift::against_map(const MotionState& state) const {
 
 Vector6 Drift::shake() const { return six(kShakeAlong, kShakeAbout).cwiseProduct(jolts_); }
 
-void Drift::move(const Pose& motion) { state_ = carried(state_, motion); }
+void Drift::move(const Pose& motion) {
+  state_ = carried(state_, motion);
+  if (uncertain_keyframe_) uncertain_keyframe_ = carried(*uncertain_keyframe_, motion);
+}
+
+bool Drift::inherit(const Matrix6& against_map, bool is_known) {
+  if (!uncertain_keyframe_) return false;
+  const Matrix6 feigned = growth(against_map, *uncertain_keyframe_, Pose::Identity());
+  state_.unmeasured += feigned;
+  *uncertain_keyframe_ -= feigned;
+  if (is_known) uncertain_keyframe_.reset();
+  return true;
+}
 
 void Drift::grow(const Pose& motion, const MotionState& state, bool is_levelled) {
   move(motion);
@@ -126,6 +138,7 @@ void Drift::lose(const Matrix6& against_map, bool is_carried) {
   state_.unmeasured += against_map;
   state_.is_anywhere = state_.is_anywhere || is_carried;
   velocity_.reset();
+  uncertain_keyframe_.reset();
 }
 
 DriftState improved(const DriftState& later, const DriftImprovement& earlier, const Pose& motion,

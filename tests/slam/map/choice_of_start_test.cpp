@@ -29,7 +29,7 @@ TEST_CASE("a gain of less than a tenth is none, however many planes are close") 
 
 TEST_CASE("any fit is better than too few features") {
   slam::MappingResult nothing;
-  nothing.status = Status::kTooFewFeatures;
+  nothing.status = slam::Status::kTooFewFeatures;
   CHECK(slam::fits_better(fit(40, 500), nothing));
   CHECK_FALSE(slam::fits_better(nothing, fit(0, 500)));
 }

@@ -28,7 +28,7 @@ pipeline::SlamKind slam_kind(const std::string& slam) {
 
 void make_pipeline(Pipeline* self, const SensorModel& sensor, const std::filesystem::path& upsample,
                    const std::string& slam, const Options& given, const slam::SavedMap* map,
-                   const std::optional<Matrix4>& T_map_level_start, int rows,
+                   const std::optional<Matrix4>& T_map_level_start, int rows, double spacing_rad,
                    std::optional<float> least_confidence, int threads, bool loop_closing) {
   if (T_map_level_start && map == nullptr) {
     throw Error(
@@ -38,6 +38,7 @@ void make_pipeline(Pipeline* self, const SensorModel& sensor, const std::filesys
   pipeline::PipelineOptions options;
   options.upsampling.method = upsample.string();
   options.upsampling.rows = rows;
+  options.upsampling.spacing_rad = spacing_rad;
   options.upsampling.network.threads = threads;
   options.upsampling.network.least_confidence = least_confidence;
   options.slam = slam_kind(slam);
@@ -98,13 +99,15 @@ void add_pipeline(nb::module_& module) {
       .def(
           "__init__", &make_pipeline, "sensor"_a, "upsample"_a = "", nb::kw_only(),
           "slam"_a = "hqslam", "options"_a = Options(), "map"_a = nb::none(),
-          "T_map_level_start"_a = nb::none(), "rows"_a = 0, "least_confidence"_a = nb::none(),
-          "threads"_a = 0, "loop_closing"_a = true,
+          "T_map_level_start"_a = nb::none(), "rows"_a = 0, "spacing_rad"_a = 0.0,
+          "least_confidence"_a = nb::none(), "threads"_a = 0, "loop_closing"_a = true,
           "sensor: of the scans. upsample: a weights file, the name of weights that come with "
           "hqslam (du-mix) or an interpolation; '': none. slam: hqslam or lego-loam. options: "
           "values by the names that `hqslam slam-options` lists. map: scans are located in it, and "
           "it stays as it is; T_map_level_start, (4, 4): the first pose in it. rows: how many rows "
-          "are used as measured, 0: all, or the network's. least_confidence: computed pixels with "
+          "are used as measured, 0: all, or the network's. spacing_rad: widest gap between two "
+          "rows of the result, with weights for any sensor; 0: 64 rows. least_confidence: computed "
+          "pixels with "
           "less come out empty, 0 to 1. threads: 0, all. Raises Error.")
       .def("process", &process_recorded, "scan"_a, "trace"_a = nb::none(),
            "Locates a scan of a recording, with its inertial samples. trace: a dict that is filled "

@@ -52,11 +52,11 @@ nn::UpsampledImage run(Resolver& resolver, const ImageInput& range_m, const Trac
 }
 
 void make_upsampler(Upsampling* self, const std::filesystem::path& method,
-                    const std::optional<SensorModel>& sensor, int measured_rows, int threads,
-                    std::optional<float> least_confidence) {
+                    const std::optional<SensorModel>& sensor, int measured_rows, double spacing_rad,
+                    int threads, std::optional<float> least_confidence) {
   if (method.empty()) throw Error("Upsampler: expected weights or an interpolation, found ''");
   const nb::gil_scoped_release others_go_on;
-  pipeline::UpsamplingOptions options{method.string(), measured_rows};
+  pipeline::UpsamplingOptions options{method.string(), measured_rows, spacing_rad};
   options.network.threads = threads;
   options.network.least_confidence = least_confidence;
   new (self)
@@ -120,11 +120,14 @@ void add_upsampling(nb::module_& module) {
   nb::class_<Upsampling>(module, "Upsampler",
                          "Fills the rows between the measured ones: a network or interpolation.")
       .def("__init__", &make_upsampler, "method"_a, "sensor"_a = nb::none(), nb::kw_only(),
-           "measured_rows"_a = 0, "threads"_a = 0, "least_confidence"_a = nb::none(),
+           "measured_rows"_a = 0, "spacing_rad"_a = 0.0, "threads"_a = 0,
+           "least_confidence"_a = nb::none(),
            "method: a weights file, the name of weights that come with hqslam (du-mix), or "
            "nearest, linear or inverse. sensor: of the recorded scans, with all rows or the "
            "measured ones alone; none: that of the weights. measured_rows: how many of its rows "
-           "are measured; 0: as the weights have it, or every fourth. threads, least_confidence: "
+           "are measured; 0: as the weights have it, or every fourth. spacing_rad: widest gap "
+           "between two rows of the result, with weights for any sensor; 0: 64 rows. threads, "
+           "least_confidence: "
            "as SuperResolver. Raises Error.")
       .def(
           "run",
