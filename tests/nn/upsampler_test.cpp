@@ -37,16 +37,4 @@ TEST_CASE("an upsampler of a network alone is one for the network's own sensor")
   CHECK_FALSE(four.measured_rows);
 }
 
-TEST_CASE("an interpolating upsampler puts rows between the measured ones and leaves those alone") {
-  Upsampler upsampler(Interpolation::kLinear, sensor_preset("os1-64"), {3, 4});
-  RangeImage measured(16, 1024);
-  measured.at(0, 5) = 10.0F;
-  measured.at(1, 5) = 14.0F;
-  const RangeImage image = upsampler.run(measured).image;
-  CHECK(image.rows == 64);
-  CHECK(image.at(3, 5) == 10.0F);
-  CHECK(image.at(4, 5) == doctest::Approx(11.0));
-  CHECK(image.at(7, 5) == 14.0F);
-}
-
 }  // namespace hqslam::nn
