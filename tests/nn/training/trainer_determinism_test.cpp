@@ -1,26 +1,20 @@
-#include <omp.h>
-
 #include "made_images.h"
 #include "small_training.h"
 
 namespace hqslam::nn {
 
-TEST_CASE("one, two and three threads train the same bytes") {
+TEST_CASE("one, two and three threads train the same bytes, another seed others") {
   for (const HqsPlan& description : {filtered_du_or(), simple_du_with_dropout()}) {
     const TrainingState one = trained(description, 6, 1);
     check_same(one, trained(description, 6, 2));
     check_same(one, trained(description, 6, 3));
     CHECK(one.parameters != fresh_state(description).parameters);
+    TrainingPlan plan = small_plan();
+    plan.seed = 2;
+    Trainer other = small_trainer(description, 1, plan);
+    train(other, 6);
+    CHECK(other.state().parameters != one.parameters);
   }
-}
-
-TEST_CASE("a training inside a parallel region of the caller's trains the same bytes") {
-  const HqsPlan description = simple_du_with_dropout();
-  const TrainingState alone = trained(description, 3, 1);
-  std::vector<TrainingState> of_team(2, alone);
-#pragma omp parallel num_threads(2)
-  of_team[omp_get_thread_num()] = trained(description, 3, 1 + omp_get_thread_num());
-  for (const TrainingState& state : of_team) check_same(state, alone);
 }
 
 TEST_CASE("a training that stopped and went on gives the same bytes as one that never stopped") {
@@ -76,15 +70,6 @@ TEST_CASE("a network for any beams is trained and validated on scans of several 
   wide.sensor->sensor.columns = 64;
   Trainer trainer(description, plan, in_memory({usual, wide}), fresh_state(description), 1);
   CHECK(test::refused_with([&] { train(trainer, 4); }, "8 x 128", "8 x 64"));
-}
-
-TEST_CASE("another seed trains other bytes") {
-  const HqsPlan description = small_du_or();
-  TrainingPlan plan = small_plan();
-  plan.seed = 2;
-  Trainer trainer = small_trainer(description, 1, plan);
-  train(trainer, 2);
-  CHECK(trainer.state().parameters != trained(description, 2, 1).parameters);
 }
 
 TEST_CASE("every step draws samples of its own") {
