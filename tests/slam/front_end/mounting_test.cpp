@@ -39,20 +39,6 @@ TEST_CASE("a level sensor's scan is left as it is, and so are its poses, bit for
   CHECK(mounting.of_sensor(T).matrix() == T.matrix());
 }
 
-TEST_CASE("points of a tilted sensor are right in the level frame") {
-  const SensorModel sensor = test::small_sensor(8, 64);
-  const OrganizedCloud cloud = leaning_scan(sensor, 0.1, 0.3);
-  const auto level = slam::Mounting(mounted(0.1, 0.3), sensor).level(cloud);
-  REQUIRE(level.has_value());
-  int floor = 0;
-  for (std::size_t i = 0; i < cloud.range_m.size(); ++i) {
-    CHECK(level->range_m[i] == cloud.range_m[i]);
-    if (std::abs(level->points_m[i].z() + 1.7F) < 1e-4F) ++floor;
-    CHECK(level->points_m[i].z() > -1.7F - 1e-4F);
-  }
-  CHECK(floor > 100);
-}
-
 TEST_CASE("a scan upside down becomes one of an upright sensor: rows and columns from behind") {
   SensorModel sensor = test::small_sensor(8, 64);
   sensor.measured_rows = RowSelection{1, 3};  // rows 1, 4, 7

@@ -1,11 +1,8 @@
 #include "hqslam/slam/occupancy_grid.h"
 
-#include <omp.h>
-
 #include "hqslam/core/angles.h"
 #include "slam/yard_drive.h"
 #include "testing.h"
-#include "thread_limit.h"
 
 using namespace hqslam;
 using namespace hqslam::slam;
@@ -116,38 +113,13 @@ TEST_CASE("a parked car is in the map, one that drove away is not") {
   CHECK(share(left, {5.5, -7.5}, {10.5, -4.7}, Occupancy::kFree) > 0.8);
 }
 
-TEST_CASE("the same scans give the same map, in any order and with any number of threads") {
+TEST_CASE("the same scans give the same map in any order") {
   const OccupancyMap map = yard_map();
   const OccupancyMap backwards = yard_map(std::nullopt, true);
-  const ThreadLimit limit(omp_get_max_threads() == 1 ? 2 : 1);
-  const OccupancyMap other = yard_map();
-  for (const OccupancyMap* same : {&backwards, &other}) {
-    CHECK(same->rows == map.rows);
-    CHECK(same->columns == map.columns);
-    CHECK(same->origin_m == map.origin_m);
-    CHECK(same->cells == map.cells);
-  }
-}
-
-TEST_CASE("a sensor that hangs upside down makes the same map") {
-  const SensorModel sensor = small_sensor();
-  SensorModel hanging = sensor;
-  std::ranges::reverse(hanging.beam_elevation_rad);
-  for (double& elevation_rad : hanging.beam_elevation_rad) elevation_rad = -elevation_rad;
-  const Pose turn(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()));
-  OccupancyGrid upright({});
-  OccupancyGrid upside_down({});
-  const Pose T_map_sensor = yard_pose(0, 0, 0);
-  upright.add_ground(Yard().scan(sensor, T_map_sensor), sensor, SensorPath(T_map_sensor));
-  upright.see_through(Yard().scan(sensor, T_map_sensor), SensorPath(T_map_sensor));
-  const SensorPath path(T_map_sensor * turn);
-  upside_down.add_ground(Yard().scan(hanging, T_map_sensor * turn), hanging, path);
-  upside_down.see_through(Yard().scan(hanging, T_map_sensor * turn), path);
-  const auto free_m2 = [](const OccupancyMap& map) {
-    return 0.01 * static_cast<double>(std::ranges::count(map.cells, Occupancy::kFree));
-  };
-  CHECK(free_m2(upright.map()) > 100.0);
-  CHECK(free_m2(upside_down.map()) == doctest::Approx(free_m2(upright.map())).epsilon(0.02));
+  CHECK(backwards.rows == map.rows);
+  CHECK(backwards.columns == map.columns);
+  CHECK(backwards.origin_m == map.origin_m);
+  CHECK(backwards.cells == map.cells);
 }
 
 TEST_CASE("wrong options, scans of another sensor and drives without ground are one line") {
