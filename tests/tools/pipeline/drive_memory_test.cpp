@@ -46,13 +46,10 @@ TEST_CASE("the poses of a scan's columns follow the times of its points, whereve
       CHECK(std::abs(poses[column].translation().x() - expected_m) < 0.004);
     }
   }
-}
-
-TEST_CASE("a scan that was corrected for motion has one pose") {
   SensorModel sensor = sensor_preset("os1-64");
   sensor.measured_rows = RowSelection{3, 4};
-  const OrganizedCloud cloud(16, sensor.columns);
-  CHECK(column_poses(slam::SensorPath(Pose::Identity()), cloud, sensor).size() == 1);
+  const OrganizedCloud corrected(16, sensor.columns);  // for motion: it has one pose
+  CHECK(column_poses(slam::SensorPath(Pose::Identity()), corrected, sensor).size() == 1);
 }
 
 TEST_CASE("without looking ahead a scan recalls those before it, also of a sensor that stands") {
