@@ -40,12 +40,6 @@ Trajectory an_estimate() {
   return trajectory;
 }
 
-Trajectory moved(const Trajectory& trajectory, const Pose& T_new_old) {
-  Trajectory result = trajectory;
-  for (StampedPose& pose : result) pose.T_map_sensor = T_new_old * pose.T_map_sensor;
-  return result;
-}
-
 Trajectory with_stamps(const std::vector<double>& stamps_s) {
   Trajectory trajectory;
   for (const double stamp_s : stamps_s) trajectory.push_back({stamp_s, Pose::Identity()});
@@ -125,8 +119,9 @@ TEST_CASE("a straight line and a standing sensor are aligned by their orientatio
   }
   const Pose T = pose_from_xyz_rpy({3, 2, 1}, 1.0, 0.5, -2.0);
   for (const Trajectory& trajectory : {line, standing}) {
-    const AbsolutePoseError error =
-        absolute_pose_error(moved(trajectory, T), trajectory, Alignment::kSe3);
+    Trajectory moved = trajectory;
+    for (StampedPose& pose : moved) pose.T_map_sensor = T * pose.T_map_sensor;
+    const AbsolutePoseError error = absolute_pose_error(moved, trajectory, Alignment::kSe3);
     CHECK(error.translation_statistics.max < 1e-6);
     CHECK(error.rotation_statistics.max < 1e-6);
   }

@@ -19,12 +19,6 @@ RangeImage random_image(const SensorModel& sensor, unsigned seed) {
   return image;
 }
 
-Scan scan_of(const OrganizedCloud& cloud, bool with_rows) {
-  Scan scan = returns_of(cloud);
-  if (!with_rows) scan.row.clear();
-  return scan;
-}
-
 }  // namespace
 
 TEST_CASE("project inverts unproject for every preset, with rows given or found by elevation") {
@@ -33,7 +27,9 @@ TEST_CASE("project inverts unproject for every preset, with rows given or found 
     const RangeImage image = random_image(sensor, 7);
     const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kRolling);
     for (const bool with_rows : {true, false}) {
-      const auto projected = project(scan_of(cloud, with_rows), sensor);
+      Scan scan = returns_of(cloud);
+      if (!with_rows) scan.row.clear();
+      const auto projected = project(scan, sensor);
       CAPTURE(name);
       CHECK(projected.counts.outside_rows == 0);
       CHECK(projected.counts.hidden_by_nearer == 0);

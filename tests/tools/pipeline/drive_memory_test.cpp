@@ -61,9 +61,7 @@ TEST_CASE("without looking ahead a scan recalls those before it, also of a senso
   const OrganizedCloud measured = unproject(test::flat_image(16, sensor.columns, 10.0F),
                                             select_rows(sensor, {3, 4}), CaptureTime::kRolling);
   ScanPoses poses;
-  for (int scan = 0; scan < 30; ++scan) {
-    poses.trajectory.push_back({0.1 * scan, Pose::Identity()});
-  }
+  for (int scan = 0; scan < 30; ++scan) poses.trajectory.push_back({0.1 * scan, Pose::Identity()});
   LookAheadMemory memory(&upsampler, poses, /*looks_ahead=*/false);
   CHECK(memory.look_ahead_scans() == 0);
   for (int scan = 0; scan < 30; ++scan) {
