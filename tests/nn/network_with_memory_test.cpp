@@ -13,6 +13,7 @@ TEST_CASE("a memory takes whole tiles of rows, the last of each of which is meas
   CHECK(test::refused_with([] { small_any_beams({7, 8}, true); }, "tile.rows", "2 to 4"));
   CHECK(has_scan_memory(network_from_json(network_json(small_du_mix_with_memory()), "file")));
   CHECK_FALSE(has_scan_memory(small_du_mix()));
+  CHECK(network_json(small_du_mix()).find("scan_memory") == std::string::npos);
 }
 
 TEST_CASE("what is recalled changes computed pixels alone, the same with any number of threads") {

@@ -114,10 +114,15 @@ TEST_CASE("a file that is no stack of range images is refused in one line that s
   refuses(npy_stack_of("'<f4'", "(2, 3)", data), "(N, rows, columns)", "(2, 3)");
   refuses(npy_stack_of("'<f4'", "(2, 0, 3)", data), "(2, 0, 3)");
   refuses(npy_stack_of("[('x', '<f4')]", "(6,)", data), "structures");
+  // No dictionary of the three keys.
   for (const char* dictionary :
-       {"{'descr': '<f4'", "{'descr': '<f4', 'fortran_order': False}",
-        "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 1, 1), 'x': 1}"}) {
-    refuses(npy_stack(dictionary, data), "damaged .npy header", "expected");
+       {"", "{", "{}", "{'descr': '<f4'", "{'descr': '<f4', 'fortran_order': False}",
+        "{'descr': '<f4', 'descr': '<f4', 'fortran_order': False, 'shape': (1, 1, 1)}",
+        "{'descr': '<f4', 'fortran_order': 1, 'shape': (1, 1, 1)}",
+        "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 1, 1)} more",
+        "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 1, 1), 'x': 1}",
+        "{'descr': '<f4', 'fortran_order': False, 'shape': [1, 1, 1]}", "{'descr"}) {
+    refuses(npy_stack(dictionary, data), "scans.npy", "damaged .npy header", "expected");
   }
 }
 

@@ -1,3 +1,5 @@
+#include <omp.h>
+
 #include "made_images.h"
 #include "small_training.h"
 
@@ -15,6 +17,15 @@ TEST_CASE("one, two and three threads train the same bytes, another seed others"
     train(other, 6);
     CHECK(other.state().parameters != one.parameters);
   }
+}
+
+TEST_CASE("a training inside a parallel region of the caller's trains the same bytes") {
+  const HqsPlan description = simple_du_with_dropout();
+  const TrainingState alone = trained(description, 3, 1);
+  std::vector<TrainingState> of_team(2, alone);
+#pragma omp parallel num_threads(2)
+  of_team[omp_get_thread_num()] = trained(description, 3, 1 + omp_get_thread_num());
+  for (const TrainingState& state : of_team) check_same(state, alone);
 }
 
 TEST_CASE("a training that stopped and went on gives the same bytes as one that never stopped") {

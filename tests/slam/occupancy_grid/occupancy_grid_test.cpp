@@ -122,6 +122,27 @@ TEST_CASE("the same scans give the same map in any order") {
   CHECK(backwards.cells == map.cells);
 }
 
+TEST_CASE("a sensor that hangs upside down makes the same map") {
+  const SensorModel sensor = small_sensor();
+  SensorModel hanging = sensor;
+  std::ranges::reverse(hanging.beam_elevation_rad);
+  for (double& elevation_rad : hanging.beam_elevation_rad) elevation_rad = -elevation_rad;
+  const Pose turn(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()));
+  OccupancyGrid upright({});
+  OccupancyGrid upside_down({});
+  const Pose T_map_sensor = yard_pose(0, 0, 0);
+  upright.add_ground(Yard().scan(sensor, T_map_sensor), sensor, SensorPath(T_map_sensor));
+  upright.see_through(Yard().scan(sensor, T_map_sensor), SensorPath(T_map_sensor));
+  const SensorPath path(T_map_sensor * turn);
+  upside_down.add_ground(Yard().scan(hanging, T_map_sensor * turn), hanging, path);
+  upside_down.see_through(Yard().scan(hanging, T_map_sensor * turn), path);
+  const auto free_m2 = [](const OccupancyMap& map) {
+    return 0.01 * static_cast<double>(std::ranges::count(map.cells, Occupancy::kFree));
+  };
+  CHECK(free_m2(upright.map()) > 100.0);
+  CHECK(free_m2(upside_down.map()) == doctest::Approx(free_m2(upright.map())).epsilon(0.02));
+}
+
 TEST_CASE("wrong options, scans of another sensor and drives without ground are one line") {
   CHECK(refused_with([] { OccupancyGrid grid({.resolution_m = 0.0}); }, "resolution_m"));
   for (const double highest_m : {0.2, std::nan("")}) {
