@@ -1,5 +1,6 @@
 #include "hqslam/nn/upsampler.h"
 
+#include "hqslam/nn/interpolation.h"
 #include "small_network.h"
 #include "testing.h"
 
@@ -7,10 +8,17 @@ namespace hqslam::nn {
 
 using namespace hqslam::test;
 
-TEST_CASE("every interpolation has a name that leads back to it") {
+TEST_CASE("every interpolation has a name that leads back to it, and is what its upsampler does") {
+  const SensorModel sensor = sensor_preset("os1-64");
+  RangeImage measured(16, 1024);
+  measured.at(0, 5) = 10.0F;
+  measured.at(1, 5) = 14.0F;
   for (const std::string& name : interpolation_names()) {
     CHECK(is_interpolation(name));
-    const Upsampler upsampler(interpolation_from_name(name), sensor_preset("os1-64"), {3, 4});
+    const Interpolation interpolation = interpolation_from_name(name);
+    Upsampler upsampler(interpolation, sensor, {3, 4});
+    CHECK(upsampler.run(measured).image.range_m ==
+          interpolate_rows(measured, {3, 4}, sensor.beam_elevation_rad, interpolation).range_m);
     CHECK(upsampler.name() == name);
     CHECK(upsampler.network() == nullptr);
   }
