@@ -131,7 +131,8 @@ void check_network(const GradientProblem& p, int each) {
 }  // namespace
 
 // With a loss on the last layer alone the networks are held against PyTorch in hqs_loop_test.cpp.
-TEST_CASE("DU-OR and its gradients equal the reference, with a loss on several layers") {
+TEST_CASE(
+    "DU-OR, Simple DU and their gradients equal the reference, with a loss on several layers") {
   HqsPlan three_levels = small_du_or();  // with other tiles
   three_levels.layers = 2;
   three_levels.u_shaped = {
@@ -143,6 +144,7 @@ TEST_CASE("DU-OR and its gradients equal the reference, with a loss on several l
   HqsPlan filtered = small_du_or();
   filtered.filter.min_pixels = 12;
   check_network(problem(filtered, 32, 24, 3), 2);
+  check_network(problem(small_simple_du(), 32, 26, 3), 3);
 }
 
 TEST_CASE("the same holds for every choice that a recipe has of the loop") {
@@ -173,10 +175,6 @@ TEST_CASE(
   CHECK(penalties[0] == 0.0F);
   CHECK(penalties[1] != 0.0F);
   CHECK(penalties[2] != 0.0F);
-}
-
-TEST_CASE("Simple DU and its gradients equal the reference, with a loss on all layers") {
-  check_network(problem(small_simple_du(), 32, 26, 3), 3);
 }
 
 }  // namespace hqslam::nn

@@ -66,8 +66,18 @@ TEST_CASE("descriptions that describe no network are refused with the field and 
       {du_or, [](HqsPlan& d) { d.u_shaped.memory = 513; }, "memory is 513"},
       {small_simple_du(), [](HqsPlan& d) { d.plain.features = 0; }, "features is 0"},
       {du_or, [](HqsPlan& d) { d.sensor.columns = 0; }},
-      {du_or, [](HqsPlan& d) { d.u_shaped.channels = {}; }},
+      {du_or, [](HqsPlan& d) { d.u_shaped.channels = {}; }, "0 levels"},
+      {du_or, [](HqsPlan& d) { d.u_shaped.channels = {5}; }, "1 levels, expected 2 to 5"},
+      {du_or, [](HqsPlan& d) { d.u_shaped.channels.assign(6, 2); }, "6 levels"},
       {du_or, [](HqsPlan& d) { d.u_shaped.channels.assign(100, 2); }},
+      {du_or, [](HqsPlan& d) { d.u_shaped.channels[1] = 0; }, "channels is 0"},
+      {du_or, [](HqsPlan& d) { d.u_shaped.tile.rows = 0; }, "tile.rows is 0"},
+      {du_or, [](HqsPlan& d) { d.u_shaped.memory = -1; }, "memory is -1"},
+      {du_or, [](HqsPlan& d) { d.u_shaped.negative_slope = 1.5F; }, "negative_slope is 1.5"},
+      {small_simple_du(), [](HqsPlan& d) { d.plain.convolutions = 1; }, "convolutions is 1"},
+      {small_simple_du(), [](HqsPlan& d) { d.plain.dropout = 1.0F; }, "dropout is 1"},
+      {small_simple_du(), [](HqsPlan& d) { d.plain.dropout = -0.1F; }, "dropout is -0.1"},
+      {small_simple_du(), [](HqsPlan& d) { d.plain.dropout = std::nanf(""); }, "dropout is nan"},
       {du_or, [](HqsPlan& d) { d.u_shaped.channels[1] = 2'000'000'000; }},
       {du_or, [](HqsPlan& d) { d.u_shaped.memory = 2'000'000'000; }},
       {du_or, [](HqsPlan& d) { d.u_shaped.tile.rows = d.u_shaped.tile.columns = 1 << 20; }},
@@ -79,6 +89,7 @@ TEST_CASE("descriptions that describe no network are refused with the field and 
       {{0, 2'000'000'000}, "no selection"},
       {{0, 0}, "no selection"},
       {{0, 1}, "all 16 rows of sensor 'small' are measured"}};
+  CHECK(test::refused_with([] { validate(NetworkDescription{}); }, "architecture"));
   for (const auto& [rows, said] : no_rows) {
     HqsPlan plan = du_or;
     plan.measured_rows = rows;
@@ -161,10 +172,6 @@ TEST_CASE("networks that take gigabytes are refused, the usual ones on large ima
   du_or.u_shaped.channels = {1, 1};
   du_or.u_shaped.memory = 512;
   CHECK(test::one_line_with(message(du_or), "128 x 2048", "values"));
-}
-
-TEST_CASE("a description without an architecture is none") {
-  CHECK(test::refused_with([] { validate(NetworkDescription{}); }, "architecture"));
 }
 
 }  // namespace hqslam::nn

@@ -82,35 +82,30 @@ TEST_CASE("images may have any number of columns that the strides divide, down t
   }
 }
 
-TEST_CASE("no columns, more than the sensor has and another number of parameters are refused") {
+TEST_CASE(
+    "columns, threads, instruction sets and parameters that a network cannot have are refused") {
   for (const NetworkDescription& description : every_kind()) {
-    for (const int columns : {0, 128}) {
+    const auto refuses = [&](int columns, int instruction_set, int threads, const auto&... parts) {
       CHECK(test::refused_with(
-          [&] { make_network(description, columns, chosen_instruction_set(), 1); },
-          std::to_string(columns) + " columns", "1 to 64"));
+          [&] {
+            make_network(description, columns, static_cast<InstructionSet>(instruction_set),
+                         threads);
+          },
+          parts...));
+    };
+    const int chosen = static_cast<int>(chosen_instruction_set());
+    const int beyond_all = static_cast<int>(InstructionSet::kAvx512) + 1;
+    refuses(0, chosen, 1, "0 columns", "1 to 64");
+    refuses(128, chosen, 1, "128 columns", "1 to 64");
+    refuses(64, beyond_all, 1, "instruction set", "portable");
+    for (const int threads : {-1, 0, 1025, 1 << 30}) {
+      refuses(64, chosen, threads, "threads is " + std::to_string(threads), "1 to 1024");
     }
     std::vector<float> parameters = initial_parameters(description, 1);
     const std::string expected = std::to_string(parameters.size());
     parameters.pop_back();
     CHECK(test::refused_with([&] { made(description, parameters); },
                              std::to_string(parameters.size()), expected));
-  }
-}
-
-TEST_CASE("a network for an instruction set that the processor has not is refused in one line") {
-  const int beyond_all = static_cast<int>(InstructionSet::kAvx512) + 1;
-  for (const NetworkDescription& description : every_kind()) {
-    CHECK(test::refused_with(
-        [&] { make_network(description, 64, static_cast<InstructionSet>(beyond_all), 1); },
-        "instruction set", "portable"));
-  }
-}
-
-TEST_CASE("more than 1024 threads and fewer than one are refused") {
-  for (const int threads : {-1, 0, 1025, 1 << 30}) {
-    CHECK(test::refused_with(
-        [&] { make_network(small_du_or(), 64, chosen_instruction_set(), threads); },
-        "threads is " + std::to_string(threads), "1 to 1024"));
   }
 }
 

@@ -11,6 +11,9 @@ namespace hqslam::nn {
 TEST_CASE("a memory takes whole tiles of rows, the last of each of which is measured") {
   CHECK(test::refused_with([] { small_any_beams({0, 4}, true); }, "the last of every 4"));
   CHECK(test::refused_with([] { small_any_beams({7, 8}, true); }, "tile.rows", "2 to 4"));
+  CHECK(has_scan_memory(network_from_json(network_json(small_du_mix_with_memory()), "file")));
+  CHECK_FALSE(has_scan_memory(small_du_mix()));
+  CHECK(network_json(small_du_mix()).find("scan_memory") == std::string::npos);
 }
 
 TEST_CASE("what is recalled changes computed pixels alone, the same with any number of threads") {
@@ -45,14 +48,6 @@ TEST_CASE("a memory that begins with another network's weights begins as that ne
   };
   refuses(small_weights(description), plain);
   refuses(small_weights(small_du_or()), description);
-}
-
-TEST_CASE("the field scan_memory of a recipe and a weights file gives a network a memory") {
-  const NetworkDescription description = small_du_mix_with_memory();
-  CHECK(has_scan_memory(description));
-  CHECK(has_scan_memory(network_from_json(network_json(description), "file")));
-  CHECK_FALSE(has_scan_memory(small_du_mix()));
-  CHECK(network_json(small_du_mix()).find("scan_memory") == std::string::npos);
 }
 
 TEST_CASE("what is recalled in another shape is refused in one line") {

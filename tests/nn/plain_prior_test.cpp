@@ -99,15 +99,4 @@ TEST_CASE("with dropout the gradient is that of the activations that were left")
   CHECK(close >= 10);
 }
 
-TEST_CASE("plain denoisers of senseless shapes are refused") {
-  const auto message = [](const PlainPriorShape& shape) {
-    return test::error_message([&] { plain_prior(shape); });
-  };
-  CHECK(message({.features = 0}) != "no Error");
-  CHECK(message({.features = 4, .convolutions = 1}) != "no Error");
-  CHECK(test::one_line_with(message({.features = 4, .dropout = 1.0F}), "dropout is 1"));
-  CHECK(message({.features = 4, .dropout = -0.1F}) != "no Error");
-  CHECK(message({.features = 4, .dropout = std::nanf("")}) != "no Error");
-}
-
 }  // namespace hqslam::nn

@@ -95,9 +95,4 @@ TEST_CASE("a third prior is one file and one line: described, trained, written a
   CHECK_NOTHROW(check_self_test(read, path));
 }
 
-TEST_CASE("the sizes of a third prior are checked as those of the others are") {
-  CHECK(test::refused_with([] { network_with(R"({"kernel": 3, "features": 3})"); },
-                           "test: denoiser", "unknown field 'features'"));
-}
-
 }  // namespace hqslam::nn

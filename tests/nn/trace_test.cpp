@@ -30,9 +30,7 @@ HqsPlan shallow_du_or() {
 
 std::vector<std::string> names_of(const Trace& trace) {
   std::vector<std::string> names;
-  for (const TracedTensor& tensor : trace.tensors()) {
-    names.push_back(tensor.name);
-  }
+  for (const TracedTensor& tensor : trace.tensors()) names.push_back(tensor.name);
   return names;
 }
 
@@ -57,6 +55,7 @@ TEST_CASE("DU-OR's trace has every inner tensor by name, in its order") {
   CHECK(lower.unit.empty());
   CHECK(traced.trace.tensor("layers.1.h").unit == "m");
   CHECK(traced.trace.image("result").range_m == traced.upsampled.image.range_m);
+  CHECK(traced.trace.tensor("layers.1.penalty").values(0, 0, 0) == doctest::Approx(0.1));
   // The weights of a choice are a softmax, and Z is what they choose.
   const auto value = [&](const char* name, std::size_t i) {
     return traced.trace.tensor(name).all()[i];
@@ -73,22 +72,14 @@ TEST_CASE("Simple DU has no Y, DU-Mix has modes instead of a choice") {
   CHECK(simple.has("layers.2.convolution.3"));
   CHECK_FALSE(simple.has("layers.2.y"));
   CHECK_FALSE(simple.has("layers.2.rejected"));
+  // The penalties are what was learned.
+  CHECK(simple.tensor("layers.1.penalty").values(0, 0, 0) == doctest::Approx(0.5 / 10.99));
   const Trace mix = traced_run(small_du_mix()).trace;
   CHECK(names_of(mix) == std::vector<std::string>{
                              "measured", "start", "layers.0.h", "layers.0.encoder.0",
                              "layers.0.encoder.1", "layers.0.bottleneck.0", "layers.0.bottleneck.1",
                              "layers.0.decoder.0", "mode_1", "mode_2", "weight_1", "scale",
                              "probability", "layers.0.z", "confidence", "result"});
-}
-
-TEST_CASE("the penalty is what was learned") {
-  for (const HqsPlan& plan : {shallow_du_or(), small_simple_du()}) {
-    const Trace trace = traced_run(plan).trace;
-    for (int k = 0; k < plan.layers; ++k) {
-      CHECK(trace.tensor("layers." + std::to_string(k) + ".penalty").values(0, 0, 0) ==
-            doctest::Approx(plan.simple() ? 0.5 / 10.99 : 0.1));
-    }
-  }
 }
 
 TEST_CASE("a name that is none is refused with the nearest ones") {

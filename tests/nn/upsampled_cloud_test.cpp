@@ -157,9 +157,7 @@ TEST_CASE("a computed point is as late as the measured ones near it, and stays i
   const OrganizedCloud model = unproject(image, sensor, CaptureTime::kRolling);
   OrganizedCloud measured = select_rows(model, kMeasuredRows);
   constexpr float kLate_s = 0.03F;
-  for (float& time_s : measured.time_offset_s) {
-    time_s = std::remainder(time_s + kLate_s, 0.1F);
-  }
+  for (float& time_s : measured.time_offset_s) time_s = std::remainder(time_s + kLate_s, 0.1F);
   const OrganizedCloud cloud = upsampled_cloud({image, {}}, measured, kMeasuredRows, sensor);
   for (int column = 0; column < 16; ++column) {
     const float time_s = cloud.time_offset_s[cloud.index(2, column)];

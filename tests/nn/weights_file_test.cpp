@@ -76,7 +76,7 @@ TEST_CASE("weights of every network come back as they were written") {
   }
 }
 
-TEST_CASE("a changed weight is found by the self-test") {
+TEST_CASE("a changed weight is found by the self-test, and one of another shape is refused") {
   refuses_arrays(
       [](NpzArrays& arrays) {
         std::vector<float> bias = float_values(arrays["layers.2.head.bias"], "bias");
@@ -84,9 +84,6 @@ TEST_CASE("a changed weight is found by the self-test") {
         arrays["layers.2.head.bias"] = npz_array(bias, {static_cast<std::int64_t>(bias.size())});
       },
       "self-test", "differ");
-}
-
-TEST_CASE("a self-test of another shape is refused") {
   Weights weights = small_weights(small_du_or(), 7);
   weights.self_test.expected = RangeImage(15, 64);
   CHECK(refused_with([&] { check_self_test(weights, "a.npz"); }, "a.npz", "1024 pixels",

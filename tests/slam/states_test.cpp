@@ -383,12 +383,8 @@ TEST_CASE(
     "map it is not located") {
   SensorModel sensor = test::small_sensor(32, 512);
   sensor.scan_period_s = 0.5;
-  test::Yard room;
-  room.half_length_m = 10.0;
-  room.half_width_m = 6.0;
-  test::Yard other = room;
-  other.half_length_m += 0.3;
-  other.half_width_m += 1.0;
+  const test::Yard room{.half_length_m = 10.0, .half_width_m = 6.0};
+  const test::Yard other{.half_length_m = 10.3, .half_width_m = 7.0};
   const auto pose = [](int scan) {
     return test::yard_pose(-3.0 + 0.3 * scan, 0.0, 0.1 * (scan % 3));
   };
@@ -414,10 +410,7 @@ TEST_CASE(
 TEST_CASE("which quarter turn a hand made in a square room is not said to be known") {
   SensorModel sensor = test::small_sensor(32, 512);
   sensor.scan_period_s = 0.5;
-  test::Yard room;
-  room.half_length_m = 6.0;
-  room.half_width_m = 6.0;
-  room.pillars = false;
+  const test::Yard room{.half_length_m = 6.0, .half_width_m = 6.0, .pillars = false};
   for (const double turn_rad : {45.0 * kDegree_rad, -45.0 * kDegree_rad}) {
     slam::Slam slam(sensor);
     for (int scan = 0; scan < 6; ++scan) {

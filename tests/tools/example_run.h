@@ -37,9 +37,7 @@ inline TrajectoryFile example_reference(const SlamRun& run, double offset_m) {
   reference.poses = run.trajectory;
   reference.poses[run.trajectory.size() / 2].T_map_sensor.translation().y() += offset_m;
   const Pose T_world_map = pose_from_xyz_rpy({100.0, -50.0, 3.0}, 0.0, 0.0, 1.0);
-  for (StampedPose& pose : reference.poses) {
-    pose.T_map_sensor = T_world_map * pose.T_map_sensor;
-  }
+  for (StampedPose& pose : reference.poses) pose.T_map_sensor = T_world_map * pose.T_map_sensor;
   return reference;
 }
 

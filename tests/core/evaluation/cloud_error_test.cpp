@@ -70,7 +70,8 @@ TEST_CASE("errors of a small image are those done by hand") {
   CHECK(error.right_share == doctest::Approx(1.0 / 3.0));     // the 5 m of 12, 3 and 5
 }
 
-TEST_CASE("images without a common return and empty images have no error of valid pixels") {
+TEST_CASE(
+    "images without a common return have no error of valid pixels; other shapes are refused") {
   RangeImage image(1, 2);
   RangeImage true_image(1, 2);
   image.range_m = {4, 0};
@@ -82,9 +83,6 @@ TEST_CASE("images without a common return and empty images have no error of vali
   CHECK(error.missing_share == 1.0);
   CHECK(image_error({}, {}).missing_share == 0.0);
   CHECK(image_error({}, {}).mae_all_m == 0.0);
-}
-
-TEST_CASE("images of different shapes are refused") {
   CHECK(refused_with([] { image_error(RangeImage(2, 3), RangeImage(3, 2)); },
                      "expected an image of 3 x 2", "found 2 x 3"));
 }

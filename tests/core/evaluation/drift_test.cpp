@@ -90,12 +90,16 @@ TEST_CASE("jumps whose windows do not touch are slips of their own, nearer ones 
   CHECK(count(200) == 2);
 }
 
-TEST_CASE("who is lost for a whole drive slips once, who drifts by little never does") {
+TEST_CASE(
+    "who is lost for a whole drive slips once, who drifts by little never; rates are per 100 km") {
   const std::vector<Slip> lost = slips(scaled(straight_drive(), 1.04), straight_drive());
   REQUIRE(lost.size() == 1);  // 0.4 m in ten metres
   CHECK(lost[0].first == 0);
   CHECK(lost[0].last == 299);
   CHECK(slips(scaled(straight_drive(), 1.02), straight_drive()).empty());
+  CHECK(slips_per_100_km(3, 1500.0) == doctest::Approx(200.0));
+  CHECK(slips_per_100_km(0, 1500.0) == 0.0);
+  CHECK(slips_per_100_km(3, 0.0) == 0.0);
 }
 
 TEST_CASE("windows are of scans, whatever the rate of the true poses") {
@@ -116,12 +120,6 @@ TEST_CASE("a scan without a pose spoils no window, a pose that is not a number d
   CHECK(slips(estimate, straight_drive()).empty());
   estimate[150].T_map_sensor.translation().x() = std::numeric_limits<double>::quiet_NaN();
   CHECK(slips(estimate, straight_drive()).size() == 1);
-}
-
-TEST_CASE("slips are counted per 100 km") {
-  CHECK(slips_per_100_km(3, 1500.0) == doctest::Approx(200.0));
-  CHECK(slips_per_100_km(0, 1500.0) == 0.0);
-  CHECK(slips_per_100_km(3, 0.0) == 0.0);
 }
 
 TEST_CASE("an estimate that is two percent long drifts by two percent") {

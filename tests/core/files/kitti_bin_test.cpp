@@ -19,9 +19,7 @@ TEST_CASE("a KITTI scan is x y z intensity in float32") {
   const TemporaryDirectory directory;
   write_file(directory.file("0.bin"), raw_bytes({1, 2, 3, 0.5F, -4, 5.5F, -6, 0}));
   const Scan scan = read_kitti_bin(directory.file("0.bin"));
-  REQUIRE(scan.points_m.size() == 2);
-  CHECK(scan.points_m[0] == Eigen::Vector3f(1, 2, 3));
-  CHECK(scan.points_m[1] == Eigen::Vector3f(-4, 5.5F, -6));
+  CHECK(scan.points_m == std::vector<Eigen::Vector3f>{{1, 2, 3}, {-4, 5.5F, -6}});
   CHECK(scan.intensity == std::vector<float>{0.5F, 0.0F});
   CHECK(scan.row.empty());
   CHECK(scan.time_offset_s.empty());

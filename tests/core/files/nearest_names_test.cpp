@@ -13,9 +13,7 @@ TEST_CASE("a mistyped name has the nearest names, those that hold it first") {
   CHECK(nearest_names("", names).empty());
   CHECK(did_you_mean("os1", names) == "; did you mean 'os1-64' or 'os1-16'?");
   CHECK(did_you_mean("livox", names) == "");
-}
-
-TEST_CASE("a name of a megabyte is compared by its beginning") {
+  // A name of a megabyte is compared by its beginning.
   CHECK(nearest_names(std::string(1 << 20, 'a'), {std::string(1 << 20, 'b')}).empty());
 }
 

@@ -35,14 +35,8 @@ TEST_CASE("a place that cannot be written is one line") {
   CHECK_FALSE(std::filesystem::exists(folder.file("taken.part")));
 }
 
-TEST_CASE("no more is read than is asked for") {
-  const TemporaryDirectory folder;
-  write_file(folder.file("a"), "four");
-  CHECK(
-      refused_with([&] { whole_file(folder.file("a"), "a file", 3); }, "at most 3 bytes, found 4"));
-}
-
-TEST_CASE("folders, devices and pipes are refused before they are opened, where they could block") {
+TEST_CASE(
+    "what is too long, and folders, devices and pipes, which could block, are refused unread") {
   const TemporaryDirectory folder;
   const std::string pipe = folder.file("scans.npy");
   REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
@@ -50,6 +44,9 @@ TEST_CASE("folders, devices and pipes are refused before they are opened, where 
     CHECK(refused_with([&] { whole_file(path, "a file", 3); }, path, found));
     CHECK(refused_with([&] { NpyStackReader reader(path); }, path, found));
   };
+  write_file(folder.file("a"), "four");
+  CHECK(
+      refused_with([&] { whole_file(folder.file("a"), "a file", 3); }, "at most 3 bytes, found 4"));
   refuse(folder.path().string(), "found a folder");
   refuse(folder.file("none"), "found no file");
   refuse("/dev/zero", "found a pipe or a device");

@@ -15,9 +15,7 @@ Eigen::Vector3f at_edge(const SensorModel& sensor, int row, int column, int unit
   Eigen::Vector3f point_m(static_cast<float>(range_m * std::cos(azimuth_rad)),
                           static_cast<float>(range_m * std::sin(azimuth_rad)), 0.0F);
   const float towards = units < 0 ? -1e9F : 1e9F;
-  for (int i = 0; i < std::abs(units); ++i) {
-    point_m.y() = std::nextafter(point_m.y(), towards);
-  }
+  for (int i = 0; i < std::abs(units); ++i) point_m.y() = std::nextafter(point_m.y(), towards);
   return point_m;
 }
 

@@ -5,8 +5,7 @@
 #include "testing.h"
 
 using namespace hqslam;
-using hqslam::test::error_message;
-using hqslam::test::one_line_with;
+using hqslam::test::refused_with;
 
 namespace {
 
@@ -20,12 +19,6 @@ RangeImage random_image(const SensorModel& sensor, unsigned seed) {
   return image;
 }
 
-Scan scan_of(const OrganizedCloud& cloud, bool with_rows) {
-  Scan scan = returns_of(cloud);
-  if (!with_rows) scan.row.clear();
-  return scan;
-}
-
 }  // namespace
 
 TEST_CASE("project inverts unproject for every preset, with rows given or found by elevation") {
@@ -34,7 +27,9 @@ TEST_CASE("project inverts unproject for every preset, with rows given or found 
     const RangeImage image = random_image(sensor, 7);
     const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kRolling);
     for (const bool with_rows : {true, false}) {
-      const auto projected = project(scan_of(cloud, with_rows), sensor);
+      Scan scan = returns_of(cloud);
+      if (!with_rows) scan.row.clear();
+      const auto projected = project(scan, sensor);
       CAPTURE(name);
       CHECK(projected.counts.outside_rows == 0);
       CHECK(projected.counts.hidden_by_nearer == 0);
@@ -92,8 +87,7 @@ TEST_CASE("an intensity goes where its point goes") {
   const OrganizedCloud cloud = project(scan, sensor_preset("vlp-16")).cloud;
   CHECK(returns_of(cloud).intensity == std::vector<float>{3.0F, 2.0F});
   scan.intensity.pop_back();
-  CHECK(one_line_with(error_message([&] { project(scan, sensor_preset("vlp-16")); }),
-                      "2 intensities"));
+  CHECK(refused_with([&] { project(scan, sensor_preset("vlp-16")); }, "2 intensities"));
 }
 
 TEST_CASE("points outside the ranges or the beams are left out and counted") {
@@ -104,6 +98,13 @@ TEST_CASE("points outside the ranges or the beams are left out and counted") {
   CHECK(projected.counts.out_of_range == 3);
   CHECK(projected.counts.outside_rows == 2);
   CHECK(projected.counts.kept == 0);
+  // A point at the origin is none, even of a sensor that measures from 0 m on.
+  SensorModel near = sensor;
+  near.min_range_m = 0.0;
+  scan.points_m = {{0, 0, 0}, {0.001F, 0, 0}};
+  scan.row = {7, 7};
+  CHECK(project(scan, near).counts.out_of_range == 1);
+  CHECK(project(scan, near).counts.kept == 1);
 }
 
 TEST_CASE("a sensor sees half a beam spacing beyond its outermost beams") {
@@ -127,28 +128,17 @@ TEST_CASE("a sensor sees half a beam spacing beyond its outermost beams") {
   CHECK(row_at(1.9) == 7);
 }
 
-TEST_CASE("a point at the origin is no return, even of a sensor that measures from 0 m on") {
-  SensorModel sensor = sensor_preset("vlp-16");
-  sensor.min_range_m = 0.0;
-  Scan scan;
-  scan.points_m = {{0, 0, 0}, {0.001F, 0, 0}};
-  scan.row = {7, 7};
-  const auto projected = project(scan, sensor);
-  CHECK(projected.counts.out_of_range == 1);
-  CHECK(projected.counts.kept == 1);
-}
-
 TEST_CASE("rows that count from the lowest beam, or points with other axes, are refused") {
   const SensorModel sensor = sensor_preset("vlp-16");
   const OrganizedCloud cloud = unproject(random_image(sensor, 7), sensor, CaptureTime::kRolling);
   const Scan scan = returns_of(cloud);
   Scan from_lowest = scan;
   for (std::uint16_t& row : from_lowest.row) row = static_cast<std::uint16_t>(15 - row);
-  CHECK(one_line_with(error_message([&] { project(from_lowest, sensor); }), "15 - ring"));
+  CHECK(refused_with([&] { project(from_lowest, sensor); }, "15 - ring"));
   Scan camera_axes = scan;            // x right, y down, z forward
   camera_axes.points_m[0].setZero();  // no return
   for (auto& point_m : camera_axes.points_m) point_m = {-point_m.y(), -point_m.z(), point_m.x()};
-  CHECK(one_line_with(error_message([&] { project(camera_axes, sensor); }), "z up"));
+  CHECK(refused_with([&] { project(camera_axes, sensor); }, "z up"));
   Scan tilted = scan;  // by 10 degrees
   const Eigen::Matrix3f turn = Eigen::AngleAxisf(0.1745F, Eigen::Vector3f::UnitY()).matrix();
   for (auto& point_m : tilted.points_m) point_m = turn * point_m;

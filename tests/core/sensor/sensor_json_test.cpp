@@ -120,7 +120,7 @@ TEST_CASE("a sensor file with a wrong field is refused with file, field, expecte
   CHECK(one_line_with(sensor_json_complaint(std::string(100000, '[')), "s.json", "JSON"));
 }
 
-TEST_CASE("values nested deep and objects of many fields are refused, however they end") {
+TEST_CASE("values nested deeper than 32 levels and objects of more than 1000 fields are refused") {
   const std::string deep = std::string(1'000'000, '[') + std::string(1'000'000, ']');
   CHECK(one_line_with(sensor_json_complaint(deep), "s.json", "at most 32 levels"));
   CHECK(one_line_with(sensor_json_complaint(replaced_in(kOwn, "1024", deep)), "s.json",
@@ -133,9 +133,6 @@ TEST_CASE("values nested deep and objects of many fields are refused, however th
   for (int i = 0; i < 300'000; ++i) fields += ", \"" + std::to_string(i) + "\": 0";
   CHECK(one_line_with(sensor_json_complaint(replaced_in(kOwn, "80", "80" + fields)), "s.json",
                       "at most 1000 fields"));
-}
-
-TEST_CASE("32 levels and 1000 fields are still read") {
   std::string text =
       "{\"lidar_mode\": \"512x20\", \"beam_altitude_angles\": [1], "
       "\"beam_azimuth_angles\": [0], \"deep\": " +

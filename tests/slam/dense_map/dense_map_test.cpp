@@ -126,13 +126,10 @@ TEST_CASE("a voxel's intensity is the mean of those of the points that its place
     CHECK(std::isnan(intensity[2]));
     CHECK(intensity[3] == 8.0F);
   } while (std::next_permutation(order.begin(), order.end()));
-}
-
-TEST_CASE("a map of scans without intensities has none") {
-  DenseMap map({});
-  insert(map, test::cloud_of(wall(5.0F)));
+  DenseMap without({});
+  insert(without, test::cloud_of(wall(5.0F)));
   std::vector<float> intensity = {1.0F};
-  CHECK(map.points(&intensity).size() == 200);
+  CHECK(without.points(&intensity).size() == 200);
   CHECK(intensity.empty());
 }
 

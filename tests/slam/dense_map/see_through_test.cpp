@@ -49,9 +49,7 @@ TEST_CASE("a beam that ends in the voxel, before it or just behind it does not v
   // The gap for 5.4 m of range is 0.3 m + 0.1 m * 5.4 / 1.5 = 0.66 m; the voxel begins at 5.0 m.
   CHECK(votes_against(kPoint, {{kThrough.origin_m, {5.45, 0.05, 0.05}}}) == 0);
   CHECK(votes_against(kPoint, {{kThrough.origin_m, {6.0, 0.05, 0.05}}}) == 1);
-}
-
-TEST_CASE("a scan that has a point in the voxel does not vote against it") {
+  // Nor does another one of a scan that has a point in the voxel.
   CHECK(votes_against(kPoint, {kThrough, {kThrough.origin_m, kPoint}}) == 0);
 }
 

@@ -6,14 +6,11 @@
 
 using namespace hqslam::slam;
 
-TEST_CASE("a voxel extends from its index to the next, below zero too") {
+TEST_CASE(
+    "a voxel extends from its index to the next, below zero too; what is nowhere is in none") {
   const VoxelGrid grid(0.1);
   CHECK(*grid.voxel_of({0.05, 0.0999, 0.1}) == Eigen::Vector3i(0, 0, 1));
   CHECK(*grid.voxel_of({-0.01, -0.1, -0.11}) == Eigen::Vector3i(-1, -1, -2));
-}
-
-TEST_CASE("a point that is not finite or out of reach is in no voxel") {
-  const VoxelGrid grid(0.1);
   CHECK_FALSE(grid.voxel_of({std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0}));
   CHECK_FALSE(grid.voxel_of({0.0, std::numeric_limits<double>::infinity(), 0.0}));
   CHECK_FALSE(grid.voxel_of({0.0, 0.0, -1e7}));

@@ -46,13 +46,10 @@ TEST_CASE("the poses of a scan's columns follow the times of its points, whereve
       CHECK(std::abs(poses[column].translation().x() - expected_m) < 0.004);
     }
   }
-}
-
-TEST_CASE("a scan that was corrected for motion has one pose") {
   SensorModel sensor = sensor_preset("os1-64");
   sensor.measured_rows = RowSelection{3, 4};
-  const OrganizedCloud cloud(16, sensor.columns);
-  CHECK(column_poses(slam::SensorPath(Pose::Identity()), cloud, sensor).size() == 1);
+  const OrganizedCloud corrected(16, sensor.columns);  // for motion: it has one pose
+  CHECK(column_poses(slam::SensorPath(Pose::Identity()), corrected, sensor).size() == 1);
 }
 
 TEST_CASE("without looking ahead a scan recalls those before it, also of a sensor that stands") {
@@ -64,9 +61,7 @@ TEST_CASE("without looking ahead a scan recalls those before it, also of a senso
   const OrganizedCloud measured = unproject(test::flat_image(16, sensor.columns, 10.0F),
                                             select_rows(sensor, {3, 4}), CaptureTime::kRolling);
   ScanPoses poses;
-  for (int scan = 0; scan < 30; ++scan) {
-    poses.trajectory.push_back({0.1 * scan, Pose::Identity()});
-  }
+  for (int scan = 0; scan < 30; ++scan) poses.trajectory.push_back({0.1 * scan, Pose::Identity()});
   LookAheadMemory memory(&upsampler, poses, /*looks_ahead=*/false);
   CHECK(memory.look_ahead_scans() == 0);
   for (int scan = 0; scan < 30; ++scan) {

@@ -156,24 +156,17 @@ TEST_CASE("rows that nothing fills are selected, all of them where none are aske
   CHECK(all.sensor() == os1_64);
 }
 
-TEST_CASE("weights have names if the program reads them: not those of the laboratory's networks") {
+TEST_CASE("weights that come with hqslam are chosen by name and sensor, the laboratory's are not") {
   const std::vector<std::string> names = installed_weights_names();
-  CHECK(std::ranges::count(names, "du-mix") == 1);
-  CHECK(std::ranges::count(names, "du-or") == 1);
+  for (const char* name : {"du-mix", "du-or"}) CHECK(std::ranges::count(names, name) == 1);
   CHECK(std::ranges::count(names, "srae") == 0);
-}
-
-TEST_CASE("weights that come with hqslam are chosen by name and sensor") {
   const SensorModel hdl_64e = test::preset_with("hdl-64e", 870);
   CHECK(weights_file("du-mix", hdl_64e, 16).ends_with("/du-mix_real-scans.npz"));
   CHECK(weights_file("du-mix", hdl_64e, 0).ends_with("/du-mix_any-beams.npz"));
   CHECK(Upsampler(hdl_64e, {.method = "du-mix", .rows = 16}).sensor().rows() == 64);
   CHECK(Upsampler(hdl_64e, {.method = "du-mix"}).sensor().rows() == 128);
   const Upsampler hdl_32e(sensor_preset("hdl-32e"), {.method = "du-mix"});
-  CHECK(hdl_32e.sensor().rows() == 64);
   CHECK(fits_any_sensor(hdl_32e.method()->network()->description()));
-  const SensorModel fast_turns = test::preset_with("vlp-16", 900);
-  CHECK(Upsampler(fast_turns, {.method = "du-mix"}).recorded().columns == 896);
   CHECK(refused_with([] { Upsampler(sensor_preset("hdl-32e"), {.method = "du-or"}); }, "du-or",
                      "hdl-64e", "none for 'hdl-32e'"));
   CHECK(refused_with([] { load_method({.method = "du-or"}); }, "name the sensor"));

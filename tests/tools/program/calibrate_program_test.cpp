@@ -75,7 +75,9 @@ TEST_CASE("calibrate asks for a drive of measured scans") {
   CHECK(holds(error_of(upsampled), "found computed ones"));
 }
 
-TEST_CASE("run corrects beams that have errors as calibrate does, unless it is not to") {
+TEST_CASE(
+    "run corrects beams that have errors as calibrate does, unless it is not to, and keeps "
+    "others") {
   const LyingDrive lying(160);
   const ProgramResult result =
       succeeds("run '{}' --out '{}'", lying.drive, lying.folder.file("run"));
@@ -92,14 +94,11 @@ TEST_CASE("run corrects beams that have errors as calibrate does, unless it is n
   };
   CHECK_FALSE(begins_anew(fmt::format("--sensor '{}'", corrected)));  // no errors are left
   CHECK_FALSE(begins_anew("--no-calibration"));
-}
-
-TEST_CASE("run keeps beams without errors") {
   const LyingDrive honest(160, "none");
-  const ProgramResult result =
+  const ProgramResult kept =
       succeeds("run '{}' --out '{}'", honest.drive, honest.folder.file("run"));
-  CHECK_FALSE(holds(result.error, "begins anew"));
-  CHECK_FALSE(holds(result.out, "beams:"));
+  CHECK_FALSE(holds(kept.error, "begins anew"));
+  CHECK_FALSE(holds(kept.out, "beams:"));
 }
 
 }  // namespace hqslam::test

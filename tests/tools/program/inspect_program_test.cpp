@@ -52,10 +52,7 @@ TEST_CASE("inspect and compare take weights that come with hqslam by their name"
   succeeds("inspect '{}' --weights du-mix --out '{}'", drive, folder.file("page.html"));
   CHECK(holds(file_contents(folder.file("page.html")), "du-mix_any-beams.npz"));
   CHECK(holds(succeeds("compare '{}' --weights du-mix", drive).out, "\ndu-mix "));
-}
-
-TEST_CASE("networks for any sensor are compared on scans of any number of columns") {
-  const TemporaryDirectory folder;
+  // On scans of any number of columns.
   write_sensor_json(preset_with("hdl-32e", 270), folder.file("sensor.json"));
   succeeds("simulate --drive block --sensor '{0}/sensor.json' --scans 1 --out '{0}/drive'",
            folder.path().string());

@@ -24,9 +24,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::array<std::uint8_t, 16> kLoopback = {0, 0, 0, 0, 0,   0, 0, 0,
-                                                    0, 0, 0, 0, 127, 0, 0, 1};
-
 /// A simulated drive as an Ouster would have sent it: packets of the legacy layout.
 struct OusterDrive {
   std::string metadata;  ///< of the sensor, as text
@@ -195,13 +192,6 @@ TEST_CASE("live makes the maps that run makes of its capture, and one to be loca
   CHECK((end_m(again) - end_m(first)).norm() < 0.1);
 }
 
-TEST_CASE("replay refuses what is no address") {
-  const TemporaryDirectory folder;
-  write_file(folder.file("a.pcap"), pcap_bytes(drive().packets));
-  CHECK(missing(refused("replay '{}' --to nowhere", folder.file("a.pcap")).error,
-                {"--to nowhere", "expected an IPv4 or IPv6 address"}) == "");
-}
-
 TEST_CASE(
     "killed while it records, live leaves a capture to run on, which it does not write over") {
   const TemporaryDirectory folder;
@@ -304,6 +294,8 @@ TEST_CASE("captures are opened by upsample, compare, inspect and table as by run
   const nlohmann::json origin = json_of(folder.file("upsampled/upsample.json"));
   CHECK(origin["input"] == in + "/a.pcap");
   CHECK(origin["scans_in_recording"] == 6);
+  CHECK(missing(refused("replay '{}/a.pcap' --to nowhere", in).error,
+                {"--to nowhere", "expected an IPv4 or IPv6 address"}) == "");
   const ProgramResult none =
       refused("inspect '{0}/a.pcap' --weights '{0}/w.npz' --scan 6 --out '{0}/none.html'", in);
   CHECK(holds(none.error, "has 6 scans"));

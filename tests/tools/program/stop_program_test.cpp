@@ -87,9 +87,7 @@ TEST_CASE("a upsampling that was stopped is used, and said to be one") {
   const std::string arguments = " --sensor os1-64 --out '" + folder.file("run") + "'";
   const ProgramResult result = succeeds("run '" + out + "'" + arguments);
   CHECK((ended_first || holds(result.error, "hqslam upsample was stopped after")));
-  for (const char* scans : {"/bin", "/pcd"}) {
-    succeeds("run '" + out + scans + "'" + arguments);
-  }
+  for (const char* scans : {"/bin", "/pcd"}) succeeds("run '" + out + scans + "'" + arguments);
 }
 
 TEST_CASE("a simulation that was stopped is used, and said to be one") {

@@ -87,9 +87,7 @@ TEST_CASE("messages of half a turn, of a twentieth and of two turns are scans of
 
 TEST_CASE("clouds whose stamps were never set have those of their recording, and a note") {
   auto messages = cloud_messages();
-  for (BagMessage& message : messages) {
-    message.bytes = cloud_message(0, round_cloud(0.1), false, 7);
-  }
+  for (BagMessage& message : messages) message.bytes = cloud_message(0, round_cloud(0.1), false, 7);
   const Bag bag(messages);
   auto source = bag.open();
   CHECK(source.next()->stamp_s == doctest::Approx(1.6e9 + 0.055).epsilon(1e-12));

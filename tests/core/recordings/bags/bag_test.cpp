@@ -185,15 +185,12 @@ TEST_CASE("a topic is passed over whose name or type is longer than any is, in e
   }
 }
 
-TEST_CASE("a connection of a ROS 1 bag that is longer than any is refused") {
+TEST_CASE(
+    "a ROS 1 bag's connection longer than any is refused, so is a view of messages without end") {
   const TemporaryDirectory directory;
   write_file(directory.file("a.bag"),
              ros1_bytes({{"/a", std::string(1U << 20U, 't'), 1, Payload(8)}}, "bz2"));
   CHECK(refused_with([&] { Recording::open(directory.file("a.bag")); }, "at most 1048576 bytes"));
-}
-
-TEST_CASE("a bag whose messages are a view that never ends is refused") {
-  const TemporaryDirectory directory;
   write_endless_db3(directory.file("a.db3"));
   CHECK(
       refused_with([&] { Recording::open(directory.file("a.db3")); }, "a.db3", "whole .db3 file"));

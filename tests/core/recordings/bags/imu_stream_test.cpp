@@ -94,13 +94,19 @@ TEST_CASE("of several sensor_msgs/Imu the one of the scans' frame or namespace i
   CHECK(unclear.warnings[0].find("/camera/imu and /imu may be") != std::string::npos);
 }
 
-TEST_CASE("a sensor_msgs/Imu whose frame nothing joins to the scans' is named as taken as it is") {
+TEST_CASE(
+    "a sensor_msgs/Imu whose frame nothing joins to the scans', or in g, is named with what to "
+    "do") {
   const TemporaryDirectory folder;
   const RecordingInfo info = info_of(folder, {{"/imu", "imu"}});
   CHECK(info.imu.used == 60);
   REQUIRE(info.warnings.size() == 1);
   CHECK(info.warnings[0].find("'imu', the scans in 'lidar'") != std::string::npos);
   CHECK(info_of(folder, {{"/imu", "lidar"}}).warnings.empty());
+  const RecordingInfo in_g =
+      info_of(folder, {{"/imu", "lidar", 0.0, {0.0, {0, 0, 0}, {0.1, 0, 1}}}});
+  REQUIRE(in_g.warnings.size() == 1);
+  CHECK(in_g.warnings[0].find("found 1.00 in the mean") != std::string::npos);
 }
 
 TEST_CASE("frames of Ouster's drivers are joined without /tf_static, which wins") {
@@ -139,12 +145,4 @@ TEST_CASE("a sensor_msgs/Imu that says it has no angular rates, or is cut off, i
   CHECK(info.imu.used == 59);
   CHECK(info.imu.left_out == 1);
   CHECK(info.scans == 6);
-}
-
-TEST_CASE("inertial data in g are named, with what to do") {
-  const TemporaryDirectory folder;
-  const RecordingInfo info =
-      info_of(folder, {{"/imu", "lidar", 0.0, {0.0, {0, 0, 0}, {0.1, 0, 1}}}});
-  REQUIRE(info.warnings.size() == 1);
-  CHECK(info.warnings[0].find("found 1.00 in the mean") != std::string::npos);
 }

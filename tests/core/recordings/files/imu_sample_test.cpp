@@ -10,24 +10,17 @@ using namespace hqslam::test;
 
 namespace {
 
-class CsvFile {
- public:
-  explicit CsvFile(const std::string& text) : path_(directory_.file("imu.csv")) {
-    write_file(path_, text);
-  }
-  std::vector<ImuSample> read() const { return read_imu_csv(path_); }
-
- private:
-  TemporaryDirectory directory_;
-  std::string path_;
-};
+std::vector<ImuSample> samples_of(const std::string& csv) {
+  const TemporaryDirectory directory;
+  write_file(directory.file("imu.csv"), csv);
+  return read_imu_csv(directory.file("imu.csv"));
+}
 
 }  // namespace
 
 TEST_CASE("lines of seven numbers are samples; names above them and empty lines are none") {
-  const std::vector<ImuSample> samples =
-      CsvFile("stamp,wx,wy,wz,fx,fy,fz\n1.5,0.1,-0.2,3e-1,0,0,9.8\n\n1.51, 1, 2, 3, 4, 5, 6\r\n")
-          .read();
+  const std::vector<ImuSample> samples = samples_of(
+      "stamp,wx,wy,wz,fx,fy,fz\n1.5,0.1,-0.2,3e-1,0,0,9.8\n\n1.51, 1, 2, 3, 4, 5, 6\r\n");
   REQUIRE(samples.size() == 2);
   CHECK(samples[0].stamp_s == 1.5);
   CHECK(samples[0].angular_rate_rad_per_s == Eigen::Vector3d(0.1, -0.2, 0.3));
@@ -37,7 +30,7 @@ TEST_CASE("lines of seven numbers are samples; names above them and empty lines 
 
 TEST_CASE("inertial data that are none are refused, with the line") {
   const auto refused = [](const std::string& text, const char* found) {
-    return refused_with([&] { CsvFile(text).read(); }, "imu.csv", found);
+    return refused_with([&] { samples_of(text); }, "imu.csv", found);
   };
   CHECK(refused("", "found none"));
   CHECK(refused("stamp,wx,wy,wz,fx,fy,fz\n", "found none"));

@@ -57,16 +57,11 @@ TEST_CASE("of a sensor of which only every fourth beam has points only those row
   CHECK(recording.next()->counts.kept > 16 * 800);
 }
 
-TEST_CASE("a named sensor whose beams are those of another one is refused") {
+TEST_CASE("a named sensor of other beams is refused, one file of another kind is left out") {
   const TemporaryDirectory folder;
   write_numbered(folder, [](int ring) { return ring; });
   CHECK(refused_with([&] { Recording::open(folder.path().string(), {.sensor = "os1-16"}); },
                      "os1-16", "vlp-16", "name the sensor"));
-}
-
-TEST_CASE("one file of another kind among the scans is left out") {
-  const TemporaryDirectory folder;
-  write_numbered(folder, [](int ring) { return ring; });
   std::string odd = "x y z\n";
   for (int i = 0; i < 3000; ++i) odd += fmt::format("{} {} {}\n", i % 60, i % 7, i % 50 - 10);
   write_file(folder.file("00.txt"), odd);

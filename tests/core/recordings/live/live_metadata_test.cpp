@@ -80,9 +80,6 @@ class OneAnswer {
   std::thread thread_;
 };
 
-constexpr std::array<std::uint8_t, 16> kLoopback = {0, 0, 0, 0, 0,   0, 0, 0,
-                                                    0, 0, 0, 0, 127, 0, 0, 1};
-
 std::string http_answer(const std::string& body) {
   return "HTTP/1.1 200 OK\r\nContent-Type: application/json\r\n\r\n" + body;
 }

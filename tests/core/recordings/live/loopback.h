@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <thread>
@@ -9,6 +10,10 @@
 #include "hqslam/core/file_descriptor.h"
 
 namespace hqslam::test {
+
+/// The address of this computer, as one of IPv6.
+inline constexpr std::array<std::uint8_t, 16> kLoopback = {0, 0, 0, 0, 0,   0, 0, 0,
+                                                           0, 0, 0, 0, 127, 0, 0, 1};
 
 /// Sends datagrams to a UDP port of this computer, as a sensor would.
 class LoopbackSender {

@@ -80,6 +80,11 @@ KnownScan rings_by_wraps(const std::string& path) {
   return row == 63 ? known : KnownScan{};
 }
 
+/// A point 10 m away.
+Eigen::Vector3f level_at(double azimuth_rad) {
+  return (10.0 * direction_of(azimuth_rad, 0.0)).cast<float>();
+}
+
 std::vector<std::string> real_scans(int every) {
   std::vector<std::string> paths;
   for (const char* drive : {"kitti_drive_0005/velodyne", "kitti_drive_22/velodyne"}) {
@@ -200,9 +205,14 @@ TEST_CASE("an empty scan and a scan of one point have rings too") {
   const RingRecovery recovery = recover_rings(scan, sensor);
   CHECK(recovery.row.size() == 1);
   CHECK(recovery.empty_rings == 15);
+  // A turn with as many gaps as fit into it is one ring.
+  scan.points_m.clear();
+  for (int i = 0; i < 170; ++i) scan.points_m.push_back(level_at(0.01 + 0.0365 * i));
+  CHECK(recover_rings(scan, sensor).empty_rings == 15);
 }
 
-TEST_CASE("points stored column after column or at random are told from rings and refused") {
+TEST_CASE(
+    "points stored column after column, at random or to and fro are told from rings and refused") {
   const SensorModel sensor = sensor_preset("os1-64");
   const KnownScan known = a_square(sensor, {});
   std::vector<std::size_t> order(known.row.size());
@@ -219,8 +229,12 @@ TEST_CASE("points stored column after column or at random are told from rings an
   for (std::size_t i = 0; i < order.size(); ++i) {
     shuffled.points_m.push_back(known.scan.points_m[i * 7919 % order.size()]);
   }
-  CHECK(refused_with([&] { recover_rings(shuffled, sensor); },
-                     "expected points stored ring after ring", "jumps"));
+  Scan to_and_fro;
+  for (int i = 0; i < 20'000; ++i) to_and_fro.points_m.push_back(level_at(i % 2 == 0 ? 1.0 : 1.45));
+  for (const Scan* scan : {&shuffled, &to_and_fro}) {
+    CHECK(refused_with([&] { recover_rings(*scan, sensor); },
+                       "expected points stored ring after ring", "jumps"));
+  }
 }
 
 TEST_CASE("things 0.9 m away, which lasers beside the axis see ahead of far ones, begin no ring") {
@@ -236,29 +250,6 @@ TEST_CASE("things 0.9 m away, which lasers beside the axis see ahead of far ones
     if (known.angle_rad[i] + ahead_rad < kTwoPi) point_m.head<2>() = turn * point_m.head<2>();
   }
   CHECK(recovered(known, sensor).spurious_wraps == 0);
-}
-
-TEST_CASE("an azimuth that jumps to and fro is refused at once") {
-  const SensorModel sensor = sensor_preset("os1-64");
-  Scan scan;
-  for (int i = 0; i < 20'000; ++i) {
-    const double azimuth_rad = i % 2 == 0 ? 1.0 : 1.45;
-    scan.points_m.emplace_back(static_cast<float>(10.0 * std::cos(azimuth_rad)),
-                               static_cast<float>(10.0 * std::sin(azimuth_rad)), 0.0F);
-  }
-  CHECK(refused_with([&] { recover_rings(scan, sensor); }, "expected points stored ring after ring",
-                     "jumps"));
-}
-
-TEST_CASE("a turn with as many gaps as fit into it is one ring") {
-  const SensorModel sensor = sensor_preset("vlp-16");
-  Scan scan;
-  for (int i = 0; i < 170; ++i) {
-    const double azimuth_rad = 0.01 + 0.0365 * i;
-    scan.points_m.emplace_back(static_cast<float>(10.0 * std::cos(azimuth_rad)),
-                               static_cast<float>(10.0 * std::sin(azimuth_rad)), 0.0F);
-  }
-  CHECK(recover_rings(scan, sensor).empty_rings == 15);
 }
 
 TEST_CASE("the rings of real scans are those that their wraps give") {

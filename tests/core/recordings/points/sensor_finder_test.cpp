@@ -37,9 +37,7 @@ RawPoints a_scan(const SensorModel& sensor, Told told, double shift_m = 0.0, dou
 
 std::vector<RawPoints> scans_of(const SensorModel& sensor, Told told, double up_m = 0.0) {
   std::vector<RawPoints> scans;
-  for (const double shift_m : {0.0, 1.0, 7.0}) {
-    scans.push_back(a_scan(sensor, told, shift_m, up_m));
-  }
+  for (const double shift_m : {0.0, 1.0, 7.0}) scans.push_back(a_scan(sensor, told, shift_m, up_m));
   return scans;
 }
 

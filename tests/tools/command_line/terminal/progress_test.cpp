@@ -10,11 +10,8 @@ TEST_CASE("the progress bar is half full at half time and says rate and time lef
         "slam 64x1024 [############............]  50 %  40/80 scans  20.0 scans/s  2 s left");
 }
 
-TEST_CASE("a finished job says how long it took instead of the time left") {
+TEST_CASE("before the first scan there is no rate; a finished job says how long it took") {
   CHECK(progress_line({"slam", 80, 80, 100.0}) == "slam: 80/80 scans  0.8 scans/s  1 min 40 s");
-}
-
-TEST_CASE("before the first scan there is no rate, and an empty job is done") {
   CHECK(progress_line({"slam", 0, 80, 0.0}) == "slam: 0/80 scans");
   CHECK(progress_bar({"slam", 0, 0, 0.0}) == "slam [########################] 100 %  0/0 scans");
 }

@@ -4,19 +4,15 @@
 
 namespace hqslam::tools {
 
-TEST_CASE("the statistics of 1..20 are 10.5, 19, 20 and 10.5") {
+TEST_CASE(
+    "statistics of 1..20, of a single value, which it is itself, and of none, which are zeros") {
   std::vector<double> values;
-  for (int i = 20; i >= 1; --i) {
-    values.push_back(i);
-  }
+  for (int i = 20; i >= 1; --i) values.push_back(i);
   const Distribution distribution = distribution_of(values);
   CHECK(distribution.median == doctest::Approx(10.5));
   CHECK(distribution.p95 == doctest::Approx(19.0));
   CHECK(distribution.max == doctest::Approx(20.0));
   CHECK(distribution.mean == doctest::Approx(10.5));
-}
-
-TEST_CASE("a single value is its own median, 95th percentile and maximum; none gives zeros") {
   const Distribution one = distribution_of({3.0});
   CHECK(one.median == 3.0);
   CHECK(one.p95 == 3.0);

@@ -43,7 +43,8 @@ TEST_CASE("the report says how it was made and when") {
                          std::regex(R"(20\d\d-\d\d-\d\d \d\d:\d\d UTC)")));
 }
 
-TEST_CASE("where the relative pose of two scans is unknown there is a gap and no path") {
+TEST_CASE(
+    "every pose has its status; where the motion to the next is unknown is a gap and no path") {
   SlamRun run = example_run(30);
   const auto gaps = [&] {
     const std::vector<float> gap = numbers_of(report_json(run)["trajectory"]["gap"]);
@@ -54,22 +55,16 @@ TEST_CASE("where the relative pose of two scans is unknown there is a gap and no
   run.scans[20].report.mapping_status = slam::Status::kNotRecognized;
   CHECK(gaps() == 3);
   const nlohmann::json data = report_json(run);
+  const auto place = std::ranges::find(data["statuses"]["names"], "not recognized") -
+                     data["statuses"]["names"].begin();
+  CHECK(data["statuses"]["mapping"][place] == 1);
+  CHECK(numbers_of(data["trajectory"]["mapping"])[20] == static_cast<float>(place));
+  CHECK(numbers_of(data["trajectory"]["mapping"])[19] == 0.0F);
   CHECK(headline(data, "Path length") == "26.0");  // of 29: one to segment 1, two about scan 20
   CHECK_FALSE(holds(data["numbers"].dump(), "not joined"));
   run.submap_of_scan = run.segment_of_scan;
   CHECK(gaps() == 3);
   CHECK(holds(report_json(run)["numbers"].dump(), "2 submaps not joined"));
-}
-
-TEST_CASE("every status is counted, and each pose has its own") {
-  SlamRun run = example_run(30);
-  run.scans[20].report.mapping_status = slam::Status::kNotRecognized;
-  const nlohmann::json data = report_json(run);
-  const auto& names = data["statuses"]["names"];
-  const auto place = std::ranges::find(names, "not recognized") - names.begin();
-  CHECK(data["statuses"]["mapping"][place] == 1);
-  CHECK(numbers_of(data["trajectory"]["mapping"])[20] == static_cast<float>(place));
-  CHECK(numbers_of(data["trajectory"]["mapping"])[19] == 0.0F);
 }
 
 TEST_CASE("standard deviations of a pose are those of its covariance, rotations in degrees") {
@@ -83,20 +78,17 @@ TEST_CASE("standard deviations of a pose are those of its covariance, rotations 
   CHECK(numbers_of(sigma[0])[1] == 0.0F);
 }
 
-TEST_CASE("a run that ended early gives the reason") {
+TEST_CASE("a run that ended early gives the reason, one without a single scan still makes a page") {
   SlamRun run = example_run(3);
   run.end = ReadingEnd::kUnreadableScan;
   run.end_message = "<000003.bin>: truncated";
-  const nlohmann::json data = test::data_of(report_html(run));
-  CHECK(holds(data["notices"][0].get<std::string>(), "<000003.bin>: truncated"));
-}
-
-TEST_CASE("a run without a single scan still makes a page") {
-  SlamRun run = example_run(0);
+  const nlohmann::json early = test::data_of(report_html(run));
+  CHECK(holds(early["notices"][0].get<std::string>(), "<000003.bin>: truncated"));
+  run = example_run(0);
   run.end = ReadingEnd::kInterrupted;
-  const nlohmann::json data = test::data_of(report_html(run));
-  CHECK(data["trajectory"]["scan"].empty());
-  CHECK_FALSE(data.contains("error"));
+  const nlohmann::json empty = test::data_of(report_html(run));
+  CHECK(empty["trajectory"]["scan"].empty());
+  CHECK_FALSE(empty.contains("error"));
 }
 
 TEST_CASE("the page of a long run has some 100 bytes for each scan") {
@@ -131,6 +123,51 @@ TEST_CASE("an occupancy grid is packed into two bits a cell") {
   CHECK(grid["rows"] == 2);
   CHECK(grid["columns"] == 3);
   CHECK(numbers_of(grid["cells"]) == std::vector<float>{0b10100100, 0b0100});
+}
+
+TEST_CASE("a scan of a view has the pose of a neighbour, to which the motion is known") {
+  SlamRun run = example_run(4);
+  for (std::size_t pose = 0; pose < 4; ++pose) run.kept_scans.push_back({pose, {7}, {0.0F}});
+  std::fill(run.segment_of_scan.begin() + 3, run.segment_of_scan.end(), 1);
+  const TurningView view = view_of(run);
+  REQUIRE(view.drive.scans.size() == 4);
+  CHECK(view.drive.scans[1].name == "scan 0, 0.1 s");
+  CHECK(view.drive.scans[1].range[0] == 7);
+  CHECK(view.drive.scans[1].T_map_sensor.translation().x() == 1.0);
+  const auto checks = [&](std::size_t scan, double other_x_m, double other_s) {
+    CHECK(view.drive.scans[scan].T_map_other.translation().x() == other_x_m);
+    CHECK(view.drive.scans[scan].other_s == doctest::Approx(other_s));
+  };
+  checks(1, 2.0, 0.1);
+  checks(2, 1.0, -0.1);
+  checks(3, 3.0, 0.0);
+  run.submap_of_scan = run.segment_of_scan;
+  CHECK(view_of(run).drive.scans.size() == 3);
+}
+
+TEST_CASE("the path ends where the relative pose is unknown, and other submaps are not shown") {
+  SlamRun run = example_run(30);
+  run.loops.push_back({slam::LoopStatus::kClosed, 1, 20, 2, 0.5});
+  CHECK(view_of(run).paths[0].pieces_m.size() == 1);
+  CHECK(view_of(run).loops_m.size() == 1);
+  std::fill(run.segment_of_scan.begin() + 10, run.segment_of_scan.end(), 1);
+  const TurningView joined = view_of(run);
+  REQUIRE(joined.paths[0].pieces_m.size() == 2);
+  CHECK(joined.paths[0].pieces_m[0].size() == 10);
+  run.submap_of_scan = run.segment_of_scan;
+  const TurningView parted = view_of(run);
+  CHECK(parted.paths[0].pieces_m.size() == 1);
+  CHECK(parted.loops_m.empty());
+}
+
+TEST_CASE("the dense map comes first, with its confidence") {
+  const SlamRun run = example_run(3);
+  DenseMapRun map;
+  map.points = {{{1.0F, 2.0F, 3.0F}, 0.7F, 2}};
+  const TurningView view = view_of(run, &map);
+  REQUIRE(view.clouds.size() == 2);
+  CHECK(view.clouds[0].confidence == std::vector<float>{0.7F});
+  CHECK(view.clouds[1].points_m.size() == 3);
 }
 
 }  // namespace hqslam::tools

@@ -15,6 +15,13 @@ using namespace hqslam::test;
 const std::set<std::string> kAllResults = {"trajectory.tum", "trajectory.kitti", "covariances.csv",
                                            "map.pcd",        "timings.json",     "report.html"};
 
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::stringstream stream(text);
+  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
+  return parts;
+}
+
 }  // namespace
 
 TEST_CASE("the results are six files that read back, and no other file is left") {
@@ -63,9 +70,7 @@ TEST_CASE("upsampling is a stage of its own where there is any, and none where t
   CHECK(without["upsampled_by"].is_null());
   CHECK_FALSE(without["times_ms"].contains("upsampling"));
   run.upsampled_by = "du-or";
-  for (ScanRecord& scan : run.scans) {
-    scan.upsampling_s = 0.006;
-  }
+  for (ScanRecord& scan : run.scans) scan.upsampling_s = 0.006;
   const nlohmann::json with = nlohmann::json::parse(timings_json(run));
   CHECK(with["upsampled_by"] == "du-or");
   CHECK(with["times_ms"]["upsampling"]["median"] == doctest::Approx(6.0));
@@ -84,17 +89,6 @@ TEST_CASE("an earlier run's results are replaced, and a checkpoint leaves none o
   CHECK(read_tum(folder.file("trajectory.tum")).size() == 4);
 }
 
-namespace {
-
-std::vector<std::string> split(const std::string& text, char separator) {
-  std::vector<std::string> parts;
-  std::stringstream stream(text);
-  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
-  return parts;
-}
-
-}  // namespace
-
 TEST_CASE(
     "the covariances are a line per scan: stamp, status, part and six rows of six, named above "
     "them") {
@@ -107,10 +101,7 @@ TEST_CASE(
   CHECK(lines[0].rfind("# covariance of e", 0) == 0);
   const std::vector<std::string> names = split(lines[1], ',');
   REQUIRE(names.size() == 39);
-  CHECK(names[0] == "stamp_s");
-  CHECK(names[1] == "mapping");
-  CHECK(names[2] == "submap");
-  CHECK(names[3] == "x_x");
+  CHECK(lines[1].starts_with("stamp_s,mapping,submap,x_x,"));
   CHECK(names[3 + 2 * 6 + 4] == "z_ry");
   CHECK(names[38] == "rz_rz");
   const std::vector<std::string> values = split(lines[3], ',');

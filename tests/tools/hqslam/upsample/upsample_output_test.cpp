@@ -98,15 +98,11 @@ TEST_CASE("upsample.json says whether all scans were taken, and by which poses t
                                         "\"poses\": \"poses.tum\""}) == "");
   output.finish(7);
   CHECK(holds(file_contents(origin), "\"complete\": true"));
-}
-
-TEST_CASE("upsample.json does not say how many scans a capture has before it was read to its end") {
-  const TemporaryDirectory folder;
-  UpsampleOutput output(folder.file("out"), {"input", "linear"}, sensor_preset("os1-16"), {});
-  const std::string origin = folder.file("out/upsample.json");
-  CHECK(holds(file_contents(origin), "\"scans_in_recording\": null"));
-  output.finish(5);
-  CHECK(holds(file_contents(origin), "\"scans_in_recording\": 5"));
+  // How many scans a capture has is not said before it was read to its end.
+  UpsampleOutput capture(folder.file("live"), {"input", "linear"}, sensor_preset("os1-16"), {});
+  CHECK(holds(file_contents(folder.file("live/upsample.json")), "\"scans_in_recording\": null"));
+  capture.finish(5);
+  CHECK(holds(file_contents(folder.file("live/upsample.json")), "\"scans_in_recording\": 5"));
 }
 
 TEST_CASE("an earlier upsampled drive is replaced whole; other files stay") {

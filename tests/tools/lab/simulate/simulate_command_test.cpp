@@ -38,7 +38,7 @@ void simulate(const TemporaryDirectory& folder, const std::vector<double>& mount
 
 }  // namespace
 
-TEST_CASE("a mount is refused in the degrees in which it was given") {
+TEST_CASE("a mount is refused in the degrees in which it was given, and a drive that is too long") {
   const TemporaryDirectory folder;
   for (const std::vector<double>& mount_deg :
        {std::vector{200.0, 0.0}, {-180.1, 0.0}, {0.0, 45.1}, {0.0, -46.0}, {std::nan(""), 0.0}}) {
@@ -48,10 +48,6 @@ TEST_CASE("a mount is refused in the degrees in which it was given") {
   CHECK_FALSE(std::filesystem::exists(folder.file("drive")));
   simulate(folder, {180.0, -45.0});
   simulate(folder, {-180.0, 45.0});
-}
-
-TEST_CASE("a drive longer than there can be says how long it may be") {
-  const TemporaryDirectory folder;
   CHECK(test::refused_with([&] { simulate(folder, {}, 1'000'001); }, "scans is 1000001",
                            "1 to 1000000; give "));
 }

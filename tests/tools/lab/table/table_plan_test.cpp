@@ -55,6 +55,12 @@ TEST_CASE("LeGO-LOAM is a row of its own, so are a weights file and no last filt
   CHECK(plan.methods[2].name == "mi+ne");
   CHECK(plan.methods[3].name == "mi+ne+as-published");
   CHECK(plan.methods[3].source == file);
+  const auto options_of = [](const char* method) {
+    return slam_setup(method_named(method, "--methods"), sensor_preset("os1-64")).options;
+  };
+  CHECK_FALSE(options_of("du-or").slam_options.loop_closing.enabled);
+  CHECK(options_of("du-or").slam == pipeline::SlamKind::kHqslam);
+  CHECK(options_of("rows-16+as-published").slam == pipeline::SlamKind::kLegoLoam);
   for (const char* with : {"simple-du-filter", "du-or", "du-mix"}) {
     CHECK(upsampling_of(method_named(with, "")).network.filter_result);
   }
@@ -99,15 +105,6 @@ TEST_CASE("unknown names and names that are there twice are refused in one line"
   CHECK(one_line_with(complaint({.methods = {"rows-16"}, .seeds = "1..2", .against = "du-or"}),
                       "--against", "'du-or'"));
   CHECK(one_line_with(complaint({.drives = {"."}, .seeds = "1..2"}), "--seeds", "town", "'.'"));
-}
-
-TEST_CASE("SLAM is LeGO-LOAM where that is named, and closes no loops") {
-  const auto options_of = [](const char* method) {
-    return slam_setup(method_named(method, "--methods"), sensor_preset("os1-64")).options;
-  };
-  CHECK_FALSE(options_of("du-or").slam_options.loop_closing.enabled);
-  CHECK(options_of("du-or").slam == pipeline::SlamKind::kHqslam);
-  CHECK(options_of("rows-16+as-published").slam == pipeline::SlamKind::kLegoLoam);
 }
 
 }  // namespace hqslam::tools

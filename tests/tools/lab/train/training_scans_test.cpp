@@ -28,12 +28,6 @@ nn::TrainingConfiguration training_for(const SensorModel& sensor, bool with_memo
   return configuration;
 }
 
-/// A file with the points of a scan all of whose ranges are alike.
-void write_sensor_pcd(const std::string& path, const SensorModel& sensor, float range_m) {
-  const RangeImage image = test::flat_image(sensor.rows(), sensor.columns, range_m);
-  test::write_points(points_of(unproject(image, sensor, CaptureTime::kMotionCorrected)), path);
-}
-
 /// A stack whose pixels all hold 10 * number + i in image i; returns its path.
 std::string stack(const TemporaryDirectory& folder, int number, int images) {
   const std::string path = folder.file(std::to_string(number) + ".npy");
@@ -193,8 +187,10 @@ TEST_CASE("a recording's folder is what is in it now, without the scans that are
         ->size();
   };
   for (int i = 0; i < 3; ++i) {
-    write_sensor_pcd(folder.file(fmt::format("scans/{}.pcd", i)), sensor,
-                     5.0F + static_cast<float>(i));
+    const RangeImage image =
+        test::flat_image(sensor.rows(), sensor.columns, 5.0F + static_cast<float>(i));
+    test::write_points(points_of(unproject(image, sensor, CaptureTime::kMotionCorrected)),
+                       folder.file(fmt::format("scans/{}.pcd", i)));
   }
   CHECK(scans_now() == 3);
   std::filesystem::remove(folder.path() / "scans/2.pcd");
