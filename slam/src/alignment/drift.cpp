@@ -24,6 +24,8 @@ constexpr double kMost_m = 0.05;
 constexpr double kShakeAlong = 0.3;
 constexpr double kShakeAbout = 0.0097;
 constexpr double kNewJoltShare = 0.05;
+/// The share of a turn that is taken for uneven before a second velocity shows how even turns are.
+constexpr double kUnevenShare = 0.5;
 constexpr double kShare_per_m = 0.0135;
 /// Roll and pitch due to beam errors; the rest of it after levelling, and then their effect on x
 /// and y, which is negligible beside an unlevelled lean.
@@ -34,10 +36,9 @@ constexpr double kLevelledSideways_m2_per_m = 3.2e-3 * 3.2e-3;
 constexpr double kStartTilt = 0.019;
 constexpr double kStart_m = 2.6;
 /// Share of the mean square of unforeseen turns that remains of the start, about the axes, and with
-/// kStartLever_m along them. With it the squared errors after starts in a hand that turns are 1.1
-/// to 1.2 times the covariance on drives fresh to the choice, without it 3 (`handheld-turning` 594,
-/// 595), and on `handheld` half of it.
-constexpr double kStartTurn = 0.003;
+/// kStartLever_m along them. Chosen with kUnevenShare on simulated hands that turn
+/// (weights/NOTEBOOK.md, "Starts in a hand that turns").
+constexpr double kStartTurn = 0.006;
 constexpr double kStartLever_m = 10.0;
 /// Row spacing assumed for a sensor with one row.
 constexpr double kSpacing_rad = 0.0368;
@@ -95,11 +96,20 @@ Matrix6 Drift::against_map(const MotionState& state) const {
       kHeading * growth;
   const Vector6 factor = variance.cwiseSqrt();
   Matrix6 result = factor.asDiagonal() * covariance * factor.asDiagonal();
-  result.diagonal() += shake();
+  result.diagonal() += shake(state.velocity);
   return result;
 }
 
-Vector6 Drift::shake() const { return six(kShakeAlong, kShakeAbout).cwiseProduct(jolts_); }
+Vector6 Drift::jolts(const Twist& velocity) const {
+  if (jolt_count_ > 0) return jolts_;
+  Vector6 assumed = Vector6::Zero();
+  assumed.tail<3>() = (kUnevenShare * scan_period_s_ * velocity.angular).cwiseAbs2();
+  return assumed;
+}
+
+Vector6 Drift::shake(const Twist& velocity) const {
+  return six(kShakeAlong, kShakeAbout).cwiseProduct(jolts(velocity));
+}
 
 void Drift::move(const Pose& motion) {
   state_ = carried(state_, motion);
@@ -121,10 +131,10 @@ void Drift::grow(const Pose& motion, const MotionState& state, bool is_levelled)
   const double start_step_m = step_m + kStart_m * rotation_angle_rad(motion);
   const double begun =
       std::exp(-start_path_m_ / kStart_m) - std::exp(-(start_path_m_ + start_step_m) / kStart_m);
-  const double turn_rad2 = kStartTurn * jolts_.tail<3>().sum();
+  const double turn_rad2 = kStartTurn * jolts(state.velocity).tail<3>().sum();
   state_.drift += kShare_per_m * step_m * against_map(state);
   state_.drift.diagonal() +=
-      begun * (shake() + six(kStartLever_m * kStartLever_m * turn_rad2, turn_rad2));
+      begun * (shake(state.velocity) + six(kStartLever_m * kStartLever_m * turn_rad2, turn_rad2));
   state_.drift.diagonal().segment<2>(3).array() +=
       begun * start_variance_ +
       step_m * (is_levelled ? kLevelledLean_rad2_per_m : kLean_rad2_per_m);

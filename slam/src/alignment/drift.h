@@ -59,9 +59,10 @@ DriftState improved(const DriftState& later, const DriftImprovement& earlier, co
 ///
 /// `shake` comes from uneven motion, of a hand for instance: the motion for which a scan is
 /// corrected is not quite its own. It is a share of the mean square of the velocity's change from
-/// scan to scan times the scan's period, along and about each axis. Errors of the first scans,
-/// which make the map, remain. `turn` is what uneven turns add to these: the first scan is
-/// corrected with the velocity of the second.
+/// scan to scan times the scan's period, along and about each axis; before there is a second
+/// velocity half of the turn counts as such a change. Errors of the first scans, which make the
+/// map, remain. `turn` is what uneven turns add to these: the first scan is corrected with the
+/// velocity of the second.
 ///
 /// `start` is a tilt: within the first metres, in a map of a few scans, the ground between the rows
 /// is interpolated by chords, and the resulting error remains; it grows with the spacing of the
@@ -117,8 +118,10 @@ class Drift {
   Matrix6 own_covariance(const Pose& motion, const Matrix6& against_map) const;
 
  private:
+  /// Mean squares of the unforeseen motion within a scan of this velocity, m^2, rad^2.
+  Vector6 jolts(const Twist& velocity) const;
   /// Variances of a scan's pose due to uneven motion.
-  Vector6 shake() const;
+  Vector6 shake(const Twist& velocity) const;
 
   double start_variance_;
   double scan_period_s_;
