@@ -12,6 +12,8 @@ namespace hqslam::slam {
 
 namespace {
 
+using FitComparison = bool (*)(const MappingResult&, const MappingResult&);
+
 /// A state known better than this is the only start of a scan that fits.
 constexpr double kPrecise_m = 0.5;
 constexpr double kPrecise_rad = 0.05;
@@ -25,7 +27,7 @@ bool fits_as_well_elsewhere(const MappingResult& other, const MappingResult& bes
   constexpr double kElsewhere_m = 0.3;
   constexpr double kElsewhere_rad = 0.1;
   const Pose apart = best.state.T_map_sensor.inverse() * other.state.T_map_sensor;
-  return other.status != Status::kTooFewFeatures && !fits_better(best, other) &&
+  return other.status != Status::kTooFewFeatures && !fits_better_than_chance(best, other) &&
          (apart.translation().norm() > kElsewhere_m || rotation_angle_rad(apart) > kElsewhere_rad);
 }
 
@@ -56,9 +58,14 @@ Pose upright(Pose T_map_sensor) {
 bool fits_better(const MappingResult& a, const MappingResult& b) {
   if (a.status == Status::kTooFewFeatures) return false;
   if (b.status == Status::kTooFewFeatures) return true;
+  return a.close_ratio > kClearlyBetter * b.close_ratio;
+}
+
+bool fits_better_than_chance(const MappingResult& a, const MappingResult& b) {
   constexpr double kByChance = 3.0;
-  return a.close_ratio > kClearlyBetter * b.close_ratio &&
-         a.close_planes > b.close_planes + kByChance * std::sqrt(b.close_planes);
+  return fits_better(a, b) &&
+         (b.status == Status::kTooFewFeatures ||
+          a.close_planes > b.close_planes + kByChance * std::sqrt(b.close_planes));
 }
 
 bool is_precise(const MotionState& state) {
@@ -72,18 +79,20 @@ MappingResult register_from_starts(const Mapping& mapping, const MapFeatures& fe
   const MotionState& state = expected.state;
   MappingResult best = mapping.register_scan(features, state, state.T_map_sensor);
   std::vector<MappingResult> found = {best};
-  const auto begin_at = [&](const Pose& T_map_start) {
+  const auto begin_at = [&](const Pose& T_map_start,
+                            FitComparison is_better = fits_better_than_chance) {
     const Twist innovation = logarithm(state.T_map_sensor.inverse() * T_map_start);
     found.push_back(mapping.register_scan(
         features, with_innovation(state, innovation, expected.duration_s), T_map_start));
-    if (fits_better(found.back(), best)) best = found.back();
+    if (is_better(found.back(), best)) best = found.back();
   };
   if (!is_precise(state) || fits_badly(best, expected.last_close_ratio)) {
     Pose T_map_moved = expected.T_map_moved();
     if (expected.is_turn_measured) T_map_moved.linear() = state.T_map_sensor.linear();
     begin_at(T_map_moved);
   }
-  if (!best.has_ground) begin_at(upright(state.T_map_sensor));
+  // On stairs both fits have few planes: beyond chance the upright pose would seldom be better.
+  if (!best.has_ground) begin_at(upright(state.T_map_sensor), fits_better);
   // If nothing fits, a sample of the inertial sensor may be wrong.
   const bool is_heading_known = expected.is_turn_measured && best.status != Status::kTooFewFeatures;
   if (!is_heading_known && fits_badly(best, expected.last_close_ratio)) {

@@ -31,10 +31,12 @@ inline constexpr double kClearlyBetter = 1.1;
 inline constexpr double kLeastShareOfUsualFit = 0.5;
 inline constexpr double kLeastShareInGivenMap = 0.6;
 
-/// Whether a scan fits clearly better in one place than in another: by a tenth, and by more than
-/// three times the chance of a count. With returns to 12 m a street (raw HDL-64E) has a hundred
-/// features close to the map. A tenth of them is chance, and took the sensor back by a metre.
+/// Whether a scan fits clearly better in one place than in another: by a tenth.
 bool fits_better(const MappingResult& a, const MappingResult& b);
+/// The same, and by more than three times the chance of a count. With returns to 12 m a street (raw
+/// HDL-64E) has a hundred features close to the map. A tenth of them is chance, and took the sensor
+/// back by a metre.
+bool fits_better_than_chance(const MappingResult& a, const MappingResult& b);
 
 /// Whether a state is known well enough to be the only start of a registration that fits.
 bool is_precise(const MotionState& state);

@@ -18,18 +18,19 @@ slam::MappingResult fit(int close, int sought) {
 
 TEST_CASE(
     "of a hundred close planes fifteen more are chance, of a thousand a hundred and fifty not") {
-  CHECK_FALSE(slam::fits_better(fit(124, 514), fit(109, 514)));
-  CHECK(slam::fits_better(fit(150, 514), fit(109, 514)));
-  CHECK(slam::fits_better(fit(1150, 4000), fit(1000, 4000)));
+  CHECK(slam::fits_better(fit(124, 514), fit(109, 514)));
+  CHECK_FALSE(slam::fits_better_than_chance(fit(124, 514), fit(109, 514)));
+  CHECK(slam::fits_better_than_chance(fit(150, 514), fit(109, 514)));
+  CHECK(slam::fits_better_than_chance(fit(1150, 4000), fit(1000, 4000)));
 }
 
 TEST_CASE("a gain of less than a tenth is none, however many planes are close") {
-  CHECK_FALSE(slam::fits_better(fit(10900, 20000), fit(10000, 20000)));
+  CHECK_FALSE(slam::fits_better_than_chance(fit(10900, 20000), fit(10000, 20000)));
 }
 
 TEST_CASE("any fit is better than too few features") {
   slam::MappingResult nothing;
   nothing.status = slam::Status::kTooFewFeatures;
-  CHECK(slam::fits_better(fit(40, 500), nothing));
-  CHECK_FALSE(slam::fits_better(nothing, fit(0, 500)));
+  CHECK(slam::fits_better_than_chance(fit(10, 500), nothing));
+  CHECK_FALSE(slam::fits_better_than_chance(nothing, fit(0, 500)));
 }
