@@ -250,7 +250,9 @@ class Pipeline(unittest.TestCase):
         pipeline = hqslam.Pipeline(SENSOR, WEIGHTS, spacing_rad=spacing_rad)
         upsampler = hqslam.Upsampler(WEIGHTS, SENSOR, spacing_rad=spacing_rad)
         self.assertEqual(pipeline.sensor, upsampler.sensor)
-        self.assertEqual(upsampler.sensor.rows, 31)  # one between two rows of the OS1-16's
+        self.assertEqual(upsampler.sensor.rows, 32)  # those of the OS1-16 are 2.1 degrees apart
+        gaps_rad = -np.diff(upsampler.sensor.beam_elevation_rad)
+        self.assertLessEqual(gaps_rad.max(), spacing_rad)
 
     def test_upsamples_a_recordings_scans_and_locates_them(self):
         recording = hqslam.open_recording(RECORDING)
