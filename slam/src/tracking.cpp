@@ -130,7 +130,7 @@ State Slam::Implementation::tracked(Tracking last, const Registered& found, cons
     drift.grow(motion, found.state, found.inertial && inertial_check.is_proven());
   }
   const bool is_known = is_precise(found.state);
-  if (drift.inherit(found.against_map, is_known)) {
+  if (drift.inherit_uncertainty(found.against_map, is_known)) {
     notes.report.covariance = drift.covariance(Pose::Identity(), found.against_map);
   }
   last.reference = reference_of(scan, found.state, found.against_map, notes.report, found.inertial);

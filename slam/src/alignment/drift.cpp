@@ -116,7 +116,7 @@ void Drift::move(const Pose& motion) {
   if (uncertain_keyframe_) uncertain_keyframe_ = carried(*uncertain_keyframe_, motion);
 }
 
-bool Drift::inherit(const Matrix6& against_map, bool is_known) {
+bool Drift::inherit_uncertainty(const Matrix6& against_map, bool is_known) {
   if (!uncertain_keyframe_) return false;
   const Matrix6 feigned = growth(against_map, *uncertain_keyframe_, Pose::Identity());
   state_.unmeasured += feigned;

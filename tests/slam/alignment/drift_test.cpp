@@ -154,17 +154,19 @@ TEST_CASE("the covariance of the last scan is carried to this one") {
 TEST_CASE("what is registered against a keyframe of a hardly known pose is no better known") {
   const auto variance_m2 = [](const slam::Drift& drift) { return drift.state().unmeasured(0, 0); };
   slam::Drift drift = sixteen_rows();
-  CHECK_FALSE(drift.inherit(0.01 * Matrix6::Identity(), true));
+  CHECK_FALSE(drift.inherit_uncertainty(0.01 * Matrix6::Identity(), true));
   drift.add_uncertain_keyframe(4.0 * Matrix6::Identity());
-  CHECK(drift.inherit(9.0 * Matrix6::Identity(), false));  // less well than the keyframe
+  CHECK(
+      drift.inherit_uncertainty(9.0 * Matrix6::Identity(), false));  // less well than the keyframe
   CHECK(variance_m2(drift) == 0.0);
-  drift.inherit(1.0 * Matrix6::Identity(), false);
+  drift.inherit_uncertainty(1.0 * Matrix6::Identity(), false);
   CHECK(variance_m2(drift) == doctest::Approx(3.0));
-  drift.inherit(2.0 * Matrix6::Identity(), false);  // nothing of it counts twice
+  drift.inherit_uncertainty(2.0 * Matrix6::Identity(), false);  // nothing of it counts twice
   CHECK(variance_m2(drift) == doctest::Approx(3.0));
-  drift.inherit(0.01 * Matrix6::Identity(), true);
+  drift.inherit_uncertainty(0.01 * Matrix6::Identity(), true);
   CHECK(variance_m2(drift) == doctest::Approx(3.99));
-  CHECK_FALSE(drift.inherit(0.001 * Matrix6::Identity(), true));  // the next keyframes are known
+  CHECK_FALSE(drift.inherit_uncertainty(0.001 * Matrix6::Identity(),
+                                        true));  // the next keyframes are known
 }
 
 TEST_CASE("unmeasured motion stays uncertain until a loop removes that, but not the drift since") {

@@ -107,8 +107,7 @@ void add_pipeline(nb::module_& module) {
           "it stays as it is; T_map_level_start, (4, 4): the first pose in it. rows: how many rows "
           "are used as measured, 0: all, or the network's. spacing_rad: widest gap between two "
           "rows of the result, with weights for any sensor; 0: 64 rows. least_confidence: computed "
-          "pixels with "
-          "less come out empty, 0 to 1. threads: 0, all. Raises Error.")
+          "pixels with less come out empty, 0 to 1. threads: 0, all. Raises Error.")
       .def("process", &process_recorded, "scan"_a, "trace"_a = nb::none(),
            "Locates a scan of a recording, with its inertial samples. trace: a dict that is filled "
            "with what each stage of SLAM made of it: arrays by name. Raises Error, ScanError.")

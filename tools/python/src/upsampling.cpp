@@ -127,8 +127,7 @@ void add_upsampling(nb::module_& module) {
            "measured ones alone; none: that of the weights. measured_rows: how many of its rows "
            "are measured; 0: as the weights have it, or every fourth. spacing_rad: widest gap "
            "between two rows of the result, with weights for any sensor; 0: 64 rows. threads, "
-           "least_confidence: "
-           "as SuperResolver. Raises Error.")
+           "least_confidence: as SuperResolver. Raises Error.")
       .def(
           "run",
           [](Upsampling& upsampler, const ImageInput& range_m, const nn::RecalledImage* recalled) {
