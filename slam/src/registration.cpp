@@ -185,10 +185,11 @@ Registered Slam::Implementation::registered(const Tracking& last, const Scan& sc
   const double duration_s = scan.time_s - reference.time_s;
   const std::optional<InertialPrediction> measured = predicted_by_imu(reference, scan);
   notes.report.predicted_by_imu = measured.has_value();
+  const bool measures_velocity = drift.is_uneven() && !scan.cloud.time_offset_s.empty();
   const MotionState expected =
       measured ? measured->state
                : predicted(reference.state, duration_s, kSteady_periods * sensor.scan_period_s,
-                           accelerations.density());
+                           accelerations.density(), measures_velocity);
   OdometryOnDemand odometry(reference, scan, expected.T_map_sensor, options.odometry, notes);
   MappingResult matched = register_from_starts(
       mapping, scan.map_features,

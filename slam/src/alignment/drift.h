@@ -107,6 +107,9 @@ class Drift {
   void set(const DriftState& state) { state_ = state; }
 
   const DriftState& state() const { return state_; }
+  /// Whether the sensor turns so unevenly, as in a hand or on a robot in rooms, that a scan is
+  /// better corrected by the velocity that it measures itself.
+  bool is_uneven() const;
 
   /// A, for a registered scan.
   Matrix6 against_map(const MotionState& state) const;

@@ -60,7 +60,7 @@ void AccelerationNoise::learn(const Twist& before, const Twist& after, double st
 }
 
 MotionState predicted(const MotionState& state, double duration_s, double steady_s,
-                      const Vector6& density) {
+                      const Vector6& density, bool is_velocity_measured) {
   const double beyond_s = std::max(0.0, duration_s - steady_s);
   const double kept = std::exp(-beyond_s / kFading_s);
   const double t_s = duration_s - beyond_s + kFading_s * (1.0 - kept);
@@ -69,17 +69,20 @@ MotionState predicted(const MotionState& state, double duration_s, double steady
   F.topLeftCorner<6, 6>() = adjoint(motion.inverse());
   F.topRightCorner<6, 6>().diagonal().setConstant(duration_s);
   MotionState result;
+  result.is_velocity_measured = is_velocity_measured;
   result.T_map_sensor = state.T_map_sensor * motion;
   result.velocity = kept * state.velocity;
   result.covariance = F * state.covariance * F.transpose();
   // The decayed part of the velocity is unknown.
   const Vector6 forgotten = (1.0 - kept) * vector_of(state.velocity);
   const Vector6 lost_m = (duration_s - t_s) * vector_of(state.velocity);
+  const double of_position = is_velocity_measured ? 1.0 / 3.0 : 1.0;
+  const double of_both = is_velocity_measured ? 0.5 : 1.0;
   result.covariance.topLeftCorner<6, 6>().diagonal() +=
-      std::pow(duration_s, 3) * density + lost_m.cwiseAbs2();
+      of_position * std::pow(duration_s, 3) * density + lost_m.cwiseAbs2();
   result.covariance.bottomRightCorner<6, 6>().diagonal() +=
       duration_s * density + forgotten.cwiseAbs2();
-  const Vector6 coupling = duration_s * duration_s * density + lost_m.cwiseProduct(forgotten);
+  const Vector6 coupling = of_both * duration_s * duration_s * density + lost_m.cwiseProduct(forgotten);
   result.covariance.topRightCorner<6, 6>().diagonal() += coupling;
   result.covariance.bottomLeftCorner<6, 6>().diagonal() += coupling;
   return result;

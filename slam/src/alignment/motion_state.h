@@ -32,6 +32,9 @@ struct MotionState {
   Pose T_map_sensor = Pose::Identity();
   Twist velocity;  ///< per second, in the sensor's frame
   Matrix12 covariance = Matrix12::Identity();
+  /// Whether scans measure the velocity, which is that at the stamp; otherwise it is the mean over
+  /// the last step.
+  bool is_velocity_measured = false;
 };
 
 /// A sensor at a known pose whose velocity is unknown, within the limits of vehicles.
@@ -55,16 +58,18 @@ class AccelerationNoise {
 ///
 ///   T <- T exp(velocity t),   F = [Ad(exp(-velocity t))  t I; 0  I],   P <- F P F^T + Q,
 ///   Q = density [t^3  t^2; t^2  t].
-/// Source: Barfoot, "State Estimation for Robotics", section 11.2 (white noise on acceleration).
-/// Differs from it: the velocity changes at the beginning of a step (so t^3, not t^3 / 3), hence is
-/// the mean over the step. The velocity at its end would have to be extrapolated, v' = 1.5 step / t
-/// - 0.5 v, which oscillates: a wrong velocity corrects the scan wrongly for motion, that moves the
-/// pose, and the next velocity is wrong with the opposite sign, by more.
+/// Source: Barfoot, "State Estimation for Robotics", section 11.2 (white noise on acceleration),
+/// Q = density [t^3/3  t^2/2; t^2/2  t], which holds if the next scan measures its velocity itself
+/// (is_velocity_measured, set in the result).
+/// Differs from it otherwise: the velocity changes at the beginning of a step, hence is the mean
+/// over the step. The velocity at its end would have to be extrapolated, v' = 1.5 step / t - 0.5 v,
+/// which oscillates: a wrong velocity corrects the scan wrongly for motion, that moves the pose, and
+/// the next velocity is wrong with the opposite sign, by more.
 ///
 /// Beyond `steady_s` the expected velocity decays (time constant 1 s), and the part that has
 /// decayed is uncertainty.
 MotionState predicted(const MotionState& state, double duration_s, double steady_s,
-                      const Vector6& density);
+                      const Vector6& density, bool is_velocity_measured = false);
 
 /// The expected state with a covariance that makes an acceleration plausible that moved the sensor
 /// by `innovation` against the expectation.

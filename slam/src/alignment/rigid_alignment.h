@@ -21,6 +21,7 @@ struct PlaneConstraint {
   double weight = 1.0;
   /// Standard deviation of the normal, along the direction in which it is largest.
   Eigen::Vector3d tilt = Eigen::Vector3d::Zero();
+  double time_offset_s = 0.0;  ///< of the point's capture from the stamp; only in the map
 };
 
 /// An edge feature: two planes that meet in its line, perpendicular to each other.

@@ -4,6 +4,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 
+#include "alignment/velocity_information.h"
+
 namespace hqslam::slam {
 
 namespace {
@@ -82,7 +84,8 @@ KnownInformation known_information(const std::vector<PlaneConstraint>& constrain
 ExpectedState::ExpectedState(const MotionState& expected)
     : expected_(expected), information_(expected.covariance.ldlt().solve(Matrix12::Identity())) {}
 
-void ExpectedState::improve(MotionState& state, const ScanInformation& scan) const {
+void ExpectedState::improve(MotionState& state, const ScanInformation& scan,
+                            const VelocityInformation* velocity) const {
   Vector12 error;
   error << vector_of(logarithm(expected_.T_map_sensor.inverse() * state.T_map_sensor)),
       vector_of(state.velocity) - vector_of(expected_.velocity);
@@ -90,6 +93,12 @@ void ExpectedState::improve(MotionState& state, const ScanInformation& scan) con
   information.topLeftCorner<6, 6>() += scan.information;
   Vector12 gradient = information_ * error;
   gradient.head<6>() += scan.gradient;
+  if (velocity != nullptr) {
+    information.topRightCorner<6, 6>() += velocity->with_pose;
+    information.bottomLeftCorner<6, 6>() += velocity->with_pose.transpose();
+    information.bottomRightCorner<6, 6>() += velocity->of_velocity;
+    gradient.tail<6>() += velocity->gradient;
+  }
   const Vector12 change = -information.ldlt().solve(gradient);
   state.T_map_sensor = state.T_map_sensor * exponential(twist_of(change.head<6>()));
   state.velocity = twist_of(vector_of(state.velocity) + Vector6(change.tail<6>()));

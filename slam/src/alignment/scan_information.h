@@ -38,6 +38,8 @@ struct KnownInformation {
 KnownInformation known_information(const std::vector<PlaneConstraint>& constraints,
                                    const Eigen::Matrix3d& R_map_sensor);
 
+struct VelocityInformation;
+
 /// The expected state as a prior, to be combined with the information of a scan.
 class ExpectedState {
  public:
@@ -46,8 +48,9 @@ class ExpectedState {
   /// Moves pose and velocity of `state` by a Gauss-Newton step towards the most likely state:
   ///   minimise  e^T P^-1 e / 2  of the error e against the expected state
   ///             plus the information of the scan about the change of the pose.
-  /// The velocity follows by its correlation with the pose.
-  void improve(MotionState& state, const ScanInformation& scan) const;
+  /// The velocity follows by its correlation with the pose, and by `velocity` if that is given.
+  void improve(MotionState& state, const ScanInformation& scan,
+               const VelocityInformation* velocity = nullptr) const;
 
   /// The covariance after a scan of this KnownInformation::information. Poses use all of the scan's
   /// information, since errors of normals usually explain little of it.

@@ -89,6 +89,11 @@ std::optional<PlaneConstraint> horizontal(std::optional<PlaneConstraint> surface
   return surface;
 }
 
+void put_time(float time_offset_s, PlaneConstraint& plane) { plane.time_offset_s = time_offset_s; }
+void put_time(float time_offset_s, EdgeConstraints& edge) {
+  for (PlaneConstraint& plane : edge) plane.time_offset_s = time_offset_s;
+}
+
 /// One constraint or none per feature, searched in parallel: constrain(i, fit, rotated_m).
 template <typename Fit, int kNeighbours, typename Make, typename Constrain>
 auto find_all(SearchedFeatures<Fit, kNeighbours>& searched, const MapSearch& search,
@@ -104,6 +109,7 @@ auto find_all(SearchedFeatures<Fit, kNeighbours>& searched, const MapSearch& sea
     const Eigen::Vector3d rotated_m = rotation * point_m.cast<double>();
     const Eigen::Vector3f query_m = (rotated_m + origin_m).cast<float>();
     found[i] = constrain(i, searched.nearby[i].at(map, query_m, search.reach_m, make), rotated_m);
+    if (found[i]) put_time(searched.features[i].time_offset_s, *found[i]);
   }
   return found;
 }

@@ -7,6 +7,7 @@
 #include "alignment/rigid_alignment.h"
 #include "alignment/robust_weights.h"
 #include "alignment/scan_information.h"
+#include "alignment/velocity_information.h"
 #include "front_end/motion_correction.h"
 #include "front_end/voxel_thinning.h"
 
@@ -171,7 +172,13 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
       result.status = Status::kTooFewFeatures;
       return result;
     }
-    prior.improve(result.state, information);
+    if (expected.is_velocity_measured) {
+      const VelocityInformation velocity =
+          velocity_information(constraints.all, before.linear(), information);
+      prior.improve(result.state, information, &velocity);
+    } else {
+      prior.improve(result.state, information);
+    }
     result.information = information.information;
     used = std::move(constraints.all);
     R_map_before = before.linear();

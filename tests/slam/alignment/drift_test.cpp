@@ -73,6 +73,21 @@ TEST_CASE("a sensor that is shaken is less certain along and about the axes that
   CHECK(covariance_of(drift, state).isApprox(still, 1e-6));
 }
 
+TEST_CASE("turns count as uneven once several changed by more than 0.01 rad within a scan") {
+  for (const double change_rad_per_s : {0.05, 0.2}) {  // 0.1 s a scan
+    slam::Drift drift = sixteen_rows();
+    Twist velocity;
+    for (int i = 0; i < 5; ++i) {
+      velocity.angular.z() = i % 2 == 0 ? 0.0 : change_rad_per_s;
+      drift.learn(velocity);
+      CHECK(!drift.is_uneven());
+    }
+    velocity.angular.z() = change_rad_per_s;
+    drift.learn(velocity);
+    CHECK(drift.is_uneven() == (change_rad_per_s > 0.1));
+  }
+}
+
 TEST_CASE("half of a turn counts as uneven until a second velocity shows how even turns are") {
   slam::Drift drift = sixteen_rows();  // 0.1 s a scan
   MotionState turning = known_to(0.005);

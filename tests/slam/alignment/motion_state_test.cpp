@@ -46,6 +46,17 @@ TEST_CASE("an uncertain velocity becomes an uncertain pose, and so do accelerati
   CHECK(later.covariance(1, 1) == 0.0);
 }
 
+TEST_CASE("a velocity that the next scan measures changes evenly over the step") {
+  MotionState state;
+  state.covariance.setZero();
+  const Vector6 density = (Vector6() << 0.3, 0, 0, 0, 0, 0).finished();
+  const MotionState later = slam::predicted(state, 0.5, kLong_s, density, true);
+  CHECK(later.is_velocity_measured);
+  CHECK(later.covariance(0, 0) == doctest::Approx(0.3 * 0.125 / 3.0));
+  CHECK(later.covariance(0, 6) == doctest::Approx(0.3 * 0.25 / 2.0));
+  CHECK(later.covariance(6, 6) == doctest::Approx(0.3 * 0.5));
+}
+
 TEST_CASE("covariance is carried as random errors of the start are") {
   // Eight errors of the start, driven on in closed form, and their mean square at the end.
   const test::SteadyDrive drive{
