@@ -27,8 +27,8 @@ constexpr double kNewJoltShare = 0.05;
 /// The share of a turn that is taken for uneven before a second velocity shows how even turns are.
 constexpr double kUnevenShare = 0.5;
 /// Standard deviation of a scan's unforeseen turn about one axis, and scans before it is known.
-/// Simulated vehicles have at most 0.005 rad, robots in rooms 0.012 to 0.026, hands 0.035 to 0.07; a
-/// VLP-16 on a car 0.002.
+/// Simulated vehicles have at most 0.005 rad, robots in rooms 0.012 to 0.026, hands 0.035 to 0.07;
+/// a VLP-16 on a car 0.002.
 constexpr double kUneven_rad = 0.01;
 constexpr int kFewJolts = 5;
 constexpr double kShare_per_m = 0.0135;

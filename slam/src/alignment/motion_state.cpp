@@ -82,7 +82,8 @@ MotionState predicted(const MotionState& state, double duration_s, double steady
       of_position * std::pow(duration_s, 3) * density + lost_m.cwiseAbs2();
   result.covariance.bottomRightCorner<6, 6>().diagonal() +=
       duration_s * density + forgotten.cwiseAbs2();
-  const Vector6 coupling = of_both * duration_s * duration_s * density + lost_m.cwiseProduct(forgotten);
+  const Vector6 coupling =
+      of_both * duration_s * duration_s * density + lost_m.cwiseProduct(forgotten);
   result.covariance.topRightCorner<6, 6>().diagonal() += coupling;
   result.covariance.bottomLeftCorner<6, 6>().diagonal() += coupling;
   return result;

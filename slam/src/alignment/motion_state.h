@@ -63,8 +63,8 @@ class AccelerationNoise {
 /// (is_velocity_measured, set in the result).
 /// Differs from it otherwise: the velocity changes at the beginning of a step, hence is the mean
 /// over the step. The velocity at its end would have to be extrapolated, v' = 1.5 step / t - 0.5 v,
-/// which oscillates: a wrong velocity corrects the scan wrongly for motion, that moves the pose, and
-/// the next velocity is wrong with the opposite sign, by more.
+/// which oscillates: a wrong velocity corrects the scan wrongly for motion, that moves the pose,
+/// and the next velocity is wrong with the opposite sign, by more.
 ///
 /// Beyond `steady_s` the expected velocity decays (time constant 1 s), and the part that has
 /// decayed is uncertainty.
