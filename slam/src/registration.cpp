@@ -185,7 +185,9 @@ Registered Slam::Implementation::registered(const Tracking& last, const Scan& sc
   const double duration_s = scan.time_s - reference.time_s;
   const std::optional<InertialPrediction> measured = predicted_by_imu(reference, scan);
   notes.report.predicted_by_imu = measured.has_value();
-  const bool measures_velocity = drift.is_uneven() && !scan.cloud.time_offset_s.empty();
+  // Beside an inertial sensor it would hide what that one gains, and so delay its belief.
+  const bool measures_velocity =
+      drift.is_uneven() && !scan.cloud.time_offset_s.empty() && !reference.inertial;
   const MotionState expected =
       measured ? measured->state
                : predicted(reference.state, duration_s, kSteady_periods * sensor.scan_period_s,

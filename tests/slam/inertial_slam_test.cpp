@@ -82,7 +82,7 @@ TEST_CASE(
     int scans;
     double worst_m, of_without;
   };
-  for (const Case& c : {Case{0.1, 40, 0.03, 0.7}, {0.5, 16, 0.15, 0.2}}) {
+  for (const Case& c : {Case{0.1, 40, 0.029, 0.7}, {0.5, 16, 0.15, 0.2}}) {
     CAPTURE(c.period_s);
     const double with_m = worst_inertial_error_m(c.period_s, c.scans, Imu::kAll, {});
     CHECK(with_m < c.worst_m);

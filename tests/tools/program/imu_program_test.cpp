@@ -31,7 +31,7 @@ TEST_CASE(
   const std::string by_default = run("", "default");
   fs::rename(drive + "/imu.csv", folder.file("moved.csv"));
   CHECK_FALSE(holds(succeeds("info '{}'", drive).out, "inertial"));
-  CHECK(holds(summary, "inertial sensor: predicted 34 of 40 scans\n"));  // the first ones prove it
+  CHECK(holds(summary, "inertial sensor: predicted 35 of 40 scans\n"));  // the first ones prove it
   const std::string without = run("", "without");
   CHECK(!holds(summary, "inertial sensor"));
   const std::string given = run("--imu '" + folder.file("moved.csv") + "'", "given");
