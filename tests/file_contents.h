@@ -19,7 +19,7 @@ inline void write_file(const std::string& path, const std::string& contents) {
   stream.write(contents.data(), static_cast<std::streamsize>(contents.size()));
 }
 
-/// Numbers as they lie in memory, low byte first.
+/// Numbers as in memory, low byte first.
 template <typename... Numbers>
 std::string raw_bytes(Numbers... numbers) {
   std::string bytes;
@@ -35,7 +35,7 @@ inline std::string replaced_in(std::string text, const std::string& from, const 
   return text.replace(text.find(from), from.size(), to);
 }
 
-/// Of what lies in a folder.
+/// Of a folder's contents.
 inline std::set<std::string> names_in(const std::filesystem::path& folder) {
   std::set<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {

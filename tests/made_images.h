@@ -27,7 +27,7 @@ inline SensorModel even_sensor(int rows, int columns, double highest_deg, double
   return beams_at(radians(elevation_deg), columns);
 }
 
-/// A preset with so many columns.
+/// A preset with this many columns.
 inline SensorModel preset_with(const std::string& name, int columns) {
   SensorModel sensor = sensor_preset(name);
   sensor.columns = columns;

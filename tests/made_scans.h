@@ -9,7 +9,7 @@
 
 namespace hqslam::test {
 
-/// A recording of so many scans of a VLP-16 with stamps, as `make` makes each or throws.
+/// A recording of this many scans of a VLP-16 with stamps, as `make` makes each or throws.
 class MadeScans : public ScanSource {
  public:
   MadeScans(std::size_t scans, std::function<RecordedScan(std::size_t scan)> make)

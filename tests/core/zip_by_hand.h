@@ -24,7 +24,7 @@ inline std::uint32_t crc32(const std::string& bytes) {
   return ~crc;
 }
 
-/// A member put together by hand, which may lie about everything.
+/// A member put together by hand, of which every field may be false.
 struct HandMember {
   std::string name = "a.npy";
   std::string packed;

@@ -44,7 +44,7 @@ void hesai_packets(Bytes input);
 void robosense_packets(Bytes input);
 /// A Hesai's angle file.
 void hesai_angles(Bytes input);
-/// The first byte names the profile, whole packets of so many rows follow.
+/// The first byte names the profile and the rows; whole packets of them follow.
 inline constexpr int kOusterRows = 2;
 void ouster_packets(Bytes input);
 /// What comes to a port from several hosts: the first byte names the sensor, steps of packets

@@ -82,7 +82,7 @@ TEST_CASE("Simple DU has no Y, DU-Mix has modes instead of a choice") {
                              "probability", "layers.0.z", "confidence", "result"});
 }
 
-TEST_CASE("a name that is none is refused with the nearest ones") {
+TEST_CASE("an unknown name is refused with the nearest ones") {
   const Trace trace = traced_run(shallow_du_or()).trace;
   CHECK(test::refused_with([&] { trace.tensor("layers.9.h"); }, "no tensor 'layers.9.h'",
                            "did you mean 'layers.0.h'"));

@@ -24,7 +24,7 @@ std::string complaint_about(std::string_view name, double value) {
 
 }  // namespace
 
-TEST_CASE("an invalid option, or one that is none, is named with its value and the constraint") {
+TEST_CASE("an invalid or unknown option is named with its value and the constraint") {
   SlamOptions options;
   options.ground.max_slope_rad = 2.0;
   CHECK(complaint(options) ==

@@ -98,7 +98,7 @@ TrackedDrive track_recorded(int rows) {
 }
 
 /// Mean over a simulated drive of e^T C^-1 e, e being the error of a pose and C its covariance: 6
-/// if the covariance is right. Where so many scans from the 30th on are blind, of what follows
+/// if the covariance is right. Where this many scans from the 30th on are blind, of what follows
 /// them.
 double normalised_error_squared(const char* name, std::uint64_t seed, std::int64_t scans,
                                 std::int64_t blind = 0) {

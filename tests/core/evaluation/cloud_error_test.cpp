@@ -46,7 +46,7 @@ TEST_CASE("errors of a few points are those done by hand") {
   CHECK(error.chamfer_m2 == doctest::Approx(to_true_m2 + to_cloud_m2));
 }
 
-TEST_CASE("empty clouds and coordinates that are none are refused") {
+TEST_CASE("empty clouds and coordinates that are not finite are refused") {
   CHECK(refused_with([] { cloud_error({}, {{1, 2, 3}}); }, "cloud", "at least one point", "none"));
   CHECK(refused_with([] { cloud_error({{1, 2, 3}}, {}); }, "true cloud"));
   for (const float bad :

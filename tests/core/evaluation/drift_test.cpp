@@ -64,7 +64,7 @@ TEST_CASE("a slip is as large as its worst window, whichever that is") {
   CHECK(turns[0].rotation_rad == doctest::Approx(0.9 * kDegree_rad));
 }
 
-TEST_CASE("0.3 m and 0.3 degrees are the limits, the frame of the estimate is none of them") {
+TEST_CASE("the limits are 0.3 m and 0.3 degrees, whatever the frame of the estimate") {
   const Pose T_elsewhere = pose_from_xyz_rpy({100.0, -50.0, 7.0}, 0.4, -1.0, 2.5);
   const auto count = [&](const Pose& jump) {
     Trajectory estimate = with_jump(straight_drive(), 100, jump);
@@ -91,7 +91,7 @@ TEST_CASE("jumps whose windows do not touch are slips of their own, nearer ones 
 }
 
 TEST_CASE(
-    "who is lost for a whole drive slips once, who drifts by little never; rates are per 100 km") {
+    "an estimate lost for a whole drive has one slip, a slow drift none; rates are per 100 km") {
   const std::vector<Slip> lost = slips(scaled(straight_drive(), 1.04), straight_drive());
   REQUIRE(lost.size() == 1);  // 0.4 m in ten metres
   CHECK(lost[0].first == 0);
@@ -157,7 +157,7 @@ TEST_CASE("pieces that share a scan with a slip are left out on demand") {
   CHECK(drift(error, {{0, 299, 1.0, 0.0}}).pieces == 0);
 }
 
-TEST_CASE("limits that are none and trajectories of different times are refused") {
+TEST_CASE("limits that are not positive and trajectories of different times are refused") {
   const Trajectory drive = straight_drive();
   CHECK(refused_with([&] { slips(drive, drive, {0, 0.3, 0.3}); }, "slips", "positive", "found 0"));
   CHECK(refused_with([&] { slips(drive, drive, {10, -1.0, 0.3}); }, "slips", "positive", "-1"));

@@ -10,7 +10,7 @@
 using namespace hqslam;
 using namespace hqslam::test;
 
-TEST_CASE("a file is replaced whole or not at all, and no part of it is left") {
+TEST_CASE("a file is replaced whole or not at all, without partial files left behind") {
   const TemporaryDirectory folder;
   const std::string path = folder.file("a");
   replace_file(path, [](const std::string& part) { write_whole_file(part, "one"); });

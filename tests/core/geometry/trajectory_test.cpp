@@ -112,7 +112,7 @@ TEST_CASE("a file that is no trajectory is refused with its name and its first w
   CHECK(refused_with([] { write_tum({}, "/nowhere/t.tum"); }, "/nowhere/t.tum"));
 }
 
-TEST_CASE("a trajectory is a regular file that is not far larger than any drive") {
+TEST_CASE("a trajectory that is no regular file or far too large is refused") {
   const TemporaryDirectory directory;
   const std::string path = directory.file("t.tum");
   CHECK(refused_with([&] { read_any(directory.path().string()); }, "a trajectory", "a folder"));

@@ -20,7 +20,7 @@ struct BagMessage {
 Payload velodyne_scan_message(const std::vector<Captured>& packets, bool ros1);
 /// A pandar_msgs/PandarScan with these packets.
 Payload pandar_scan_message(const std::vector<Captured>& packets, bool ros1);
-/// Messages of a topic with so many packets each; what is left at the end stays out.
+/// Messages of a topic with this many packets each; an incomplete last one is left out.
 std::vector<BagMessage> scan_messages(const std::string& topic, const std::string& type,
                                       const std::vector<Captured>& packets, std::size_t each,
                                       bool ros1,
@@ -60,7 +60,7 @@ void write_db3(const std::vector<BagMessage>& messages, const std::string& path,
                const std::string& serialization_format = "cdr");
 /// Writes one whose messages are a view that never ends.
 void write_endless_db3(const std::string& path);
-/// A copy of such a bag as it lies there while it is written: in write-ahead mode, and that the
+/// A copy of such a bag as it is on disk while it is written: in write-ahead mode, and that the
 /// second half of the messages was deleted is only in the log beside it.
 void copy_with_half_taken_back(const std::string& path, const std::string& copy);
 

@@ -84,11 +84,11 @@ Payload hesai_packet_bytes(int lasers, std::uint32_t time_us, int azimuth, std::
 /// Changes one measurement of it.
 void set_hesai_measurement(Payload& packet, int lasers, int block, int laser,
                            std::uint16_t distance, std::uint8_t reflectivity = 10);
-/// What such a sensor sends in a round room in so many seconds, 10 turns a second, from the azimuth
-/// of 300 degrees on.
+/// What such a sensor sends in a round room in this many seconds, 10 turns a second, from the
+/// azimuth of 300 degrees on.
 std::vector<Captured> hesai_capture(int lasers, double duration_s, std::uint8_t return_mode = 0x37);
 
-/// What a RoboSense in a round room sends in so many seconds, 10 turns a second, from the azimuth
+/// What a RoboSense in a round room sends in this many seconds, 10 turns a second, from the azimuth
 /// of 300 degrees on and from 2020-09-13 12:26:40, all measurements of `distance` and reflectivity
 /// 10; its settings first, to port 7788. Beams of an RS-16: -15 to -1 and 15 to 1 degrees; of a
 /// Helios of `lasers` beams from 15 degrees down, every other one a degree clockwise aside.

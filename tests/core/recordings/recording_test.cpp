@@ -13,7 +13,7 @@ using namespace hqslam;
 using namespace hqslam::recordings;
 using namespace hqslam::test;
 
-TEST_CASE("a capture of a VLP-16 opens without being told anything") {
+TEST_CASE("a capture of a VLP-16 opens without any option") {
   const TemporaryDirectory directory;
   const std::string path = directory.file("a.pcap");
   write_file(path, pcap_bytes(velodyne_capture({.rate_hz = 20.0, .duration_s = 0.26})));
@@ -34,7 +34,7 @@ TEST_CASE("a capture of a VLP-16 opens without being told anything") {
   CHECK(info.stream == "192.168.1.201:2368");
 }
 
-TEST_CASE("a file that is named as a capture or a bag and is none is refused for what is in it") {
+TEST_CASE("a file with the name of a capture or a bag and other contents is refused for these") {
   const TemporaryDirectory directory;
   for (const char* name : {"a.pcap", "a.pcapng", "a.db3", "a.mcap", "a.bag"}) {
     const std::string path = directory.file(name);

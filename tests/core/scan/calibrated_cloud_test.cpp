@@ -25,7 +25,8 @@ OrganizedCloud measured(const SensorModel& sensor) {
 }  // namespace
 
 TEST_CASE(
-    "a cloud lies where corrected beams look, at corrected ranges, and stays without corrections") {
+    "a cloud's points are along corrected beams, at corrected ranges, and stay without "
+    "corrections") {
   const SensorModel sensor = two_beams();
   const OrganizedCloud cloud = measured(sensor);
   const OrganizedCloud moved = calibrated(cloud, sensor);

@@ -121,7 +121,7 @@ TEST_CASE("sizes add up and rows are those of the pixels") {
   }
 }
 
-TEST_CASE("more than 65,536 components are told apart") {
+TEST_CASE("more than 65,536 components are distinguished") {
   SensorModel sensor = degrees_apart(64, 4096);
   RangeImage image(64, 4096);
   for (int row = 0; row < 64; ++row) {

@@ -50,7 +50,7 @@ TEST_CASE("project inverts unproject for every preset, with rows given or found 
   }
 }
 
-TEST_CASE("where a scan begins in the turn is told by the times of its points") {
+TEST_CASE("the times of a scan's points give where in the turn it begins") {
   for (const char* name : {"os1-64", "vlp-16"}) {
     CAPTURE(name);
     const SensorModel sensor = sensor_preset(name);
@@ -98,7 +98,7 @@ TEST_CASE("points outside the ranges or the beams are left out and counted") {
   CHECK(projected.counts.out_of_range == 3);
   CHECK(projected.counts.outside_rows == 2);
   CHECK(projected.counts.kept == 0);
-  // A point at the origin is none, even of a sensor that measures from 0 m on.
+  // A point at the origin is no return, even of a sensor that measures from 0 m on.
   SensorModel near = sensor;
   near.min_range_m = 0.0;
   scan.points_m = {{0, 0, 0}, {0.001F, 0, 0}};

@@ -155,7 +155,7 @@ TEST_CASE("validation names the field, the value and the constraint") {
   }
 }
 
-TEST_CASE("rows between beams lie evenly above each, at the top as far apart as below it") {
+TEST_CASE("rows between beams are evenly spaced above each, at the top as far apart as below it") {
   SensorModel sensor = sensor_preset("vlp-16");
   sensor.beam_elevation_rad = radians({10.0, 6.0, 5.0});
   sensor.beam_azimuth_offset_rad = {0.01, 0.02, 0.03};

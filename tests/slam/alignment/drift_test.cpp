@@ -44,7 +44,7 @@ TEST_CASE("drift grows with the path, not with the number of scans") {
   in_one_step.grow(test::at_x(1e-6), state);
   in_ten.grow(test::at_x(1e-6), state);
   const Matrix6 start = covariance_of(in_one_step, state);
-  // Steps so small that the lever of a turn is none.
+  // Steps so small that the lever of a turn is negligible.
   in_one_step.grow(test::at_x(0.01), state);
   for (int i = 0; i < 10; ++i) in_ten.grow(test::at_x(0.001), state);
   const double grown = covariance_of(in_one_step, state)(2, 2) - start(2, 2);

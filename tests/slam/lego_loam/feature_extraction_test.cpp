@@ -26,7 +26,7 @@ std::size_t count(const Features& features, FeatureKind kind) {
 
 }  // namespace
 
-TEST_CASE("a point that stands out is an edge, and its neighbours are none") {
+TEST_CASE("a point that stands out is an edge, and its neighbours are not") {
   SegmentedScan scan = row_of_points(false);
   scan.rows[0][30].range_m = 9.9F;  // c = (10 * 0.1 m)^2 = 1 m^2; its neighbours' 0.01 m^2
   const Features features = extract_features(scan, kColumns);

@@ -24,7 +24,7 @@ TEST_CASE(
   CHECK(slam::fits_better_than_chance(fit(1150, 4000), fit(1000, 4000)));
 }
 
-TEST_CASE("a gain of less than a tenth is none, however many planes are close") {
+TEST_CASE("a gain of less than a tenth does not count, however many planes are close") {
   CHECK_FALSE(slam::fits_better_than_chance(fit(10900, 20000), fit(10000, 20000)));
 }
 

@@ -205,7 +205,7 @@ TEST_CASE("in an endless corridor the motion along it is held at its prediction"
 }
 
 TEST_CASE("a corridor whose normals lean at random is degenerate, whatever they feign") {
-  // Points lie 5 cm off the walls and the floor. Their normals feign more than kMinObservableShare
+  // Points are 5 cm off the walls and the floor. Their normals feign more than kMinObservableShare
   // of the information about the motion along it.
   const auto corridor = [](double offset_m, unsigned seed) {
     std::mt19937 generator(seed);

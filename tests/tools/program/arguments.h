@@ -30,7 +30,7 @@ inline std::string run_arguments(const std::string& out) {
   return fmt::format("run '{}' --out '{}'", short_drive(), out);
 }
 
-/// Trains for so many steps; the recipe and the drives lie in `folder`.
+/// Trains for this many steps; the recipe and the drives are in `folder`.
 inline std::string train_arguments(const TemporaryDirectory& folder, const std::string& out,
                                    int steps = 3) {
   write_file(folder.file("recipe.json"), fmt::format(R"({{

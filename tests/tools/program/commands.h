@@ -74,7 +74,7 @@ struct Command {
   std::string arguments;  ///< as filled() takes them
   /// The same with an input that cannot be read.
   std::vector<std::string> with_broken_input = {};
-  /// What it writes, each behind {out}: "" is {out} itself, "/map.pcd" lies in the folder {out}.
+  /// What it writes, each behind {out}: "" is {out} itself, "/map.pcd" is in the folder {out}.
   std::vector<std::string> results = {};
   /// From the first scan on, in place of earlier results; else these stay until new ones are whole.
   bool writes_as_it_goes = false;

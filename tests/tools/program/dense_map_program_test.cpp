@@ -34,7 +34,7 @@ std::vector<MapRow> rows_of(const std::string& text) {
 }  // namespace
 
 TEST_CASE(
-    "a upsampled drive's dense map is more complete than a measured one's, and nearly as true") {
+    "an upsampled drive's dense map is more complete than a measured one's, and nearly as true") {
   const TemporaryDirectory out;
   const std::string folder = out.path().string();
   const auto run = [&](const char* options, const char* name) {
@@ -117,7 +117,7 @@ TEST_CASE(
   CHECK(missing(result.error, {"within 100 km", "found one 5400 km away"}) == "");
 }
 
-TEST_CASE("poses in a camera's axes, or with z downwards, are told from those of the sensor") {
+TEST_CASE("poses in a camera's axes, or with z downwards, are recognized") {
   const TemporaryDirectory folder;
   const std::string poses = folder.file("poses.tum");
   const std::string& drive = simulated_drive("--sensor os1-16 --scans 40");

@@ -50,7 +50,7 @@ bool tells_times(const std::string& result) {
 
 bool is_scan(const std::string& result) { return result.ends_with(".bin"); }
 
-/// Beyond so many blocks of 512 bytes no file grows: the command fails as with a full disk, or is
+/// No file grows beyond this many blocks of 512 bytes: the command fails as with a full disk, or is
 /// killed in the middle of writing.
 struct Stop {
   int blocks;
@@ -119,7 +119,7 @@ TEST_CASE("every subcommand that the help names is in the table of commands") {
   }
 }
 
-TEST_CASE("what cannot be printed is told by the exit status, the results are written") {
+TEST_CASE("where nothing can be printed the exit status is an error, and the results are written") {
   const TemporaryDirectory folder;
   for (const Command& command : commands()) {
     if (command.writes()) continue;

@@ -34,7 +34,7 @@ TEST_CASE("info names no command for a recording that cannot be read as that sen
   CHECK_FALSE(holds(wrong.out, "hqslam run"));
 }
 
-TEST_CASE("without a sensor info finds it in the points, writes it, and run goes by it") {
+TEST_CASE("without a sensor info finds it in the points and writes it, and run takes that file") {
   const TemporaryDirectory folder;
   const std::string bin = simulated_drive() + "/bin";
   const std::string file = folder.file("found.json");
@@ -60,7 +60,7 @@ TEST_CASE("of points without times info says how they were captured, and names t
   CHECK_FALSE(holds(succeeds("info '{}'", simulated_drive() + "/bin").out, "--capture"));
 }
 
-TEST_CASE("a folder of captures is told from one of scans, by info and by run") {
+TEST_CASE("info and run distinguish a folder of captures from one of scans") {
   const TemporaryDirectory folder;
   for (const char* name : {"b.pcap", "a.pcap"}) {
     write_file(folder.file(name), pcap_bytes(velodyne_capture({.duration_s = 0.11})));

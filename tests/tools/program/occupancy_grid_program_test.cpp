@@ -37,7 +37,7 @@ TEST_CASE("a run gives the same bytes with one thread and with two; its grid goe
   CHECK_FALSE(fs::exists(out.file("map.yaml")));
 }
 
-TEST_CASE("a band that is none is refused before anything is done") {
+TEST_CASE("an invalid band is refused before anything is done") {
   const TemporaryDirectory out;
   for (const char* band : {"2,0.25", "0,2", "nan,2", "1"}) {
     CAPTURE(band);

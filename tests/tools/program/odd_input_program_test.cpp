@@ -2,11 +2,11 @@
 #include "tools/program/program.h"
 #include "tools/program/untrained_weights.h"
 
-// What users hand over that nobody thought of: results among the input, contents that steer a
-// terminal, paths that cannot be, recipes that are none, names, numbers and locales of all kinds.
+// Input that users hand over by mistake: results among the input, contents that steer a
+// terminal, impossible paths, files that are no recipes, names, numbers and locales of all kinds.
 
 namespace hqslam::test {
-TEST_CASE("no command writes among the scans, also where they lie in a folder below as KITTI's") {
+TEST_CASE("no command writes among the scans, also where they are in a folder below as KITTI's") {
   const TemporaryDirectory folder;
   fs::copy(simulated_drive() + "/bin", folder.file("velodyne"));
   fs::create_directory_symlink(folder.file("velodyne"), folder.file("velodyne/link"));

@@ -69,7 +69,7 @@ inline ProgramResult succeeds(const std::string& arguments) {
   return result;
 }
 
-/// The same of wrong ones, which are told in one line on stderr.
+/// As above with wrong ones, which are refused in one line on stderr.
 inline ProgramResult refused(const std::string& arguments) {
   ProgramResult result = run_hqslam(arguments);
   CAPTURE(arguments);

@@ -47,7 +47,7 @@ TEST_CASE("a terminal that is closed, and a polite kill, leave a checkpoint to g
   }
 }
 
-TEST_CASE("a program that was told to ignore hang-ups ignores them") {
+TEST_CASE("a program started with hang-ups ignored ignores them") {
   const TemporaryDirectory folder;
   const std::string out = folder.file("out");
   ::signal(SIGHUP, SIG_IGN);  // which a child inherits
@@ -73,7 +73,7 @@ TEST_CASE("a run says that it is running until it has ended") {
   CHECK(holds(file_contents(out + "/timings.json"), "\"end\": \"complete\""));
 }
 
-TEST_CASE("a upsampling that was stopped is used, and said to be one") {
+TEST_CASE("an upsampling that was stopped is used, and named as incomplete") {
   const TemporaryDirectory folder;
   const std::string out = folder.file("out");
   {
@@ -90,7 +90,7 @@ TEST_CASE("a upsampling that was stopped is used, and said to be one") {
   for (const char* scans : {"/bin", "/pcd"}) succeeds("run '" + out + scans + "'" + arguments);
 }
 
-TEST_CASE("a simulation that was stopped is used, and said to be one") {
+TEST_CASE("a simulation that was stopped is used, and named as incomplete") {
   const TemporaryDirectory folder;
   const std::string drive = folder.file("drive");
   {

@@ -14,7 +14,7 @@ ProgramResult make_table(const std::string& out) {
   return run_hqslam("table --drives block --scans 16 --methods {} --out '{}'", kMethods, out);
 }
 
-/// The file of a method's only run on a drive, "" if there is none yet.
+/// The file of a method's only run on a drive; "" before it.
 std::string run_file(const std::string& out, const std::string& drive, const std::string& method) {
   const fs::path folder = fs::path(out) / "results" / drive;
   if (!fs::is_directory(folder)) return "";

@@ -139,7 +139,7 @@ TEST_CASE("weights for any sensor go on with a recorded drive, and stay where th
   CHECK_NOTHROW(nn::SuperResolver::checked(own, "own"));
   const bool is_new = holds(trained.out, ": the new weights");
   CHECK((own.parameters == nn::read_weights(weights).parameters) == !is_new);
-  CHECK(is_new);  // nobody has trained the old ones
+  CHECK(is_new);  // the old ones are untrained
   const ProgramResult compared = succeeds("compare '{}' --weights '{}' --json '{}'", drive,
                                           folder.file("own/weights.npz"), folder.file("own.json"));
   CHECK(holds(compared.out, "\nlinear "));

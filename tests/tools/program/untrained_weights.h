@@ -12,7 +12,7 @@
 
 namespace hqslam::test {
 
-/// A small network that nobody has trained, for scans of `sensor` of which every fourth row is
+/// A small untrained network, for scans of `sensor` of which every fourth row is
 /// measured: its ranges are poor, but it runs at once. feature: of du-mix, "scan_memory" or
 /// "any_beams".
 inline nn::Weights untrained_weights(const SensorModel& sensor, const std::string& kind,

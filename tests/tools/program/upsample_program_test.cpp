@@ -33,7 +33,7 @@ const Material& material() {
 
 }  // namespace
 
-TEST_CASE("a stack of 16 rows and one of 64 whose 16 rows are looked at give the same stack") {
+TEST_CASE("a stack of 16 rows and one of 64 of which 16 are measured give the same stack") {
   const Material& files = material();
   for (const std::string& method :
        {"--weights '" + files.weights + "'", std::string("--method inverse --sensor os1-64")}) {
@@ -82,13 +82,14 @@ TEST_CASE("upsampling and then running is running with --upsample") {
   }
 }
 
-TEST_CASE("what calibration found is put into ranges once, and computed rows lie between") {
+TEST_CASE(
+    "corrections of a calibration are applied to ranges once, and computed rows are between") {
   const Material& files = material();
   const TemporaryDirectory folder;
   SensorModel sensor = sensor_preset("os1-64");
   sensor.elevation_correction_rad.assign(64, 0.0);
   sensor.range_correction_m.assign(64, 0.1);
-  sensor.elevation_correction_rad[7] = 0.004;  // of rows 3, 7, 11, ... that are looked at
+  sensor.elevation_correction_rad[7] = 0.004;  // of the measured rows 3, 7, 11, ...
   sensor.elevation_correction_rad[8] = 0.04;   // of one that is not
   const std::string calibrated = folder.file("calibrated.json");
   write_sensor_json(sensor, calibrated);
@@ -165,7 +166,7 @@ TEST_CASE("where the poses are known a network with a memory recalls the scans a
   CHECK(fs::exists(folder.file("run/dense_map.ply")));
 }
 
-TEST_CASE("a upsampled recording says whether it was corrected for motion, as its scans were") {
+TEST_CASE("an upsampled recording states whether its scans were corrected for motion") {
   const Material& files = material();
   for (const auto& [part, corrected] : {std::pair("scans.npy", false), std::pair("bin", true)}) {
     CAPTURE(part);

@@ -127,7 +127,7 @@ TEST_CASE("a bag in write-ahead mode is read without a file being written beside
   CHECK(std::distance(begin(files), end(files)) == 1);
 }
 
-TEST_CASE("the log that lies beside a bag in write-ahead mode is read with it") {
+TEST_CASE("the log beside a bag in write-ahead mode is read with it") {
   const TemporaryDirectory directory;
   write_db3(velodyne_messages(false), directory.file("whole.db3"));
   copy_with_half_taken_back(directory.file("whole.db3"), directory.file("stopped.db3"));

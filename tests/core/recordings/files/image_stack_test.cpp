@@ -69,7 +69,7 @@ TEST_CASE("the scans of a drive have the stamps of its truth, also where it was 
   CHECK(one_line_with(folder.complaint(), "scans.npy", "3 images", "found 1", "truth.tum"));
 }
 
-TEST_CASE("what lies beside the images of a folder is known of their pixels") {
+TEST_CASE("the files beside the images of a folder describe their pixels") {
   const ImageFolder folder(0);
   RangeImage image = a_wall(folder.sensor);
   image.at(0, 0) = 0.0F;
@@ -145,7 +145,8 @@ TEST_CASE("rows that hold nothing in the images of a stack are left out, and nam
   CHECK(with_holes->warnings().at(0).find("31 of the 38 rows 3 to 40") != std::string::npos);
 }
 
-TEST_CASE("a stack has the sensor that lies beside it, if it has as many rows, or a named one") {
+TEST_CASE(
+    "a stack has the sensor of the file beside it, if that has as many rows, or a named one") {
   const TemporaryDirectory directory;
   SensorModel sensor = sensor_preset("os1-16");
   sensor.name = "mine";

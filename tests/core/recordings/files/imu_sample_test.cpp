@@ -18,7 +18,7 @@ std::vector<ImuSample> samples_of(const std::string& csv) {
 
 }  // namespace
 
-TEST_CASE("lines of seven numbers are samples; names above them and empty lines are none") {
+TEST_CASE("lines of seven numbers are samples; a header and empty lines are skipped") {
   const std::vector<ImuSample> samples = samples_of(
       "stamp,wx,wy,wz,fx,fy,fz\n1.5,0.1,-0.2,3e-1,0,0,9.8\n\n1.51, 1, 2, 3, 4, 5, 6\r\n");
   REQUIRE(samples.size() == 2);
@@ -28,7 +28,7 @@ TEST_CASE("lines of seven numbers are samples; names above them and empty lines 
   CHECK(samples[1].specific_force_mps2 == Eigen::Vector3d(4, 5, 6));
 }
 
-TEST_CASE("inertial data that are none are refused, with the line") {
+TEST_CASE("malformed inertial data are refused, with the line") {
   const auto refused = [](const std::string& text, const char* found) {
     return refused_with([&] { samples_of(text); }, "imu.csv", found);
   };

@@ -122,7 +122,7 @@ TEST_CASE("confidence and intensity come with their points, whatever the field i
   CHECK(read("x,y,intensity,z,reflectivity").intensity == std::vector<float>{7.0F, 9.0F});
   CHECK(read("x,y,a,z,b").confidence.empty());
   CHECK(read("x,y,a,z,b").intensity.empty());
-  // Intensities that are all 0 are none.
+  // Intensities that are all 0 count as absent.
   write_file(folder.file("a.txt"), "1 2 3 0\n2 3 4 0\n");
   CHECK(read_point_file(folder.file("a.txt")).scan.intensity.empty());
 }

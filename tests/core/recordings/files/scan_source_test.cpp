@@ -194,8 +194,7 @@ TEST_CASE("a path that is no recording is refused in one line") {
   CHECK(one_line_with(recording_complaint(path, sensor), path, "one kind", "1 .bin and 1 .pcd"));
 }
 
-TEST_CASE(
-    "links that lead nowhere and files that are none are named, and later stamps stay theirs") {
+TEST_CASE("broken links and files that are no scans are named, and later scans keep their stamps") {
   const TemporaryDirectory directory;
   const SensorModel sensor = sensor_preset("os1-16");
   for (const char* name : {"0.bin", "4.bin"}) {

@@ -35,7 +35,7 @@ FileDescriptor listening_socket(std::uint16_t& port) {
   return listener;
 }
 
-/// A server that takes so many connections, reads what is asked and gives back any bytes.
+/// A server that accepts this many connections, reads the request and answers with any bytes.
 class OneAnswer {
  public:
   /// hold: keeps the connections open until the end.
@@ -46,7 +46,7 @@ class OneAnswer {
     });
   }
   ~OneAnswer() {
-    shutdown(listener_.get(), SHUT_RDWR);  // whoever was to connect may not have come
+    shutdown(listener_.get(), SHUT_RDWR);  // the client may not have connected
     join();
   }
   void join() {
@@ -110,7 +110,7 @@ TEST_CASE("an Ouster that is only named is asked for its metadata where its pack
   CHECK(refused_with([&] { sensor.start(512); }, "started", "once"));
 }
 
-TEST_CASE("why an Ouster of another kind, or one that says nothing, is not it, is one line") {
+TEST_CASE("why an Ouster of another kind, or one that does not answer, is refused is one line") {
   const auto refused = [](const std::string& answer) {
     OneAnswer server(answer);
     const LiveOptions options = named(server);
@@ -138,7 +138,7 @@ TEST_CASE("a stranger's large packet does not keep the Ouster from being found")
   OneAnswer server(http_answer(text));
   const LiveOptions options = named(server);
   LiveSensor sensor(options);
-  LoopbackSender(options.port, 2).send(Payload(4000));  // nobody answers there: refused
+  LoopbackSender(options.port, 2).send(Payload(4000));  // no server answers there: refused
   CHECK_FALSE(sensor.recognise(0.05));
   send_packet(options);
   REQUIRE(sensor.recognise(kPatience_s));
@@ -168,8 +168,8 @@ TEST_CASE("answers in chunks, and of connections that are held open, are underst
 }
 
 TEST_CASE("a server that is not there or never answers does not hold anybody up") {
-  const UdpSocket nobody(0);
-  CHECK(refused_with([&] { http_get(kLoopback, nobody.port(), "/"); },
+  const UdpSocket unanswering(0);
+  CHECK(refused_with([&] { http_get(kLoopback, unanswering.port(), "/"); },
                      "http://127.0.0.1:", "connection"));
   std::uint16_t port = 0;
   const FileDescriptor silent = listening_socket(port);

@@ -20,7 +20,7 @@ namespace {
 /// Whose scans wait for a test that a busy computer holds up.
 LiveOptions vlp16() { return {.sensor = "vlp-16", .port = free_udp_port(), .most_waiting = 50}; }
 
-/// Of a small Ouster, whose metadata lie in the folder.
+/// Of a small Ouster, whose metadata are in the folder.
 LiveOptions ouster(const TemporaryDirectory& folder, OusterProfile profile) {
   write_file(folder.file("sensor.json"), ouster_metadata_text(profile));
   return {.sensor = folder.file("sensor.json"), .port = free_udp_port()};
@@ -189,7 +189,8 @@ TEST_CASE(
   CHECK(refused_with([&] { PcapWriter(folder.file("b.pcap")); }, "b.json"));
   for (int attempt = 0; attempt < 2; ++attempt) {
     const PcapWriter writer(folder.file("empty.pcap"));
-    CHECK(std::filesystem::exists(folder.file("empty.pcap")));  // nobody else may take the name
+    CHECK(
+        std::filesystem::exists(folder.file("empty.pcap")));  // no other program may take the name
   }
   CHECK_FALSE(std::filesystem::exists(folder.file("empty.pcap")));
 }
@@ -219,7 +220,7 @@ TEST_CASE(
   CHECK(text(sensor.sender()) == fmt::format("127.0.0.1:{}", options.port));
 }
 
-TEST_CASE("a stranger's packet that looks like the sensor's makes nobody the sensor") {
+TEST_CASE("a stranger's packet that looks like the sensor's does not make its sender the sensor") {
   const TemporaryDirectory folder;
   const auto packets = velodyne_capture({.duration_s = 1.2});
   LiveOptions options = vlp16();

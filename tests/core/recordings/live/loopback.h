@@ -37,7 +37,7 @@ void wait_until(const Condition& is_so) {
   }
 }
 
-/// A UDP port that nobody listens to just now.
+/// A UDP port without a listener.
 std::uint16_t free_udp_port();
 
 /// Sends packets so much faster than they were captured; 0: as fast as it goes, with a pause every

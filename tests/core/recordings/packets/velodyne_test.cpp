@@ -50,7 +50,7 @@ void set_on(std::vector<Captured>& packets, std::size_t begin, std::int64_t late
   }
 }
 
-/// Azimuths of twelve blocks, so many hundredths of a degree apart.
+/// Azimuths of twelve blocks, this many hundredths of a degree apart.
 std::vector<int> azimuths(int first, int step) {
   std::vector<int> result;
   for (int i = 0; i < 12; ++i) result.push_back((first + i * step) % 36000);

@@ -52,7 +52,7 @@ void check_seen(const Seen& seen, double time_us, double azimuth_deg) {
   CHECK(std::abs(seen.azimuth_deg - azimuth_deg) < 2e-4);
 }
 
-/// Azimuths of twelve blocks: so many share one, then it is 0.2 degrees farther.
+/// Azimuths of twelve blocks: this many share one, then it grows by 0.2 degrees.
 Payload packet_of(int first_azimuth, int blocks_alike) {
   std::vector<int> azimuths;
   for (int i = 0; i < 12; ++i) azimuths.push_back(first_azimuth + 20 * (i / blocks_alike));

@@ -212,7 +212,7 @@ TEST_CASE("an empty scan and a scan of one point have rings too") {
 }
 
 TEST_CASE(
-    "points stored column after column, at random or to and fro are told from rings and refused") {
+    "points stored column after column, at random or to and fro are no rings and are refused") {
   const SensorModel sensor = sensor_preset("os1-64");
   const KnownScan known = a_square(sensor, {});
   std::vector<std::size_t> order(known.row.size());

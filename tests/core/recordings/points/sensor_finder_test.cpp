@@ -10,11 +10,12 @@ using namespace hqslam::test;
 
 namespace {
 
-enum class Told { kRings, kOrder, kNothing };
+enum class RowsFrom { kRings, kOrder, kNothing };
 
 /// A scan in a round room of uneven walls, its floor 1.7 m below; lasers sit `up_m` above the
-/// sensor's origin. Told by nothing: column after column.
-RawPoints a_scan(const SensorModel& sensor, Told told, double shift_m = 0.0, double up_m = 0.0) {
+/// sensor's origin. kNothing: column after column.
+RawPoints a_scan(const SensorModel& sensor, RowsFrom rows_from, double shift_m = 0.0,
+                 double up_m = 0.0) {
   RawPoints raw{Scan{}};
   const auto add = [&](int row, int column) {
     if ((row + column / 100) % 7 == 3) return;  // nothing comes back
@@ -25,19 +26,20 @@ RawPoints a_scan(const SensorModel& sensor, Told told, double shift_m = 0.0, dou
     const double azimuth_rad = sensor.azimuth_rad(row, column);
     raw.scan.points_m.emplace_back(level_m * std::cos(azimuth_rad), level_m * std::sin(azimuth_rad),
                                    up_m - slope * level_m);
-    if (told == Told::kRings) raw.ring.push_back(sensor.rows() - 1 - row);
+    if (rows_from == RowsFrom::kRings) raw.ring.push_back(sensor.rows() - 1 - row);
   };
-  const int outer = told == Told::kOrder ? sensor.rows() : sensor.columns;
-  const int inner = told == Told::kOrder ? sensor.columns : sensor.rows();
+  const int outer = rows_from == RowsFrom::kOrder ? sensor.rows() : sensor.columns;
+  const int inner = rows_from == RowsFrom::kOrder ? sensor.columns : sensor.rows();
   for (int i = 0; i < outer; ++i) {
-    for (int j = 0; j < inner; ++j) told == Told::kOrder ? add(i, j) : add(j, i);
+    for (int j = 0; j < inner; ++j) rows_from == RowsFrom::kOrder ? add(i, j) : add(j, i);
   }
   return raw;
 }
 
-std::vector<RawPoints> scans_of(const SensorModel& sensor, Told told, double up_m = 0.0) {
+std::vector<RawPoints> scans_of(const SensorModel& sensor, RowsFrom rows_from, double up_m = 0.0) {
   std::vector<RawPoints> scans;
-  for (const double shift_m : {0.0, 1.0, 7.0}) scans.push_back(a_scan(sensor, told, shift_m, up_m));
+  for (const double shift_m : {0.0, 1.0, 7.0})
+    scans.push_back(a_scan(sensor, rows_from, shift_m, up_m));
   return scans;
 }
 
@@ -77,11 +79,11 @@ FoundSensor found_in(const std::string& path) {
 
 TEST_CASE("the beams of every preset are found by rings, by the order of points, by elevation") {
   for (const std::string& name : sensor_preset_names()) {
-    for (const Told told : {Told::kRings, Told::kOrder, Told::kNothing}) {
+    for (const RowsFrom rows_from : {RowsFrom::kRings, RowsFrom::kOrder, RowsFrom::kNothing}) {
       CAPTURE(name);
-      CAPTURE(static_cast<int>(told));
+      CAPTURE(static_cast<int>(rows_from));
       const SensorModel sensor = sensor_preset(name);
-      const FoundSensor found = find_sensor(scans_of(sensor, told), std::nullopt, "drive");
+      const FoundSensor found = find_sensor(scans_of(sensor, rows_from), std::nullopt, "drive");
       CHECK(found.sensor == sensor);
       CHECK(largest_difference_deg(found.beam_elevation_rad, sensor.beam_elevation_rad) < 0.001);
     }
@@ -92,7 +94,7 @@ TEST_CASE("a sensor that is no preset is found with its columns and its rate") {
   SensorModel sensor = sensor_preset("vlp-16");
   sensor.columns = 2000;
   for (double& angle_rad : sensor.beam_elevation_rad) angle_rad *= 1.3;
-  const SensorModel found = find_sensor(scans_of(sensor, Told::kNothing), 0.05, "drive").sensor;
+  const SensorModel found = find_sensor(scans_of(sensor, RowsFrom::kNothing), 0.05, "drive").sensor;
   CHECK(found.name == "found-16");
   CHECK(found.columns == 2000);
   CHECK(found.scan_period_s == 0.05);
@@ -101,7 +103,8 @@ TEST_CASE("a sensor that is no preset is found with its columns and its rate") {
 
 TEST_CASE("lasers above the origin are found with the elevation at which they meet the ground") {
   const SensorModel sensor = sensor_preset("hdl-64e");
-  const FoundSensor found = find_sensor(scans_of(sensor, Told::kOrder, 0.2), std::nullopt, "drive");
+  const FoundSensor found =
+      find_sensor(scans_of(sensor, RowsFrom::kOrder, 0.2), std::nullopt, "drive");
   for (int row = 0; row < sensor.rows(); ++row) {
     const double slope = std::tan(sensor.beam_elevation_rad[row]);
     const double level_m = slope < 0.0 ? std::min(26.0, 1.9 / -slope) : 26.0;
@@ -111,7 +114,7 @@ TEST_CASE("lasers above the origin are found with the elevation at which they me
 }
 
 TEST_CASE("beams of which nothing came back are those of the preset that has the others") {
-  std::vector<RawPoints> scans = scans_of(sensor_preset("vlp-16"), Told::kRings);
+  std::vector<RawPoints> scans = scans_of(sensor_preset("vlp-16"), RowsFrom::kRings);
   for (RawPoints& raw : scans) {
     RawPoints seen{Scan{}};
     for (std::size_t i = 0; i < raw.ring.size(); ++i) {
@@ -140,7 +143,7 @@ TEST_CASE("points that do not tell the beams are refused") {
   }
   CHECK(is_refused_with({cloud}, "found "));
 
-  RawPoints rings = a_scan(sensor_preset("vlp-16"), Told::kRings);
+  RawPoints rings = a_scan(sensor_preset("vlp-16"), RowsFrom::kRings);
   for (std::size_t i = 0; i < rings.ring.size(); ++i) rings.ring[i] = static_cast<double>(i % 16);
   for (Eigen::Vector3f& point_m : rings.scan.points_m) {  // and shaken
     point_m.z() += 0.1F * static_cast<float>(random() % 100);
@@ -151,15 +154,15 @@ TEST_CASE("points that do not tell the beams are refused") {
 TEST_CASE("scans of two sensors are refused") {
   SensorModel other = sensor_preset("vlp-16");
   for (double& angle_rad : other.beam_elevation_rad) angle_rad += 0.01;
-  for (const Told told : {Told::kRings, Told::kOrder, Told::kNothing}) {
-    CAPTURE(static_cast<int>(told));
-    CHECK(is_refused_with({a_scan(sensor_preset("vlp-16"), told), a_scan(other, told)},
+  for (const RowsFrom rows_from : {RowsFrom::kRings, RowsFrom::kOrder, RowsFrom::kNothing}) {
+    CAPTURE(static_cast<int>(rows_from));
+    CHECK(is_refused_with({a_scan(sensor_preset("vlp-16"), rows_from), a_scan(other, rows_from)},
                           "single scans"));
   }
 }
 
 TEST_CASE("rings that are no numbers of rings are passed over") {
-  std::vector<RawPoints> scans = scans_of(sensor_preset("vlp-16"), Told::kRings);
+  std::vector<RawPoints> scans = scans_of(sensor_preset("vlp-16"), RowsFrom::kRings);
   for (const double wrong : {std::nan(""), -1.0, 0.5, 1e30}) {
     scans[1].ring[5] = wrong;
     CHECK(find_sensor(scans, std::nullopt, "drive").sensor.name == "vlp-16");
@@ -192,7 +195,7 @@ TEST_CASE("beams that a fast motion's correction blurs are found as they are or 
     CAPTURE(name);
     const SensorModel sensor = sensor_preset(name);
     for (const double step_m : {0.1, 0.2, 0.5, 1.0, 2.0}) {
-      std::vector<RawPoints> scans = scans_of(sensor, Told::kNothing);
+      std::vector<RawPoints> scans = scans_of(sensor, RowsFrom::kNothing);
       for (RawPoints& raw : scans) {
         for (Eigen::Vector3f& point_m : raw.scan.points_m) {
           const double turned = std::atan2(point_m.y(), point_m.x()) * kDegreesPerRadian / 360.0;

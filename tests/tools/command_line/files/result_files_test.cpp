@@ -14,7 +14,7 @@ bool always(const std::string&) { return true; }
 
 }  // namespace
 
-TEST_CASE("no device, no pipe, no folder and no input is written over, whoever made it") {
+TEST_CASE("no device, pipe, folder or input is overwritten, whatever program made it") {
   const TemporaryDirectory folder;
   mkfifo(folder.file("pipe").c_str(), 0600);
   fs::create_directory(folder.file("folder"));

@@ -135,7 +135,7 @@ TEST_CASE("brightness goes with its point, in 255 steps, and of one place the br
   CHECK(point_blocks(points_m, {}, 10).brightness.empty());
 }
 
-TEST_CASE("points that are none, or anywhere, do no harm") {
+TEST_CASE("points that are not finite, or far away, do no harm") {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float infinite = std::numeric_limits<float>::infinity();
   CHECK(point_blocks({}, {}, 10).points.empty());

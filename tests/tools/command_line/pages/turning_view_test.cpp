@@ -47,7 +47,7 @@ TEST_CASE("intensities go from their 2nd to their 98th percentile, a byte for ea
   CHECK(turning_view_json({{cloud}, {}, {}})["clouds"][0]["bright"].empty());
 }
 
-TEST_CASE("a view of nothing is still one, without numbers that are none") {
+TEST_CASE("a view of nothing is still valid, with finite numbers alone") {
   const nlohmann::json data = turning_view_json({});
   CHECK(data["clouds"].empty());
   CHECK(data["scans"].empty());

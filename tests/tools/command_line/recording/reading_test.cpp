@@ -64,7 +64,7 @@ TEST_CASE("a recording of which nothing can be used says why") {
       "2 scans were left out", "has no points"));
 }
 
-TEST_CASE("whoever uses the scans may leave one out, or have enough") {
+TEST_CASE("the user of the scans may leave one out, or stop") {
   test::MadeScans source = made({good, good, good, good});
   const InterruptGuard interrupt;
   Reading reading;

@@ -14,7 +14,7 @@ Pose at(double time_s) { return Pose(Eigen::Translation3d(20.0 * time_s, 0.0, 0.
 
 }  // namespace
 
-TEST_CASE("poses without stamps get those of the scans, whatever lies between them") {
+TEST_CASE("poses without stamps get those of the scans, whatever the scans' intervals") {
   const test::TemporaryDirectory folder;
   // As a sensor that is carried: three scans half a second apart, one that is broken, and another.
   const std::vector<double> stamps_s = {0.05, 0.55, 1.05, -1.0, 2.05};

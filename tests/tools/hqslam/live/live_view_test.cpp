@@ -184,7 +184,7 @@ TEST_CASE("the server answers GET, and refuses or leaves everything else") {
   CHECK(answer_to(url, "GET /a?b=1" + host).ends_with("hello"));
 }
 
-TEST_CASE("a page of another site, whose name leads here, is told nothing") {
+TEST_CASE("a page of another site, whose name resolves to this host, gets no data") {
   const ViewServer server("127.0.0.1", 0, [](const std::string&) {
     return ViewAnswer{200, "text/plain", "where you are"};
   });
@@ -202,7 +202,7 @@ TEST_CASE("a page of another site, whose name leads here, is told nothing") {
   }
 }
 
-TEST_CASE("clients that say nothing, or do not read, keep nobody from the page") {
+TEST_CASE("clients that send nothing, or do not read, block no other client") {
   const ViewServer server("127.0.0.1", 0, [](const std::string&) {
     return ViewAnswer{200, "text/plain", std::string(1'000'000, 'x')};
   });
@@ -221,7 +221,7 @@ TEST_CASE("clients that say nothing, or do not read, keep nobody from the page")
   CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(20));
 }
 
-TEST_CASE("a page's port in use and an address that is none are refused in one line") {
+TEST_CASE("a port in use and an invalid address are refused in one line") {
   const auto nothing = [](const std::string&) { return ViewAnswer(); };
   const ViewServer server("127.0.0.1", 0, nothing);
   const std::string url = server.url();

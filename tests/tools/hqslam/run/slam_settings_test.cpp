@@ -34,7 +34,7 @@ TEST_CASE("a file sets options of SLAM by stage and name, and --set comes after 
   CHECK_FALSE(slam_options({"hqslam", "", {}, false}).loop_closing.enabled);
 }
 
-TEST_CASE("a file that is none of SLAM's options is told how to make one") {
+TEST_CASE("a file without SLAM's options is refused with how to make one") {
   CHECK_THROWS_WITH_AS(options_of("[1]"),
                        doctest::Contains("hqslam slam-options --json >options.json makes"), Error);
 }

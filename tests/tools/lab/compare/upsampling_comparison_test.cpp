@@ -24,7 +24,7 @@ TEST_CASE("what is said of computed pixels does not count measured rows") {
   CHECK(score.f1 == doctest::Approx(2.0 * 14.0 / (15.0 + 16.0)));
 }
 
-TEST_CASE("weights are told apart by their files' names, by their paths where these are the same") {
+TEST_CASE("weights are named by their files, by their paths where these names are the same") {
   const std::vector<std::string> all = {"a/one.npz", "a/last.npz", "b/last.npz"};
   CHECK(short_name(all[0], all) == "one");
   CHECK(short_name(all[1], all) == "a/last.npz");

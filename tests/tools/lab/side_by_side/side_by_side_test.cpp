@@ -31,16 +31,16 @@ TEST_CASE("nothing is begun after a job was interrupted") {
 }
 
 TEST_CASE("what a job throws is thrown, once the others know and have stopped") {
-  std::atomic<bool> told = false;
+  std::atomic<bool> reported = false;
   CHECK_THROWS_WITH_AS(side_by_side(2, 2, 1,
                                     [&](std::size_t job, const std::atomic<bool>& stopped) -> bool {
                                       if (job == 1) throw std::runtime_error("no disk");
                                       while (!stopped) std::this_thread::yield();
-                                      told = true;
+                                      reported = true;
                                       return false;
                                     }),
                        "no disk", std::runtime_error);
-  CHECK(told);
+  CHECK(reported);
 }
 
 }  // namespace hqslam::tools

@@ -92,7 +92,7 @@ TEST_CASE(
     CHECK(scans[k].stamp_s == doctest::Approx(0.1 * static_cast<double>(k) + 0.05));
     const auto& columns = scans[k].T_map_sensor_at_column;
     REQUIRE(columns.size() == 128);
-    // The stamp lies between the two columns in the middle.
+    // The stamp is between those of the two middle columns.
     const Pose middle = interpolate(columns[63], columns[64], 0.5);
     CHECK((middle.translation() - scans[k].T_map_sensor.translation()).norm() < 1e-4);
     if (k > 0) {
@@ -123,7 +123,7 @@ TEST_CASE("presets: lengths, names, and one clear line for anything else") {
   CHECK_THROWS_AS(DriveSimulator(short_drive("block", 3), small_sensor()).skip(-1), Error);
 }
 
-TEST_CASE("what a drive can see lies on its true surface, a point in the air far from it") {
+TEST_CASE("what a drive can see is on its true surface, a point in the air far from it") {
   const DriveSpec spec = short_drive("block", 2);
   DriveSimulator simulator(spec, small_sensor());
   const auto visible = simulator.next_visible();

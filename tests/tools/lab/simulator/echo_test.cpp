@@ -65,7 +65,7 @@ TEST_CASE("intensity is of the surface and how it is met, not of its distance") 
 
 TEST_CASE("drops in the air are near, never behind what is seen, and hide it in their share") {
   constexpr int kPixels = 20'000;
-  // Drops lie at 0.5 m + 12 m u^2: nearer than 6 m for u below 0.677.
+  // Drops are at 0.5 m + 12 m u^2: nearer than 6 m for u below 0.677.
   for (const auto& [range_m, farthest_m, share] :
        {std::tuple(6.0F, 6.0F, 0.2 * 0.677), {0.0F, 12.5F, 0.2}}) {
     int drops = 0;

@@ -92,7 +92,7 @@ TEST_CASE("a slanting or a bright surface is reported nearer, a faint one farthe
   CHECK(with_errors({20.0, 3.3}, 0.3, {}).range_m == 20.0);
 }
 
-TEST_CASE("of the echoes at an edge a share lies between the surfaces, if these are close") {
+TEST_CASE("of the echoes at an edge a share is between the surfaces, if these are close") {
   const auto share_between = [](double far_m) {
     Footprint footprint;
     footprint.add({10.0, 4.0}, 2.0);

@@ -61,7 +61,7 @@ TEST_CASE("scans of several files are numbered through, many threads read them a
   CHECK(wrong == std::vector<int>(4, 0));
 }
 
-TEST_CASE("what is no range is no return; what is no scan is an Error") {
+TEST_CASE("values that are no range are no return; a file that is no scan is an Error") {
   const TemporaryDirectory folder;
   RangeImage bad(16, 64);
   std::ranges::copy(std::array{NAN, HUGE_VALF, -1.0F, 4.0F}, bad.range_m.begin());
