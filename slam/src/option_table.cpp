@@ -190,12 +190,11 @@ void validate(const SlamOptions& options) {
   require(mapping.close_neighbour_distance_m <= mapping.max_neighbour_distance_m,
           "mapping.close_neighbour_distance_m", mapping.close_neighbour_distance_m,
           "at most mapping.max_neighbour_distance_m");
-  for (const auto& [name, leaf_m] : {std::pair{"mapping.edge_leaf_m", mapping.edge_leaf_m},
-                                     {"mapping.planar_leaf_m", mapping.planar_leaf_m}}) {
-    // A cube of the map numbers its voxels with 16 bits.
-    require(leaf_m >= mapping.max_neighbour_distance_m / 20.0, name, leaf_m,
-            "at least a twentieth of mapping.max_neighbour_distance_m");
-  }
+  // A cube of the map numbers its voxels with 16 bits; in rooms those of planes are half as large.
+  require(mapping.edge_leaf_m >= mapping.max_neighbour_distance_m / 20.0, "mapping.edge_leaf_m",
+          mapping.edge_leaf_m, "at least a twentieth of mapping.max_neighbour_distance_m");
+  require(mapping.planar_leaf_m >= mapping.max_neighbour_distance_m / 10.0, "mapping.planar_leaf_m",
+          mapping.planar_leaf_m, "at least a tenth of mapping.max_neighbour_distance_m");
 }
 
 }  // namespace hqslam::slam

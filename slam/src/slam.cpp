@@ -24,7 +24,7 @@ FeatureMaps map_of(const SlamOptions& options, const SavedMap* given_map) {
   if (given_map->places.empty()) {
     throw Error("expected a map with places, found none; save the map after a drive");
   }
-  return {options.mapping, *given_map};
+  return {in_rooms(options.mapping), *given_map};  // the smaller voxels keep the points of either
 }
 
 int returns_in(const OrganizedCloud& cloud) {
@@ -115,8 +115,8 @@ Scan Slam::Implementation::front_end(const OrganizedCloud& cloud, double stamp_s
 
   scan.features = measured_features(scan);
   make_turning_even(scan);
-  if (loop_closing && rooms.add(scan.features.surfaces)) {
-    mapping.change_voxels(rooms.is_in_room() ? in_rooms(options.mapping) : options.mapping);
+  if (rooms.add(scan.features.surfaces)) {
+    mapping.change_options(rooms.is_in_room() ? in_rooms(options.mapping) : options.mapping);
   }
   scan.map_features = map_features(scan.features, mapping.options());
   const auto planar = static_cast<int>(scan.features.ground.size() + scan.features.surfaces.size());

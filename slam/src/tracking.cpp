@@ -127,7 +127,12 @@ State Slam::Implementation::tracked(Tracking last, const Registered& found, cons
   if (place_recognition) {
     drift.move(motion);
   } else {
-    drift.grow(motion, found.state, found.inertial && inertial_check.is_proven());
+    const bool is_by_gravity = found.inertial && inertial_check.is_proven();
+    const bool is_held = found.has_ground || rooms.is_in_room();
+    drift.grow(motion, found.state,
+               is_by_gravity ? Drift::Level::kByGravity
+               : is_held     ? Drift::Level::kByGround
+                             : Drift::Level::kByNothing);
   }
   const bool is_known = is_precise(found.state);
   if (drift.inherit_uncertainty(found.against_map, is_known)) {

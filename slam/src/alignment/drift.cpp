@@ -37,6 +37,10 @@ constexpr double kShare_per_m = 0.0135;
 constexpr double kLean_rad2_per_m = 5e-4 * 5e-4;
 constexpr double kLevelledLean_rad2_per_m = 1.2e-4 * 1.2e-4;
 constexpr double kLevelledSideways_m2_per_m = 3.2e-3 * 3.2e-3;
+/// Roll and pitch where nothing holds them, and the path after which that begins: simulated streets
+/// and hills of which only the upper rows are left rise by 1 to 40 m in a hundred.
+constexpr double kUnheldLean_rad2_per_m = 1.4e-2 * 1.4e-2;
+constexpr double kUnheld_m = 5.0;
 /// Tilt at the start as a share of the spacing of the rows; length of the start.
 constexpr double kStartTilt = 0.019;
 constexpr double kStart_m = 2.6;
@@ -134,9 +138,12 @@ bool Drift::inherit_uncertainty(const Matrix6& against_map, bool is_known) {
   return true;
 }
 
-void Drift::grow(const Pose& motion, const MotionState& state, bool is_levelled) {
+void Drift::grow(const Pose& motion, const MotionState& state, Level level) {
   move(motion);
+  const bool is_levelled = level == Level::kByGravity;
   const double step_m = motion.translation().norm();
+  unheld_path_m_ = level == Level::kByNothing ? unheld_path_m_ + step_m : 0.0;
+  const double unheld = 1.0 - std::exp(-unheld_path_m_ / kUnheld_m);
   const double start_step_m = step_m + kStart_m * rotation_angle_rad(motion);
   const double begun =
       std::exp(-start_path_m_ / kStart_m) - std::exp(-(start_path_m_ + start_step_m) / kStart_m);
@@ -145,8 +152,9 @@ void Drift::grow(const Pose& motion, const MotionState& state, bool is_levelled)
   state_.drift.diagonal() +=
       begun * (shake(state.velocity) + six(kStartLever_m * kStartLever_m * turn_rad2, turn_rad2));
   state_.drift.diagonal().segment<2>(3).array() +=
-      begun * start_variance_ +
-      step_m * (is_levelled ? kLevelledLean_rad2_per_m : kLean_rad2_per_m);
+      begun * start_variance_ + step_m * (is_levelled
+                                              ? kLevelledLean_rad2_per_m
+                                              : kLean_rad2_per_m + unheld * kUnheldLean_rad2_per_m);
   if (is_levelled) {
     state_.drift.diagonal().head<2>().array() += step_m * kLevelledSideways_m2_per_m;
   }

@@ -134,7 +134,7 @@ Mapping::Mapping(const MappingOptions& options, std::uint32_t first_keyframe)
     : options_(options), map_(options), keyframes_(first_keyframe) {}
 
 Mapping::Mapping(const MappingOptions& options, FeatureMaps map)
-    : options_(options), map_(std::move(map)) {}
+    : options_(options), map_(std::move(map)), is_given_(true) {}
 
 MappingResult Mapping::register_scan(const MapFeatures& features, const MotionState& expected,
                                      const Pose& T_map_sensor_start, SearchFrom from) const {
@@ -252,9 +252,10 @@ void Mapping::restore_to_window(MapPoints points) {
   map_.insert(points);
 }
 
-void Mapping::change_voxels(const MappingOptions& options) {
-  const MapPoints points = map_.take_all();
+void Mapping::change_options(const MappingOptions& options) {
   options_ = options;
+  if (is_given_) return;
+  const MapPoints points = map_.take_all();
   map_ = FeatureMaps(options);
   map_.insert(points);
 }

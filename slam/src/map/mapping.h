@@ -104,12 +104,14 @@ class Mapping {
 
   const FeatureMaps& map() const { return map_; }
   const MappingOptions& options() const { return options_; }
-  /// Puts the map into voxels of other sizes; reaches stay as they are.
-  void change_voxels(const MappingOptions& options);
+  /// Changes all options but reaches. A map that grows is put into voxels of the new size, a given
+  /// one keeps its points.
+  void change_options(const MappingOptions& options);
 
  private:
   MappingOptions options_;
   FeatureMaps map_;
+  bool is_given_ = false;
   std::uint32_t keyframes_ = 0;
   std::deque<double> recent_path_m_;  ///< along the path, of the keyframes matched with
   double path_m_ = 0.0;               ///< up to the last keyframe

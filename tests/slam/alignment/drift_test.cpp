@@ -103,7 +103,8 @@ TEST_CASE("half of a turn counts as uneven until a second velocity shows how eve
 TEST_CASE("a start tilts the map within the first metres, by the spacing of the rows") {
   slam::Drift drift = sixteen_rows();
   constexpr double kPath_m = 20.0;
-  for (int i = 0; i < 1000; ++i) drift.grow(test::at_x(kPath_m / 1000), kExact, true);
+  for (int i = 0; i < 1000; ++i)
+    drift.grow(test::at_x(kPath_m / 1000), kExact, slam::Drift::Level::kByGravity);
   const Matrix6 covariance = covariance_of(drift, kExact);
   const double tilt_rad = 0.019 * 0.0368;
   const double lean_rad2_per_m = std::pow(1.2e-4, 2);  // rest of the lean after levelling
@@ -139,18 +140,24 @@ TEST_CASE(
   CHECK(sigma_m(0.0) == 0.0);
 }
 
-TEST_CASE("beam errors make it lean by the root of the path, less where gravity levels it") {
-  const auto sigma_after = [](int steps_m, bool is_levelled, int at) {
+TEST_CASE(
+    "beam errors make it lean by the root of the path, less with gravity, more without ground") {
+  using enum slam::Drift::Level;
+  const auto sigma_after = [](int steps_m, slam::Drift::Level level, int at) {
     slam::Drift drift = sixteen_rows();
-    for (int i = 0; i < steps_m; ++i) drift.grow(test::at_x(1.0), kExact, is_levelled);
+    for (int i = 0; i < steps_m; ++i) drift.grow(test::at_x(1.0), kExact, level);
     return std::sqrt(covariance_of(drift, kExact)(at, at));
   };
   constexpr int kAhead = 0;
   constexpr int kPitch = 4;
-  CHECK(sigma_after(400, false, kPitch) == doctest::Approx(5e-4 * 20.0).epsilon(0.01));
-  CHECK(sigma_after(400, true, kPitch) > 1.2e-4 * 20.0);
-  CHECK(sigma_after(400, true, kPitch) < 0.3 * sigma_after(400, false, kPitch));
-  CHECK(sigma_after(400, true, kAhead) == doctest::Approx(3.2e-3 * 20.0).epsilon(0.01));
+  CHECK(sigma_after(400, kByGround, kPitch) == doctest::Approx(5e-4 * 20.0).epsilon(0.01));
+  CHECK(sigma_after(400, kByGravity, kPitch) > 1.2e-4 * 20.0);
+  CHECK(sigma_after(400, kByGravity, kPitch) < 0.3 * sigma_after(400, kByGround, kPitch));
+  constexpr int kUp = 2;
+  CHECK(sigma_after(400, kByNothing, kPitch) == doctest::Approx(1.4e-2 * 20.0).epsilon(0.05));
+  CHECK(sigma_after(400, kByNothing, kUp) > 0.1 * 400.0);
+  CHECK(sigma_after(1, kByNothing, kPitch) < 0.5 * 1.4e-2);  // a scan or two without ground
+  CHECK(sigma_after(400, kByGravity, kAhead) == doctest::Approx(3.2e-3 * 20.0).epsilon(0.01));
 }
 
 TEST_CASE("the covariance of the last scan is carried to this one") {

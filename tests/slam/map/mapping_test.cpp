@@ -112,7 +112,7 @@ TEST_CASE("a map that is put into voxels of another size stays where it is") {
   const Pose T_map_sensor = mapped.T_map_yard * T_yard_sensor;
   const auto points = [&] { return mapped.mapping.map().planes.size(); };
   const std::size_t in_streets = points();
-  mapped.mapping.change_voxels(slam::in_rooms({}));
+  mapped.mapping.change_options(slam::in_rooms({}));
   CHECK(points() == in_streets);
   const auto found = mapped.registered(T_yard_sensor, T_map_sensor);
   CHECK((found.state.T_map_sensor.translation() - T_map_sensor.translation()).norm() < 0.02);
@@ -121,8 +121,21 @@ TEST_CASE("a map that is put into voxels of another size stays where it is") {
   mapped.mapping.insert(slam::map_features(scan, mapped.mapping.options()), T_map_sensor, {});
   const std::size_t in_rooms = points();
   CHECK(in_rooms > in_streets);
-  mapped.mapping.change_voxels({});
+  mapped.mapping.change_options({});
   CHECK(points() < in_rooms);
+}
+
+TEST_CASE("a given map keeps its points, be it of rooms or of streets") {
+  const MappedYard mapped;
+  slam::FeatureMaps map(slam::in_rooms({}));
+  map.planes.insert(mapped.mapping.map().planes.points_m());
+  const std::size_t points = map.planes.size();
+  slam::Mapping located({}, std::move(map));
+  for (const slam::MappingOptions& options : {slam::in_rooms({}), slam::MappingOptions()}) {
+    located.change_options(options);
+    CHECK(located.options().planar_leaf_m == options.planar_leaf_m);
+    CHECK(located.map().planes.size() == points);
+  }
 }
 
 TEST_CASE("a scan is located in the map from a rough prediction, as well far from its origin") {

@@ -109,8 +109,8 @@ class ImageStackSource : public ScanSource {
     result.stamp_s = stamps_s_.empty() ? static_cast<double>(index) * sensor_.scan_period_s
                                        : stamps_s_[static_cast<std::size_t>(index)];
     RangeImage image = image_of(reader_, index);
-    remove_bad_pixels(image, result);
-    require_ranges_of_sensor(result, index);
+    const std::int64_t foreign = remove_bad_pixels(image, result);
+    require_ranges_of_sensor(result, foreign, index);
     any_used_ = true;
     const int first = first_columns_.empty() ? 0 : first_columns_[static_cast<std::size_t>(index)];
     result.cloud = unproject(image, sensor_, capture_time_, first);
@@ -204,26 +204,34 @@ class ImageStackSource : public ScanSource {
     }
   }
 
-  void remove_bad_pixels(RangeImage& image, RecordedScan& result) {
+  /// Returns the number of pixels that cannot be in metres: not finite, negative or too far, and
+  /// those that are too near if none is left. A cover or a dock may be too near for most of a scan.
+  std::int64_t remove_bad_pixels(RangeImage& image, RecordedScan& result) {
+    std::int64_t foreign = 0;
     for (float& range_m : image.range_m) {
       if (range_m == 0.0F) continue;
       if (!std::isfinite(range_m) || range_m < 0.0F) {
         ++result.invalid_points;
+        ++foreign;
         range_m = 0.0F;
       } else if (range_m < sensor_.min_range_m || range_m > sensor_.max_range_m) {
         ++result.counts.out_of_range;
-        too_far_ += range_m > sensor_.max_range_m ? 1 : 0;
+        const bool is_too_far = range_m > sensor_.max_range_m;
+        too_far_ += is_too_far ? 1 : 0;
+        foreign += is_too_far ? 1 : 0;
         range_m = 0.0F;
       } else {
         ++result.counts.kept;
       }
     }
+    return result.counts.kept > 0 ? foreign : result.counts.out_of_range + result.invalid_points;
   }
 
   /// One image may be damaged; if the first ones all are, the stack is not what it should be.
-  void require_ranges_of_sensor(const RecordedScan& scan, std::int64_t index) const {
-    const double share = static_cast<double>(scan.counts.out_of_range + scan.invalid_points) /
-                         static_cast<double>(sensor_.rows() * sensor_.columns);
+  void require_ranges_of_sensor(const RecordedScan& scan, std::int64_t foreign,
+                                std::int64_t index) const {
+    const double share =
+        static_cast<double>(foreign) / static_cast<double>(sensor_.rows() * sensor_.columns);
     if (share <= kMaxForeignShare) return;
     const std::string error = fmt::format(
         "{}: expected ranges from {} to {} m (sensor '{}') and 0 for no "
