@@ -186,7 +186,7 @@ Registered Slam::Implementation::registered(const Tracking& last, const Scan& sc
   const double duration_s = scan.time_s - reference.time_s;
   const std::optional<InertialPrediction> measured = predicted_by_imu(reference, scan);
   notes.report.predicted_by_imu = measured.has_value();
-  // Beside an inertial sensor it would hide what that one gains, and so delay its belief.
+  // Not with an inertial sensor: it would mask that sensor's gain and delay its acceptance.
   const bool measures_velocity =
       drift.is_uneven() && !scan.cloud.time_offset_s.empty() && !reference.inertial;
   const MotionState expected =

@@ -13,13 +13,13 @@ namespace {
 
 /// Consecutive scans that may miss the map.
 constexpr std::size_t kMaxMissedScans = 5;
-/// The place has changed if less than this share of what matched is close to the map: a lorry has
-/// pulled up, a crowd has come (made scenes).
+/// The place has changed if less than this share of what matched is close to the map: a lorry
+/// stopped beside the sensor, a crowd arrived (simulated scenes).
 constexpr double kChangedShare = 0.8;
 /// Between a scan and the one with the best fit since the last keyframe, if the sensor stands.
 constexpr double kStands_m = 0.05;
 constexpr double kStands_rad = 0.02;
-/// Of Tracking::usual_close_ratio, by each scan that fits less well.
+/// Decay of Tracking::usual_close_ratio with each scan that fits less well.
 constexpr double kForgotten = 0.1;
 
 }  // namespace

@@ -29,7 +29,8 @@ struct Ahead {
 
 class OrderedScans : public ScanSource {
  public:
-  explicit OrderedScans(std::unique_ptr<ScanSource> source) : source_(std::move(source)) {}
+  OrderedScans(std::unique_ptr<ScanSource> source, Repeats repeats)
+      : source_(std::move(source)), repeats_(repeats) {}
 
   const SensorModel& sensor() const override { return source_->sensor(); }
   std::optional<std::int64_t> size() const override { return source_->size(); }
@@ -100,7 +101,8 @@ class OrderedScans : public ScanSource {
   }
 
   bool is_repeated(const RecordedScan& scan) const {
-    return scan.counts.kept >= kFewestReturns && scan.cloud.range_m == last_range_m_;
+    return repeats_ == Repeats::kLeftOut && scan.counts.kept >= kFewestReturns &&
+           scan.cloud.range_m == last_range_m_;
   }
 
   void set_stamp(RecordedScan& scan) {
@@ -119,6 +121,7 @@ class OrderedScans : public ScanSource {
   }
 
   std::unique_ptr<ScanSource> source_;
+  Repeats repeats_;
   std::deque<Ahead> ahead_;
   bool ended_ = false;
   std::exception_ptr broken_;  ///< why the source cannot be read on
@@ -132,8 +135,8 @@ class OrderedScans : public ScanSource {
 
 }  // namespace
 
-std::unique_ptr<ScanSource> ordered(std::unique_ptr<ScanSource> source) {
-  return std::make_unique<OrderedScans>(std::move(source));
+std::unique_ptr<ScanSource> ordered(std::unique_ptr<ScanSource> source, Repeats repeats) {
+  return std::make_unique<OrderedScans>(std::move(source), repeats);
 }
 
 }  // namespace hqslam::recordings

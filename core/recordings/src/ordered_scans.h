@@ -6,7 +6,11 @@
 
 namespace hqslam::recordings {
 
-/// The scans of a recording of points or images, each once, with stamps that rise.
+/// What becomes of a scan with the same ranges as the one before. Packets number themselves, so
+/// that none is read twice.
+enum class Repeats { kLeftOut, kKept };
+
+/// The scans of a recording, each once, with stamps that rise.
 ///
 /// - A scan with the same ranges as the one before, as where a message was recorded twice or a
 ///   driver stood still, is left out (ScanError).
@@ -14,6 +18,7 @@ namespace hqslam::recordings {
 /// - A single scan that is stamped before the one before is late, and left out (ScanError).
 /// - Stamps that stand, or fall and stay behind, are of a clock that was not set or set back: they
 ///   are counted on by the sensor's period, with a warning.
-std::unique_ptr<ScanSource> ordered(std::unique_ptr<ScanSource> source);
+std::unique_ptr<ScanSource> ordered(std::unique_ptr<ScanSource> source,
+                                    Repeats repeats = Repeats::kLeftOut);
 
 }  // namespace hqslam::recordings

@@ -221,8 +221,8 @@ Recording::Recording(std::string path, OpenOptions options, bool with_points)
   } else {
     source_ = open_files(path_, options_, stated_);
   }
-  // Packets are put in order, and stamped by one clock, where they become scans.
-  if (stream_ == nullptr || !stream_->has_packets()) source_ = ordered(std::move(source_));
+  const bool is_packets = stream_ != nullptr && stream_->has_packets();
+  source_ = ordered(std::move(source_), is_packets ? Repeats::kKept : Repeats::kLeftOut);
   const std::string imu = options_.imu.empty() ? imu_of_drive(path_) : options_.imu;
   if (imu == kNoInertialData) {
     source_ = with_imu(std::move(source_), {});

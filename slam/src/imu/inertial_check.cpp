@@ -236,8 +236,10 @@ void InertialCheck::explain_turns(double measured, double turning, double unexpl
   } else if (late_s != 0.0 && best.axes.isIdentity()) {
     complaint_ = late_text(late_s);
   } else {
-    complaint_ = fmt::format("its turns disagree with the scans{}",
-                             fits ? suggestion(best) : "; another clock?");
+    complaint_ =
+        fmt::format("its turns disagree with the scans{}",
+                    fits ? suggestion(best)
+                         : "; another clock, or a sensor that leans (mounting in slam-options)?");
   }
 }
 

@@ -15,7 +15,7 @@ namespace hqslam::slam {
 
 namespace {
 
-/// Most searches of wide reach, before the pose is good enough for the narrow one.
+/// Maximum number of wide searches before the narrow ones begin.
 constexpr int kWideSearches = 2;
 /// A step of a wide search that moves no point up to kLever_m away by more leaves a pose that is
 /// good enough, too. With 0.05 a real drive is less accurate (weights/NOTEBOOK.md, "Speed").

@@ -34,6 +34,25 @@ TEST_CASE("a capture of a VLP-16 opens without any option") {
   CHECK(info.stream == "192.168.1.201:2368");
 }
 
+TEST_CASE("the stamps of a capture whose computer's clock was set back rise, with a warning") {
+  const TemporaryDirectory directory;
+  const std::string path = directory.file("a.pcap");
+  std::vector<Captured> packets = velodyne_capture({.duration_s = 0.85});
+  for (std::size_t i = packets.size() / 2; i < packets.size(); ++i) {
+    packets[i].time_ns -= 5'000'000'000;
+  }
+  write_file(path, pcap_bytes(packets));
+  auto source = Recording::open(path);
+  const auto scans = all_scans(source);
+  REQUIRE(scans.size() >= 6);
+  for (std::size_t i = 1; i < scans.size(); ++i) {
+    CHECK(scans[i].stamp_s > scans[i - 1].stamp_s);
+    CHECK(scans[i].stamp_s < scans[i - 1].stamp_s + 0.25);
+  }
+  REQUIRE(source.warnings().size() == 1);
+  CHECK(source.warnings()[0].find("stamps stand or fall back") != std::string::npos);
+}
+
 TEST_CASE("a file with the name of a capture or a bag and other contents is refused for these") {
   const TemporaryDirectory directory;
   for (const char* name : {"a.pcap", "a.pcapng", "a.db3", "a.mcap", "a.bag"}) {

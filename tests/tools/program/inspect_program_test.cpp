@@ -109,6 +109,8 @@ TEST_CASE("inspect prints the figures of layers; --npz writes every tensor that 
       inspected.inspect(fmt::format("--npz '{}'", inspected.folder.file("weights.npz")));
   CHECK(over.status == 2);  // it is the recording
   CHECK(is_one_line(over.error));
+  CHECK(holds(inspected.inspect("--npz t.html").error, "ends with .npz"));
+  CHECK(holds(inspected.inspect("--pixel 8.7,3").error, "whole numbers ROW,COLUMN"));
   const ProgramResult page = inspected.inspect("--out tensors_of_no_page.npz");
   CHECK(page.status == 2);
   CHECK(holds(page.error, "--npz tensors_of_no_page.npz writes the tensors"));

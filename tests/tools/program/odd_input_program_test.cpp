@@ -32,6 +32,7 @@ TEST_CASE("options that would do nothing are refused with what they need") {
        {std::pair("--confidence 0.5", "--upsample"), std::pair("--tolerance 0.1", "--upsample"),
         std::pair("--spacing 0.5", "--upsample"), std::pair("--map-voxel 0.2", "--dense-map"),
         std::pair("--stamps ''", "expected a file or 'names', found nothing"),
+        std::pair("--slam lego-loam --imu '/dev/null'", "leave --imu out"),
         std::pair("--stream /points", "leave --stream out")}) {
     CAPTURE(options);
     CHECK(holds(refused("run " + input + options).error, needs));

@@ -75,7 +75,7 @@ TextTable beam_table(const CalibrationReport& report) {
 
 std::string calibration_summary(const CalibrationReport& report) {
   return fmt::format(
-      "{} scans along {:.0f} m; points are {:.1f} mm off their surfaces in the mean, {:.1f} mm "
+      "{} scans along {:.0f} m; points are {:.1f} mm off their surfaces (RMS), {:.1f} mm "
       "after the corrections\n",
       report.scans, report.path_m, kMillimetres * report.found.residual_before_m,
       kMillimetres * report.found.residual_after_m);

@@ -48,7 +48,7 @@ std::string beams_line(const SensorModel& sensor) {
 std::string scans_line(const recordings::RecordingInfo& info) {
   std::string text = fmt::format("{} in {:.2f} s", info.scans, info.duration_s);
   if (info.partial_scans > 0) {
-    text += fmt::format(" (and {} cut short at the ends)", info.partial_scans);
+    text += fmt::format(" (and {} incomplete at the ends)", info.partial_scans);
   }
   return text;
 }
@@ -84,7 +84,7 @@ std::string capture_line(const CaptureCheck& check) {
       check.scans, 1e3 * check.rolling_m, 1e3 * check.corrected_m);
   if (check.scans == 0)
     return "too few scans that moved to tell whether they are corrected for motion";
-  return check.verdict ? fit : fit + ": too near to tell";
+  return check.verdict ? fit : fit + ": the difference is too small to decide";
 }
 
 /// Where the points are not what they are taken for.

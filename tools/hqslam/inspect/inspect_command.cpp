@@ -1,5 +1,7 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -124,6 +126,14 @@ void check_options(const InspectOptions& options) {
   if (options.out.ends_with(".npz")) {
     throw Error("inspect: --out {} is for a page (.html); --npz {} writes the tensors", options.out,
                 options.out);
+  }
+  for (const double number : options.pixel) {
+    if (number == std::floor(number)) continue;
+    throw Error("inspect: --pixel {}: expected whole numbers ROW,COLUMN",
+                fmt::join(options.pixel, ","));
+  }
+  if (!options.npz.empty() && !options.npz.ends_with(".npz")) {
+    throw Error("inspect: --npz {}: expected a name that ends with .npz", options.npz);
   }
   if (!options.out.empty()) {
     guard_output_file(options.out, {options.input, options.weights}, page_marker("hqslam inspect"));

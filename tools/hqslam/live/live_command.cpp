@@ -133,7 +133,7 @@ int finish(const LiveOptions& options, const live::LiveCounts& counts, const std
 
 void declare(CLI::App& app, LiveOptions& options) {
   Command command = add_command(
-      app, "live", "From a sensor that sends now to a trajectory and a map",
+      app, "live", "From a connected sensor to a trajectory and a map",
       "Set the sensor to send to this computer. A line each second shows the pose, located scans "
       "a second, the longest latency from the packet that completes a scan to its pose, lost "
       "packets, and scans that were dropped because the computer is too slow. Ctrl-C (or SIGTERM) "

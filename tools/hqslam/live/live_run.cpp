@@ -164,11 +164,11 @@ std::string status_line(const LiveStatus& status) {
     if (count > 0) line += fmt::format("  {} {}", count, what);
   };
   add(counts.lost_scans, "turns lost");
-  add(counts.left_out_scans, "scans not understood");
-  add(counts.packets.late, "packets late or twice");
+  add(counts.left_out_scans, "scans not decodable");
+  add(counts.packets.late, "late or duplicate packets");
   add(counts.packets.foreign, "packets of another kind");
   add(counts.other_senders, "packets of other senders");
-  add(counts.senders_changed, "times another address");
+  add(counts.senders_changed, "changes of the sensor's address");
   if (status.submaps > 1) line += fmt::format("  {} submaps, not joined", status.submaps);
   if (!counts.trouble.empty()) line += "  " + counts.trouble;
   if (!counts.recording_failure.empty()) line += "  NOT RECORDED ANY MORE";

@@ -136,6 +136,13 @@ void process_all(ScanSource& source, SlamSession& session, RunOutput& output,
   }
 }
 
+void check_idle_options(const RunOptions& options) {
+  if (options.slam.kind == "lego-loam" && !options.imu.empty() &&
+      options.imu != recordings::kNoInertialData) {
+    throw Error("--slam lego-loam: uses no inertial data; leave --imu out");
+  }
+}
+
 /// Files that are read; the recording too, where it is one.
 Paths inputs_of(const RunOptions& options) {
   return {options.input,    options.sensor,    options.stamps,   options.imu,
@@ -259,6 +266,7 @@ SlamRun run_and_write(RunOptions options, const InterruptGuard& interrupt) {
 }
 
 int run(const RunOptions& options) {
+  check_idle_options(options);
   const InterruptGuard interrupt;
   const SlamRun run = run_and_write(options, interrupt);
   if (!run.scans.empty()) print_summary(run, options);

@@ -41,7 +41,8 @@ std::string why_not_predicted(const SlamRun& run) {
     return fmt::format("it has {:.3g} samples a second, SLAM uses {:.0f} or more", per_s,
                        kFewest_per_s);
   }
-  return "for others its samples are missing, or not yet confirmed by turns of the scans";
+  return "not used for the others: samples are missing, or the scans turned too little to verify "
+         "it";
 }
 
 /// "inertial sensor: predicted 198 of 200 scans"; nothing where there is none
@@ -49,10 +50,10 @@ std::string inertial_summary(const SlamRun& run) {
   if (run.imu_samples == 0) return "";
   const auto predicted = std::ranges::count_if(
       run.scans, [](const ScanRecord& scan) { return scan.report.predicted_by_imu; });
-  const std::string reason = !run.imu_complaint.empty() ? "; left out: " + run.imu_complaint
-                             : 2 * predicted > std::ssize(run.scans)
-                                 ? ""
-                                 : "; " + why_not_predicted(run);
+  const std::string reason =
+      !run.imu_complaint.empty()              ? "; not used for the others: " + run.imu_complaint
+      : 2 * predicted > std::ssize(run.scans) ? ""
+                                              : "; " + why_not_predicted(run);
   return fmt::format("inertial sensor: predicted {} of {} scans{}\n", predicted, run.scans.size(),
                      reason);
 }
@@ -89,8 +90,8 @@ std::string ground_summary(const SlamRun& run) {
   const double share = median_ground_share(run);
   if (share >= kLittleGround) return "";
   return fmt::format(
-      "ground: only {:.0f} % of the returns; usual in rooms, elsewhere the sensor may lean or "
-      "hang upside down: state it (mounting in hqslam slam-options)\n",
+      "ground: only {:.0f} % of the returns; normal in rooms. Elsewhere height and tilt drift, and "
+      "the sensor may lean or hang upside down: state it (mounting in hqslam slam-options)\n",
       100.0 * share);
 }
 

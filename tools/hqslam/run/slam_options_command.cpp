@@ -33,7 +33,7 @@ void declare(CLI::App& app, SlamOptionsCommand& options) {
               "The options of SLAM: names, defaults, bounds and what they mean",
               "Lengths in metres, angles in radians. Given to run and live by --slam-options "
               "FILE.json\n"
-              "and --set NAME=NUMBER. Defaults are LeGO-LOAM's unless stated otherwise.")
+              "and --set NAME=NUMBER. LeGO-LOAM's values are given where they differ.")
       .option("--json", &options.json,
               "Print JSON; >options.json makes a file of it for run --slam-options");
 }

@@ -148,7 +148,7 @@ int show(const std::string& path) {
 
 void declare(CLI::App& app, WeightsOptions& options) {
   Command command =
-      add_command(app, "weights", "Look into a weights file, or make one of other programs'");
+      add_command(app, "weights", "Show a weights file, or make one from another program's arrays");
   const OptionRules read = {.required = true, .given = Given::kFile};
   command.subcommand("show", "What a weights file holds")
       .option("weights", &options.show, "Weights file", read);

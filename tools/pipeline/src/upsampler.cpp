@@ -41,8 +41,8 @@ void check_columns(const UpsamplingOptions& options, const std::string& source, 
 
 [[noreturn]] void fail_for_spacing(const std::string& method) {
   throw Error(
-      "{}: has rows of its own, expected weights for any sensor (du-mix) and all rows of the "
-      "recording where a spacing is given; leave the spacing out",
+      "{}: a spacing needs weights for any sensor (du-mix) and all rows of the recording; leave "
+      "out the spacing, or the number of rows",
       method);
 }
 
@@ -169,7 +169,7 @@ void Upsampler::fit_interpolation(nn::Interpolation interpolation, const Upsampl
   if (options.rows == 0 && rows < kFewestRowsToThin) {
     throw Error(
         "{}: has all {} rows of sensor '{}', so there is nothing between them to fill; name the "
-        "sensor with the rows to fill (os1-64 for scans of an os1-16), or choose with hqslam run "
+        "sensor with the rows to fill (os1-64 for scans of an os1-16), or choose with "
         "--rows how many of the {} are used as measured",
         source, rows, full.name, rows);
   }

@@ -210,8 +210,7 @@ void LiveSensor::Impl::judge(std::int64_t arrival_ns) {
 void LiveSensor::Impl::judge_silence() {
   if (Clock::now() - heard_ < kTrouble) return;
   const std::lock_guard lock(mutex_);
-  counts_.trouble =
-      "no packet comes from the sensor any more: see to its power, cable and settings";
+  counts_.trouble = "no more packets from the sensor: check its power, cable and settings";
 }
 
 /// The inertial samples of a dropped scan go to the next one.

@@ -43,6 +43,12 @@ LiveStream::LiveStream(const LiveOptions& options) : options_(options) {
   named_ = load_sensor(options.sensor);
   if (!options.sensor.ends_with(".json")) {
     is_ouster_ = named_.name.starts_with("os");
+    if (named_model(options.sensor) == recordings::VelodyneModel::kHdl64e) {
+      throw Error(
+          "{}: expected a sensor whose packets are read, found an HDL-64E, whose distances mean "
+          "nothing without the calibration of that unit; record it and run its point clouds",
+          options.sensor);
+    }
     return;
   }
   std::string text = ouster_metadata_text(options.sensor);

@@ -12,7 +12,7 @@ namespace hqslam::recordings {
 
 namespace {
 
-/// What belongs to a scan from this share of a turn on.
+/// Smallest share of a turn that makes a scan.
 constexpr double kNearlyWhole = 0.75;
 /// Messages hold one turn, within what scans of 355 to 365 degrees and gaps between differ.
 constexpr double kOneTurn = 0.1;

@@ -233,7 +233,7 @@ std::unique_ptr<ScanSource> open_scan_files(const std::string& path,
   std::error_code error;
   if (fs::is_directory(recording, error)) return open_folder(recording, sensor, choose, options);
   if (!fs::is_regular_file(recording, error)) {
-    throw Error("{}: expected a recording, found no such file or folder; give {}", path,
+    throw Error("{}: expected a recording, found no regular file or folder; give {}", path,
                 kKnownRecordings);
   }
   const fs::path extension = recording.extension();

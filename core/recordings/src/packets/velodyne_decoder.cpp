@@ -60,8 +60,8 @@ VelodyneDecoder::VelodyneDecoder(const VelodyneStream& stream, const SensorModel
   rate_ = expected_rate();
 }
 
-/// The packet's time by a clock that goes on over the hours, of which the sensor's tells none: from
-/// a second on the recorder's clock decides how many passed, unless one of the two was set.
+/// The packet's time without the sensor's restart every hour. For steps of more than a second the
+/// recorder's clock gives the number of hours, unless one of the two clocks was set.
 std::int64_t VelodyneDecoder::continued_us(const Packet& packet) const {
   const std::int64_t now_us = little_endian<std::uint32_t>(packet.payload, kTimeAt);
   if (!sensor_us_) return now_us;

@@ -28,14 +28,14 @@ FoundSensor find_sensor(const std::vector<RawPoints>& scans, std::optional<doubl
 /// when they are read.
 std::optional<FoundSensor> found_if_any(const std::function<FoundSensor()>& find);
 
-/// A sensor that was stated, held against the beams in the points where they could be found: with
-/// the rows alone that have points, where these are evenly spaced ones. Throws Error for fewer or
+/// Checks a stated sensor against the beams in the points where they could be found. Out: it, with
+/// only the rows that have points, where these are evenly spaced ones. Throws Error for fewer or
 /// other beams, as those of another preset.
 FoundSensor held_against_points(const SensorModel& stated, const std::optional<FoundSensor>& found,
                                 const std::string& source);
 
-/// The sensor with the elevations of this very unit, where as many beams were found as it has and
-/// they are off its table: half of them by a tenth of a degree or more, none by more than 1.5.
+/// The sensor with the elevations of this individual unit, where as many beams were found as it has
+/// and they are off its table: half of them by a tenth of a degree or more, none by more than 1.5.
 /// Nothing otherwise.
 std::optional<SensorModel> with_own_beams(const SensorModel& sensor,
                                           const std::vector<double>& found_rad);

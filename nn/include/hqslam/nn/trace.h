@@ -43,8 +43,8 @@ struct TracedTensor {
 /// DU-Mix: `mode_1`, `mode_2` (m), `weight_1` (of mode 1), `scale` (of both, in ln of the range),
 /// `probability` (of a return). With a memory also `recalled` (M, m) and `recalled_weight` (W^2),
 /// where anything is recalled.
-/// From SuperResolver: `rejected` (by the filter at the end), `confidence` (before pixels are
-/// emptied for want of it), `result`.
+/// From SuperResolver: `rejected` (by the filter at the end), `confidence` (before pixels
+/// with too little of it are emptied), `result`.
 class Trace {
  public:
   void add(TracedTensor tensor) { tensors_.push_back(std::move(tensor)); }

@@ -20,8 +20,9 @@ struct UpsampledImage {
 struct RecalledImage {
   /// M: all rows of the sensor, metres; 0 where nothing is recalled.
   RangeImage image;
-  /// W^2 of every pixel, with the penalty 2 b of a pixel that was not measured as its unit: the
-  /// number of earlier points that agree, each weighted by its distance from the pixel's centre.
+  /// W^2 of every pixel, with the penalty 2 b of a pixel that was not measured as its unit: four
+  /// times the number of earlier points that agree, each weighted by its distance from the pixel's
+  /// centre.
   std::vector<float> weight;
 
   /// Nothing is recalled at all: the first scan of a drive.

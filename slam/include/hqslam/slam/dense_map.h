@@ -46,12 +46,11 @@ struct DenseMapPoint {
 /// In: per scan an OrganizedCloud and the path of the sensor. Out: points in the map's frame.
 /// The odds that a voxel holds a surface are
 ///   odds = (sum over the scans with a point in it of c / (1 - c)) (1 + N) / 2 / (1 + p)^2
-/// - c, the largest confidence of the scan's points there; that of a measured one is 0.95, because
-/// of
-///   mixed pixels and moving objects. Points of less than 0.1 are left out.
-/// - N, the support of the 26 neighbours, since surfaces are continuous: each that is not crossed
-/// by
-///   beams more often than it has points counts 1 if anything was measured there, 1/4 otherwise.
+/// - c, the largest confidence of the scan's points there; that of a measured one is 0.95,
+///   because of mixed pixels and moving objects. Points of less than 0.1 are left out.
+/// - N, the support of the 26 neighbours, since surfaces are continuous: each that is not
+///   crossed by beams more often than it has points counts 1 if anything was measured there, 1/4
+///   otherwise.
 /// - p, the scans with a measured beam that crossed the voxel.
 /// So two scans that agree double the odds of one, since wrong points seldom agree, and a computed
 /// point between measured ones has a higher probability than one in the open. The form is

@@ -51,6 +51,21 @@ TEST_CASE("an image that cannot be the sensor's is left out of its stack, the ne
   CHECK(is_given_up_at_tenth(*stack(12, [](int) { return false; })));
 }
 
+TEST_CASE("a scan whose pixels are mostly too near, as under a cover, is read with the others") {
+  const TemporaryDirectory directory;
+  const SensorModel sensor = sensor_preset("vlp-16");
+  const float near_m = 0.5F * static_cast<float>(sensor.min_range_m);
+  RangeImage covered = a_wall(sensor);
+  std::fill(covered.range_m.begin(), covered.range_m.begin() + 15 * sensor.columns, near_m);
+  const auto first_of = [&](const RangeImage& image) {
+    NpyStackWriter(directory.file("scans.npy"), 16, sensor.columns).append(image);
+    return open_scan_files(directory.file("scans.npy"), sensor)->next();
+  };
+  CHECK(first_of(covered)->counts.kept == sensor.columns);
+  covered.range_m.assign(covered.range_m.size(), near_m);  // nothing else: another unit
+  CHECK(refused_with([&] { first_of(covered); }, "give ranges in metres"));
+}
+
 TEST_CASE("the scans of a drive have the stamps of its truth, also where it was interrupted") {
   const ImageFolder folder(3);
   const auto with_truth_of = [&](int poses) {

@@ -201,6 +201,8 @@ TEST_CASE("a port in use, an unknown sensor and packets of another one are refus
   CHECK(refused_with([&] { LiveSensor sensor(options); }, fmt::format("UDP port {}", options.port),
                      "uses it"));
   options = vlp16();
+  options.sensor = "hdl-64e";
+  CHECK(refused_with([&] { LiveSensor sensor(options); }, "hdl-64e", "calibration of that unit"));
   options.sensor = "vlp-17";
   CHECK(refused_with([&] { LiveSensor sensor(options); }, "vlp-17"));
 }

@@ -28,7 +28,7 @@ struct PipelineOptions {
   UpsamplingOptions upsampling = {};
   SlamKind slam = SlamKind::kHqslam;
   slam::SlamOptions slam_options = {};  ///< of kHqslam
-  /// A map that another drive left behind, in which scans are located, of kHqslam.
+  /// A saved map of another drive, in which scans are located; for kHqslam only.
   std::optional<slam::SavedMap> map = {};
   /// The sensor's first pose in that map, turned level; nothing: it is searched in all of the map.
   std::optional<Pose> T_map_level_start = {};
