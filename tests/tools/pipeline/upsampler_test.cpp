@@ -140,10 +140,10 @@ TEST_CASE("a spacing gives as many rows as leave no wider gap, with weights for 
 
   CHECK(refused_with([&] { upsampler(any, 0.2); }, "0.25 degrees or more", "found 0.20"));
   CHECK(refused_with([&] { upsampler(any, 2.0); }, "less than", "2.00"));
-  CHECK(refused_with([&] { upsampler(any, 0.5, 8); }, "all rows", "leave the spacing out"));
-  CHECK(refused_with([&] { upsampler("linear", 0.5); }, "linear", "rows of its own"));
+  CHECK(refused_with([&] { upsampler(any, 0.5, 8); }, "all rows", "leave out the spacing"));
+  CHECK(refused_with([&] { upsampler("linear", 0.5); }, "linear", "weights for any sensor"));
   const Weights for_os1;
-  CHECK(refused_with([&] { upsampler(for_os1.file, 0.5); }, "rows of its own"));
+  CHECK(refused_with([&] { upsampler(for_os1.file, 0.5); }, "weights for any sensor"));
 }
 
 TEST_CASE("rows that nothing fills are selected, all of them where none are asked for") {

@@ -233,7 +233,9 @@ std::unique_ptr<ScanSource> open_scan_files(const std::string& path,
   std::error_code error;
   if (fs::is_directory(recording, error)) return open_folder(recording, sensor, choose, options);
   if (!fs::is_regular_file(recording, error)) {
-    throw Error("{}: expected a recording, found no regular file or folder; give {}", path,
+    throw Error("{}: expected a recording, found {}; give {}", path,
+                fs::exists(recording, error) ? "neither a regular file nor a folder"
+                                             : "no such file or folder",
                 kKnownRecordings);
   }
   const fs::path extension = recording.extension();

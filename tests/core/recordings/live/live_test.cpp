@@ -312,7 +312,7 @@ TEST_CASE("a sensor that falls silent, or is set to another mode in the drive, i
   }
   CHECK(sensor.counts().trouble.empty());
   wait_until([&] { return !sensor.counts().trouble.empty(); });
-  CHECK(one_line_with(sensor.counts().trouble, "no packet", "cable"));
+  CHECK(one_line_with(sensor.counts().trouble, "no more packets", "cable"));
   replay(packets, options.port, 1.0);
   wait_until([&] { return sensor.counts().trouble.empty(); });
   const LoopbackSender sender(options.port);
