@@ -52,6 +52,10 @@ TEST_CASE("what was not recognized is in no error against the reference") {
   CHECK_FALSE(holds(lost.out, "APE RMSE"));
   CHECK(holds(lost.out, "not located: no place of the map of"));
   CHECK_FALSE(holds(lost.out, "\nlocated in"));
+  const ProgramResult only_lost =
+      run_hqslam("run '{}' --map '{}' --out '{}'", other, saved_map(), folder.file("lost"));
+  CHECK(only_lost.status == 2);
+  CHECK(holds(last_line(only_lost.error), "no scan was located in " + saved_map()));
 }
 
 TEST_CASE("a map belongs to the run that saved it, and is not located in and made at once") {

@@ -98,6 +98,11 @@ void add_maps(const InputChoice& recording, const UpsamplingChoice& upsampling,
 int exit_status_of_maps(const MapChoice& choice, const SlamRun& run) {
   for (const std::string& failed : run.failed_maps) to_stderr("hqslam: {}\n", failed);
   if (!run.failed_maps.empty()) return kWrongInput;
+  if (!run.located_in.empty() && !is_located(run)) {
+    to_stderr("hqslam: no scan was located in {}; give the map of this place, or --start\n",
+              run.located_in);
+    return kWrongInput;
+  }
   const bool lacks_dense_map = choice.dense_map && run.dense_map_summary.empty();
   if (!lacks_dense_map && !(choice.occupancy_grid && run.occupancy_grid_summary.empty())) {
     return kOk;

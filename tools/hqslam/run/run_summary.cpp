@@ -132,12 +132,10 @@ std::string run_summary(const SlamRun& run) {
                                : "corrected");
   }
   if (!run.located_in.empty()) {
-    const bool found = std::ranges::any_of(run.scans, [](const ScanRecord& scan) {
-      return scan.report.mapping_status != slam::Status::kNotRecognized;
-    });
-    summary += found ? fmt::format("located in the map of {}\n", run.located_in)
-                     : fmt::format("not located: no place of the map of {} was recognized\n",
-                                   run.located_in);
+    summary += is_located(run)
+                   ? fmt::format("located in the map of {}\n", run.located_in)
+                   : fmt::format("not located: no place of the map of {} was recognized\n",
+                                 run.located_in);
   }
   if (!run.upsampled_by.empty()) {
     summary +=

@@ -61,6 +61,12 @@ bool is_motion_known(const SlamRun& run, std::size_t scan) {
          run.segment_of_scan[scan] == run.segment_of_scan[scan + 1];
 }
 
+bool is_located(const SlamRun& run) {
+  return std::ranges::any_of(run.scans, [](const ScanRecord& scan) {
+    return scan.report.mapping_status != slam::Status::kNotRecognized;
+  });
+}
+
 std::vector<std::int64_t> scan_of_pose(const SlamRun& run) {
   std::vector<std::int64_t> scans;
   for (const ScanRecord& record : run.scans) scans.push_back(record.scan);

@@ -101,6 +101,9 @@ std::int64_t loops_closed(const SlamRun& run);
 /// and the sensor was not carried in between, also where its submaps were joined later.
 bool is_motion_known(const SlamRun& run, std::size_t scan);
 
+/// Whether any scan was located in the map of `located_in`.
+bool is_located(const SlamRun& run);
+
 /// The scan of the recording of each pose of the trajectory (ScanRecord::scan).
 std::vector<std::int64_t> scan_of_pose(const SlamRun& run);
 
