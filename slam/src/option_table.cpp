@@ -102,7 +102,8 @@ constexpr std::array kOptions = {
     HQSLAM_OPTION(odometry, converged_translation_m,
                   "Translation of a step below which the odometry ends; LeGO-LOAM: 0.001",
                   kNotNegative),
-    HQSLAM_OPTION(mapping, max_iterations, "Searches in the map per scan", kPositive),
+    HQSLAM_OPTION(mapping, max_iterations, "Searches in the map per scan; LeGO-LOAM: 10",
+                  kPositive),
     HQSLAM_OPTION(mapping, min_correspondences,
                   "Smallest number of correspondences of a registered scan", kPositive),
     HQSLAM_OPTION(

@@ -70,7 +70,7 @@ class OrderedScans : public ScanSource {
       throw ScanError(fmt::format("{}: has the same ranges as the scan before", scan.name));
     }
     set_stamp(scan);
-    last_range_m_ = scan.cloud.range_m;
+    if (repeats_ == Repeats::kLeftOut) last_range_m_ = scan.cloud.range_m;
     return std::move(first.scan);
   }
 

@@ -41,7 +41,7 @@ std::string why_not_predicted(const SlamRun& run) {
     return fmt::format("it has {:.3g} samples a second, SLAM uses {:.0f} or more", per_s,
                        kFewest_per_s);
   }
-  return "not used for the others: samples are missing, or the scans turned too little to verify "
+  return "not used otherwise: samples are missing, or the scans turned too little to verify "
          "it";
 }
 
@@ -51,7 +51,7 @@ std::string inertial_summary(const SlamRun& run) {
   const auto predicted = std::ranges::count_if(
       run.scans, [](const ScanRecord& scan) { return scan.report.predicted_by_imu; });
   const std::string reason =
-      !run.imu_complaint.empty()              ? "; not used for the others: " + run.imu_complaint
+      !run.imu_complaint.empty()              ? "; not used otherwise: " + run.imu_complaint
       : 2 * predicted > std::ssize(run.scans) ? ""
                                               : "; " + why_not_predicted(run);
   return fmt::format("inertial sensor: predicted {} of {} scans{}\n", predicted, run.scans.size(),
