@@ -62,9 +62,11 @@ constexpr std::array kOptions = {
     HQSLAM_OPTION(mounting, roll_rad,
                   "Roll of the sensor: positive raises its left side, pi is upside down", kTurn),
     HQSLAM_OPTION(mounting, pitch_rad, "Pitch of the sensor: positive lowers its front", kTilt),
-    HQSLAM_OPTION(mounting, estimated,
-                  "1: correct roll and pitch by up to 30 degrees from the ground of the first scan",
-                  kSwitch),
+    HQSLAM_OPTION(
+        mounting, estimated,
+        "1: correct roll and pitch by up to 30 degrees from the ground of the first scan; "
+        "0: only where they are off by more than 5",
+        kSwitch),
     HQSLAM_OPTION(ground, max_slope_rad, "Steepest rise from row to row on the ground", kAcute),
     HQSLAM_OPTION(features, sections, "Sections of a row from which features are chosen",
                   kSections),

@@ -1,6 +1,7 @@
 #include "hqslam/slam/slam.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "check_option.h"
@@ -25,6 +26,15 @@ FeatureMaps map_of(const SlamOptions& options, const SavedMap* given_map) {
     throw Error("expected a map with places, found none; save the map after a drive");
   }
   return {in_rooms(options.mapping), *given_map};  // the smaller voxels keep the points of either
+}
+
+/// A cloud in the frame in which `up` is the vertical.
+OrganizedCloud turned_level(OrganizedCloud cloud, const Eigen::Vector3d& up) {
+  const Eigen::Matrix3f R = Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ())
+                                .toRotationMatrix()
+                                .cast<float>();
+  for (Eigen::Vector3f& point_m : cloud.points_m) point_m = R * point_m;
+  return cloud;
 }
 
 int returns_in(const OrganizedCloud& cloud) {
@@ -87,10 +97,7 @@ ScanReport Slam::Implementation::process(const OrganizedCloud& cloud, double sta
     imu = {};  // the clock was set back: stamps before are of another clock
     gravity_window.interrupt();
   }
-  if (options.mounting.estimated && !mounting.mounted().estimated &&
-      reference_of(state) == nullptr) {
-    mounting.estimate(cloud);
-  }
+  if (!mounting.is_compared() && reference_of(state) == nullptr) mounting.estimate(cloud);
   const std::optional<OrganizedCloud> level = mounting.level(cloud);
   Notes notes = process_level(level ? *level : cloud, stamp_s, trace);
   ScanReport& report = notes.report;
@@ -107,8 +114,8 @@ ScanReport Slam::Implementation::process(const OrganizedCloud& cloud, double sta
 
 Scan Slam::Implementation::front_end(const OrganizedCloud& cloud, double stamp_s, Notes& notes) {
   ScanReport& report = notes.report;
-  Scan scan{cloud, segment(cloud, sensor, options.ground, mounting.up_of_upright_sensor()),
-            clock.time_s(stamp_s), stamp_s};
+  const double time_s = clock.time_s(stamp_s);
+  Scan scan{cloud, segmented(cloud, time_s), time_s, stamp_s};
   report.returns = scan.segmentation.returns;
   report.ground_points = scan.segmentation.ground_points;
   report.times.segmentation_s = notes.stopwatch.lap_s();
@@ -131,6 +138,23 @@ Scan Slam::Implementation::front_end(const OrganizedCloud& cloud, double stamp_s
     trace_features(scan.map_features, *notes.trace);
   }
   return scan;
+}
+
+/// A mounting that was estimated from the first scan of a sensor in hands is its posture in that
+/// scan. Where the map's vertical and that of the level frame differ by more than the steepest
+/// ground, that which shows more ground is right: the map's for hands, the other on a slope.
+Segmentation Slam::Implementation::segmented(const OrganizedCloud& cloud, double time_s) {
+  Segmentation by_sensor = segment(cloud, sensor, options.ground, mounting.up_of_upright_sensor());
+  const Reference* reference = reference_of(state);
+  if (!mounting.mounted().estimated || reference == nullptr) return by_sensor;
+  const Eigen::Vector3d turn_rad = (time_s - reference->time_s) * reference->state.velocity.angular;
+  const Eigen::Vector3d up = exponential({Eigen::Vector3d::Zero(), turn_rad}).linear().transpose() *
+                             reference->state.T_map_sensor.linear().row(2).transpose();
+  if (up.z() > std::cos(options.ground.max_slope_rad)) return by_sensor;
+  const OrganizedCloud level = turned_level(cloud, up);
+  Segmentation by_map = segment(level, sensor, options.ground, mounting.up_of_upright_sensor(up));
+  by_map.up = up;
+  return by_map.ground_points > by_sensor.ground_points ? by_map : by_sensor;
 }
 
 Features Slam::Implementation::measured_features(const Scan& scan) const {

@@ -74,6 +74,7 @@ struct Slam::Implementation {
   void apply(const LoopResult& found);
   void apply(const LoopedDrift& found, const Pose& T_map_reference);
   void make_turning_even(Scan& scan);
+  Segmentation segmented(const OrganizedCloud& cloud, double time_s);
   Features measured_features(const Scan& scan) const;
   Scan front_end(const OrganizedCloud& cloud, double stamp_s, Notes& notes);
 

@@ -92,6 +92,28 @@ TEST_CASE("the mounting is estimated from the first scan if the option is set") 
   CHECK(worst_pose_error(drive.slam.trajectory(), level_from_sensor(found)) < 0.04);
 }
 
+TEST_CASE("a sensor that leans without being stated is followed, in a map that is level") {
+  const slam::MountingOptions leans{-0.1, 0.3, false};
+  const MountedDrive drive = driven(leans, {});
+  CHECK(drive.located == kMountedScans);
+  CHECK(drive.slam.mounting().estimated);
+  CHECK(worst_pose_error(drive.slam.trajectory(), level_from_sensor(leans)) < 0.04);
+}
+
+TEST_CASE("hands that lean in the first scan and turn upright keep the ground in view") {
+  const SensorModel sensor = test::small_sensor(16, 512);
+  slam::Slam slam(sensor);
+  int fewest_ground_points = 1 << 30;
+  for (int i = 0; i < 20; ++i) {
+    const double pitch_rad = 0.3 - 0.025 * i;  // from 17 degrees forward to 10 backward
+    const slam::ScanReport report =
+        slam.process(leaning_scan(sensor, {0.0, pitch_rad, false}, i), i * test::kDrivePeriod_s);
+    fewest_ground_points = std::min(fewest_ground_points, report.ground_points);
+  }
+  CHECK(slam.mounting().estimated);
+  CHECK(fewest_ground_points > 2500);
+}
+
 TEST_CASE("a sensor on its side is refused") {
   slam::SlamOptions options;
   options.mounting.pitch_rad = 1.3;

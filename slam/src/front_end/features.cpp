@@ -120,8 +120,8 @@ Eigen::Vector3f slope_at(const OrganizedCloud& cloud, const Segmentation& segmen
 
 /// Whether a pixel is on a surface that stands: of the returns in the rows above and below, the one
 /// nearest in range is on the same surface, at 30 degrees to the sensor's plane or more.
-bool stands(const OrganizedCloud& cloud, const std::vector<int>& rows, std::size_t row,
-            int column) {
+bool stands(const OrganizedCloud& cloud, const Eigen::Vector3f& up, const std::vector<int>& rows,
+            std::size_t row, int column) {
   const std::size_t here = cloud.index(rows[row], column);
   float least_m = most_apart_m(cloud.range_m[here]);
   Eigen::Vector3f upwards = Eigen::Vector3f::Zero();
@@ -137,18 +137,18 @@ bool stands(const OrganizedCloud& cloud, const std::vector<int>& rows, std::size
       upwards = static_cast<float>(step) * (cloud.points_m[here] - cloud.points_m[beside]);
     }
   }
-  return upwards.normalized().z() > kMinSteepness;  // of zero: zero
+  return upwards.normalized().dot(up) > kMinSteepness;  // of zero: zero
 }
 
 /// Marks the short runs on objects that do not stand. Most are undetected ground: its rings travel
 /// with the sensor, and would hold it back where little else constrains the motion.
-void mark_rings(const OrganizedCloud& cloud, const std::vector<int>& rows, std::size_t row_index,
-                Row& row) {
+void mark_rings(const OrganizedCloud& cloud, const Eigen::Vector3f& up,
+                const std::vector<int>& rows, std::size_t row_index, Row& row) {
   row.is_ring.assign(row.points.size(), 0);
   for (int first = 0, last = 0; first < row.size(); first = last) {
     for (last = first + 1; last < row.size() && row.are_on_one_surface(last - 1, last);) ++last;
     for (int i = first; i < last && last - first < kLongRun && row.ground[first] == 0; ++i) {
-      row.is_ring[i] = stands(cloud, rows, row_index, row.column[i]) ? 0 : 1;
+      row.is_ring[i] = stands(cloud, up, rows, row_index, row.column[i]) ? 0 : 1;
     }
   }
 }
@@ -255,7 +255,7 @@ Features features_of_row(const OrganizedCloud& cloud, const Segmentation& segmen
     row.taken[i] = 0;
   }
   row.take_unreliable();
-  mark_rings(cloud, rows, row_index, row);
+  mark_rings(cloud, segmentation.up.cast<float>(), rows, row_index, row);
   const std::vector<Post> posts =
       posts_in_row(cloud, segmentation, rows[row_index], options.max_post_width_m);
   mark_posts(posts, row);
@@ -294,6 +294,7 @@ Features extract_features(const OrganizedCloud& cloud, const Segmentation& segme
     of_row[i] = features_of_row(cloud, segmentation, rows, i, options);
   }
   Features all;
+  all.up = segmentation.up;
   for (const auto kind : {&Features::sharp_edges, &Features::edges, &Features::flat_points,
                           &Features::ground, &Features::surfaces, &Features::posts}) {
     std::size_t points = 0;

@@ -31,6 +31,7 @@ struct Features {
   std::vector<FeaturePoint> ground;       ///< ground points, thinned
   std::vector<FeaturePoint> surfaces;     ///< of objects, no edges ("less flat"), thinned
   std::vector<FeaturePoint> posts;  ///< narrow objects that stand alone, one point per row: posts.h
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< Segmentation::up
 };
 
 /// Chooses edge and planar features of a scan.

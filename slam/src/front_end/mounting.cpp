@@ -17,6 +17,12 @@ namespace {
 
 constexpr double kMostCorrected_rad = std::numbers::pi / 6.0;
 constexpr double kSteepest_rad = kMostCorrected_rad + GroundOptions().max_slope_rad;
+/// Where the ground leans by more, the stated mounting is wrong: the ground leans by up to 3.4
+/// degrees in the frame of a vehicle (simulated hills).
+constexpr double kMostUnstated_rad = std::numbers::pi / 36.0;
+/// Then it has this many times the points of any plane that is level to half of that: a bank beside
+/// a road has not.
+constexpr double kLeaningGround = 2.0;
 constexpr float kGroundReach_m = 25.0F;
 constexpr double kLeaf_m = 0.5;
 constexpr float kGroundThickness_m = 0.1F;
@@ -76,9 +82,15 @@ Eigen::Vector3f fitted_normal(const Eigen::Matrix3Xf& points_m) {
       .col(0);
 }
 
-/// The upward normal of the ground among points in a frame that is about level: the plane through
-/// three random points with most points near it (RANSAC; Fischler & Bolles, 1981), fitted to those.
-std::optional<Eigen::Vector3d> ground_normal(const Eigen::Matrix3Xf& points_m) {
+struct GroundPlane {
+  Eigen::Vector3d normal;  ///< upward
+  Eigen::Index points;     ///< near it
+};
+
+/// The ground among points in a frame that is about level: the plane through three random points,
+/// tilted by at most `max_tilt_rad`, with most points near it (RANSAC; Fischler & Bolles, 1981),
+/// fitted to those.
+std::optional<GroundPlane> ground_plane(const Eigen::Matrix3Xf& points_m, double max_tilt_rad) {
   constexpr int kDraws = 500;
   const Eigen::Index count = points_m.cols();
   if (count < kMinGroundPoints) return std::nullopt;
@@ -94,7 +106,7 @@ std::optional<Eigen::Vector3d> ground_normal(const Eigen::Matrix3Xf& points_m) {
     const Eigen::Vector3f normal_m2 = (b_m - a_m).cross(drawn() - a_m);
     if (normal_m2.norm() < kMinArea_m2) continue;
     const Eigen::Vector3f normal = normal_m2.normalized();
-    if (std::abs(normal.z()) < std::cos(kMostCorrected_rad)) continue;
+    if (std::abs(normal.z()) < std::cos(max_tilt_rad)) continue;
     const auto near = near_plane(points_m, a_m, normal);
     if (near.count() <= most) continue;
     most = near.count();
@@ -106,7 +118,15 @@ std::optional<Eigen::Vector3d> ground_normal(const Eigen::Matrix3Xf& points_m) {
     if (best[i]) ground_m.col(k++) = points_m.col(i);
   }
   const Eigen::Vector3d normal = fitted_normal(ground_m).cast<double>();
-  return normal.z() < 0.0 ? Eigen::Vector3d(-normal) : normal;
+  return GroundPlane{normal.z() < 0.0 ? Eigen::Vector3d(-normal) : normal, most};
+}
+
+/// Whether the ground leans so much that the mounting cannot be as stated.
+bool contradicts_level(const GroundPlane& ground, const Eigen::Matrix3Xf& points_m) {
+  if (ground.normal.z() > std::cos(kMostUnstated_rad)) return false;
+  const std::optional<GroundPlane> level = ground_plane(points_m, 0.5 * kMostUnstated_rad);
+  return !level ||
+         static_cast<double>(ground.points) > kLeaningGround * static_cast<double>(level->points);
 }
 
 /// Roll r and pitch p, as in pose_from_xyz_rpy, from the vertical in the sensor's frame,
@@ -125,21 +145,25 @@ Eigen::Matrix3d R_level_sensor(const MountingOptions& mounted) {
 
 Mounting::Mounting(const MountingOptions& options, const SensorModel& sensor)
     : mounted_{options.roll_rad, options.pitch_rad, false},
+      is_always_estimated_(options.estimated),
       R_level_sensor_(R_level_sensor(mounted_)),
       is_upside_down_(R_level_sensor_(2, 2) < 0.0),
       upright_sensor_(is_upside_down_ ? upside_down(sensor) : sensor) {}
 
-Eigen::Vector3d Mounting::up_of_upright_sensor() const {
-  const Eigen::Vector3d up_of_sensor = R_level_sensor_.row(2).transpose();
+Eigen::Vector3d Mounting::up_of_upright_sensor(const Eigen::Vector3d& up) const {
+  const Eigen::Vector3d up_of_sensor = R_level_sensor_.transpose() * up;
   return is_upside_down_ ? half_turned(up_of_sensor) : up_of_sensor;
 }
 
 bool Mounting::estimate(const OrganizedCloud& cloud) {
   const std::optional<OrganizedCloud> turned = level(cloud);
-  const std::optional<Eigen::Vector3d> normal = ground_normal(
-      ground_points_m(turned ? *turned : cloud, upright_sensor_, up_of_upright_sensor()));
-  if (!normal) return false;
-  mounted_ = leaning(R_level_sensor_.transpose() * *normal);
+  const Eigen::Matrix3Xf points_m =
+      ground_points_m(turned ? *turned : cloud, upright_sensor_, up_of_upright_sensor());
+  const std::optional<GroundPlane> ground = ground_plane(points_m, kMostCorrected_rad);
+  if (!ground) return false;
+  is_compared_ = true;
+  if (!is_always_estimated_ && !contradicts_level(*ground, points_m)) return true;
+  mounted_ = leaning(R_level_sensor_.transpose() * ground->normal);
   mounted_.estimated = true;
   R_level_sensor_ = R_level_sensor(mounted_);
   return true;

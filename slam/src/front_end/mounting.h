@@ -25,20 +25,24 @@ class Mounting {
 
   /// Its rows are ordered from above to below, as those of clouds from level().
   const SensorModel& upright_sensor() const { return upright_sensor_; }
-  /// The vertical in that sensor's own frame, which is tilted as the real one is.
-  Eigen::Vector3d up_of_upright_sensor() const;
+  /// A direction of the level frame, the vertical by default, in the frame of that sensor, which is
+  /// tilted as the real one is.
+  Eigen::Vector3d up_of_upright_sensor(const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ()) const;
 
-  /// Estimates the mounting from the ground in a scan of the sensor, whose pixels must be sound.
-  /// The ground is the plane, tilted by at most 30 degrees against the present estimate, with most
-  /// of the candidate points within 25 m, one per 0.5 m (RANSAC, then least squares). Returns
-  /// whether there was one. Motion along the ground does not matter.
+  /// Compares the stated mounting with the ground in a scan of the sensor, whose pixels must be
+  /// sound, and takes the ground's where it leans by more than 5 degrees against the stated one or
+  /// MountingOptions::estimated asks for it. The ground is the plane, tilted by at most 30 degrees,
+  /// with most of the candidate points within 25 m, one per 0.5 m (RANSAC, then least squares).
+  /// Returns whether there was one. Motion along the ground does not matter.
   bool estimate(const OrganizedCloud& cloud);
+  /// Whether estimate() has found the ground in a scan.
+  bool is_compared() const { return is_compared_; }
 
   /// The scan in the level frame; nothing where the two frames are the same.
   std::optional<OrganizedCloud> level(const OrganizedCloud& cloud) const;
 
   const Eigen::Matrix3d& turn_to_level() const { return R_level_sensor_; }
-  /// The given mounting, or the estimated one if `estimated`.
+  /// The stated mounting, or the estimated one if `estimated`.
   const MountingOptions& mounted() const { return mounted_; }
   /// The pose of the sensor from that of the level frame.
   Pose of_sensor(const Pose& T_map_level) const;
@@ -49,6 +53,8 @@ class Mounting {
 
  private:
   MountingOptions mounted_;
+  bool is_always_estimated_;
+  bool is_compared_ = false;
   Eigen::Matrix3d R_level_sensor_;
   bool is_upside_down_;
   SensorModel upright_sensor_;

@@ -10,6 +10,8 @@ namespace hqslam::slam {
 
 struct Segmentation {
   std::vector<PixelClass> pixel_class;
+  Eigen::Vector3d up =
+      Eigen::Vector3d::UnitZ();  ///< the ground's normal, about, in the cloud's frame
   int returns = 0;
   int ground_points = 0;
 };

@@ -59,7 +59,7 @@ std::optional<PlaneConstraint> match_surface(const std::optional<MapPlane>& plan
 /// A scan's ring on the ground is beside the rings of earlier scans in the map. The slope of a
 /// plane through points of two rings a few decimetres apart is mostly noise, and the horizontal
 /// component of its normal pulls the ring towards those of the map, against the motion. So the
-/// normal n is replaced by its component along the sensor's vertical u, n' = (n . u) u; the
+/// normal n is replaced by its component along the vertical u of the ground, n' = (n . u) u; the
 /// distance of the point remains.
 std::optional<PlaneConstraint> upright(std::optional<PlaneConstraint> ground,
                                        const Eigen::Vector3d& vertical) {
@@ -77,7 +77,7 @@ std::optional<PlaneConstraint> upright(std::optional<PlaneConstraint> ground,
 ///
 /// Most surfaces are upright. On others (kerbs, cars, leaves, undetected ground) five points of
 /// distant rows make a random slope, and such slopes, all observed from the same side, tilt the map
-/// scan by scan. So the normal n loses its component along the sensor's vertical u,
+/// scan by scan. So the normal n loses its component along the vertical u of the ground,
 /// n' = n - (n . u) u; the distance of the point remains. Height comes from the ground alone.
 std::optional<PlaneConstraint> horizontal(std::optional<PlaneConstraint> surface,
                                           const Eigen::Vector3d& vertical) {
@@ -119,6 +119,7 @@ auto find_all(SearchedFeatures<Fit, kNeighbours>& searched, const MapSearch& sea
 /// count only while they are the majority, in a map of few scans. There they prevent a tilt of
 /// sensor and map by tenths of a degree at the start.
 std::vector<std::optional<PlaneConstraint>> ground_constraints(SearchedFeatures<MapSurface>& ground,
+                                                               const Eigen::Vector3d& vertical,
                                                                const MapSearch& search,
                                                                const FeatureMap& planes,
                                                                const MappingOptions& options) {
@@ -131,7 +132,7 @@ std::vector<std::optional<PlaneConstraint>> ground_constraints(SearchedFeatures<
       [&](std::size_t i, const std::optional<MapSurface>& near, const Eigen::Vector3d& rotated_m) {
         by_line[i] = near && std::holds_alternative<MapLine>(*near) ? 1 : 0;
         const Eigen::Vector3d slope = rotation * ground.features[i].slope.cast<double>();
-        return upright(match_surface(completed(near, slope), rotated_m, origin_m), rotation.col(2));
+        return upright(match_surface(completed(near, slope), rotated_m, origin_m), vertical);
       });
   int by_plane = 0;
   int by_lines = 0;
@@ -147,10 +148,10 @@ std::vector<std::optional<PlaneConstraint>> ground_constraints(SearchedFeatures<
 /// Constraints of surfaces. A line (points of one row) is completed to the most upright plane
 /// through it.
 std::vector<std::optional<PlaneConstraint>> surface_constraints(
-    SearchedFeatures<MapSurface>& surfaces, const MapSearch& search, const FeatureMap& planes,
-    const MappingOptions& options, bool ground_has_height) {
+    SearchedFeatures<MapSurface>& surfaces, const Eigen::Vector3d& vertical,
+    const MapSearch& search, const FeatureMap& planes, const MappingOptions& options,
+    bool ground_has_height) {
   const Eigen::Vector3d origin_m = search.T_map_sensor.translation();
-  const Eigen::Vector3d vertical = search.T_map_sensor.linear().col(2);
   return find_all(
       surfaces, search, planes,
       [&](const Neighbours& near) { return fit_surface(near, options.max_plane_residual_m); },
@@ -174,9 +175,9 @@ std::vector<std::optional<EdgeConstraints>> edge_constraints_of(SearchedFeatures
 /// Constraints of posts. A row has one point of each, which has no information about height: it
 /// belongs on the upright line through the nearest post of the map.
 std::vector<std::optional<EdgeConstraints>> post_constraints(
-    SearchedFeatures<Eigen::Vector3d, 1>& posts, const MapSearch& search, const FeatureMap& map) {
+    SearchedFeatures<Eigen::Vector3d, 1>& posts, const Eigen::Vector3d& vertical,
+    const MapSearch& search, const FeatureMap& map) {
   const Eigen::Vector3d origin_m = search.T_map_sensor.translation();
-  const Eigen::Vector3d vertical = search.T_map_sensor.linear().col(2);
   return find_all(
       posts, search, map,
       [](const Neighbours& near) {
@@ -211,19 +212,20 @@ MapMatches match_with_map(RegisteredScan& scan, const MapSearch& search, const F
   const auto count = [](const auto& found) {
     return std::ranges::count_if(found, [](const auto& match) { return match.has_value(); });
   };
+  const Eigen::Vector3d vertical = search.T_map_sensor.linear() * scan.up;
   MapMatches result;
-  result.ground = ground_constraints(scan.ground, search, map.planes, options);
+  result.ground = ground_constraints(scan.ground, vertical, search, map.planes, options);
   if (count(result.ground) < kMinGroundConstraints && search.ground_reach_m > search.reach_m) {
     MapSearch wider = search;
     wider.reach_m = search.ground_reach_m;
-    result.ground = ground_constraints(scan.ground, wider, map.planes, options);
+    result.ground = ground_constraints(scan.ground, vertical, wider, map.planes, options);
   }
   result.ground = weighed(std::move(result.ground));
   const auto by_ground = count(result.ground);
-  result.surfaces = weighed(surface_constraints(scan.surfaces, search, map.planes, options,
-                                                by_ground >= kMinGroundConstraints));
+  result.surfaces = weighed(surface_constraints(scan.surfaces, vertical, search, map.planes,
+                                                options, by_ground >= kMinGroundConstraints));
   result.edges = weighed(edge_constraints_of(scan.edges, search, map.edges));
-  result.posts = weighed(post_constraints(scan.posts, search, map.posts));
+  result.posts = weighed(post_constraints(scan.posts, vertical, search, map.posts));
   return result;
 }
 

@@ -31,6 +31,7 @@ struct RegisteredScan {
   SearchedFeatures<MapSurface> surfaces;
   SearchedFeatures<MapLine> edges;
   SearchedFeatures<Eigen::Vector3d, 1> posts;  ///< with the nearest post of the map
+  Eigen::Vector3d up;                          ///< Segmentation::up
 };
 
 /// The estimated pose of a scan, and the radius within which the map is searched about its

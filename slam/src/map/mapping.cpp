@@ -31,7 +31,7 @@ RegisteredScan searched(const MapFeatures& features) {
   return {SearchedFeatures<MapSurface>(features.ground_to_register),
           SearchedFeatures<MapSurface>(features.surfaces_to_register),
           SearchedFeatures<MapLine>(features.edges),
-          SearchedFeatures<Eigen::Vector3d, 1>(features.posts_to_register)};
+          SearchedFeatures<Eigen::Vector3d, 1>(features.posts_to_register), features.up};
 }
 
 /// MappingResult::close_planes. The ground's planes come first; a feature on a line has two planes.
@@ -102,6 +102,7 @@ MapSearch search_at(const MappingResult& at, const MappingOptions& options, Sear
 
 MapFeatures map_features(const Features& features, const MappingOptions& options) {
   MapFeatures result;
+  result.up = features.up;
 #pragma omp parallel sections
   {
 #pragma omp section

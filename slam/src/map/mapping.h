@@ -24,6 +24,7 @@ struct MapFeatures {
   std::vector<FeaturePoint> posts_to_register;     ///< one of a few neighbouring rows
   std::vector<FeaturePoint> ground_to_register;    ///< fewer, where there are many
   std::vector<FeaturePoint> surfaces_to_register;  ///< fewer, where there are many
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();   ///< Segmentation::up
 };
 MapFeatures map_features(const Features& features, const MappingOptions& options);
 

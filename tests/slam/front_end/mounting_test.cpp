@@ -1,6 +1,9 @@
 #include "front_end/mounting.h"
 
+#include <tuple>
+
 #include "hqslam/core/angles.h"
+#include "hqslam/core/projection.h"
 #include "slam/yard.h"
 #include "testing.h"
 
@@ -91,13 +94,56 @@ TEST_CASE(
       const double pitch_rad = pitch_deg * kDegree_rad;
       CAPTURE(roll_rad);
       CAPTURE(pitch_rad);
-      slam::Mounting mounting(mounted(mounted_roll_deg * kDegree_rad, 0.0), sensor);
+      slam::Mounting mounting({mounted_roll_deg * kDegree_rad, 0.0, true}, sensor);
       REQUIRE(mounting.estimate(leaning_scan(sensor, roll_rad, pitch_rad)));
       const Pose found(R_level_sensor(mounting.mounted()));
       CHECK(rotation_angle_rad(found.inverse() * level_from_sensor(roll_rad, pitch_rad)) <
             0.05 * kDegree_rad);
     }
   }
+}
+
+TEST_CASE("a mounting is corrected without being asked where the ground is off by five degrees") {
+  const SensorModel sensor = sensor_preset("os1-16");
+  for (const auto& [stated_deg, pitch_deg, is_corrected] :
+       std::vector<std::tuple<double, double, bool>>{{0.0, 0.0, false},
+                                                     {0.0, 4.0, false},
+                                                     {0.0, -7.0, true},
+                                                     {0.0, 28.0, true},
+                                                     {10.0, 13.0, false},
+                                                     {10.0, -10.0, true}}) {
+    CAPTURE(stated_deg);
+    CAPTURE(pitch_deg);
+    slam::Mounting mounting(mounted(0.0, stated_deg * kDegree_rad), sensor);
+    REQUIRE(mounting.estimate(leaning_scan(sensor, 0.0, pitch_deg * kDegree_rad)));
+    CHECK(mounting.is_compared());
+    CHECK(mounting.mounted().estimated == is_corrected);
+    const double expected_deg = is_corrected ? pitch_deg : stated_deg;
+    CHECK(std::abs(mounting.mounted().pitch_rad - expected_deg * kDegree_rad) < 1e-3);
+  }
+}
+
+TEST_CASE("a bank beside the road is not the ground of a sensor that leans") {
+  const SensorModel sensor = sensor_preset("os1-64");
+  RangeImage image(sensor.rows(), sensor.columns);
+  for (int row = 0; row < image.rows; ++row) {
+    for (int column = 0; column < image.columns; ++column) {
+      const Eigen::Vector3d beam =
+          direction_of(sensor.azimuth_rad(row, column), sensor.beam_elevation_rad[row]);
+      const double road_m = beam.z() < 0.0 ? -1.8 / beam.z() : 1e9;
+      // From two metres to the left a bank rises by 25 degrees; to the right the land falls away.
+      const double rise = std::tan(25.0 * kDegree_rad);
+      const double steep = beam.z() - rise * beam.y();
+      const double bank_m = beam.y() > 0.0 && steep < 0.0 ? (-1.8 - 2.0 * rise) / steep : 1e9;
+      const double range_m = std::min(road_m, bank_m);
+      const bool is_seen = range_m < 40.0 && beam.y() * range_m > -5.0;
+      image.at(row, column) = is_seen ? static_cast<float>(range_m) : 0.0F;
+    }
+  }
+  const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kMotionCorrected);
+  slam::Mounting mounting({}, sensor);
+  CHECK(mounting.estimate(cloud));
+  CHECK_FALSE(mounting.mounted().estimated);
 }
 
 TEST_CASE("without ground nothing is estimated") {

@@ -117,23 +117,44 @@ TEST_CASE(
   CHECK(missing(result.error, {"within 100 km", "found one 5400 km away"}) == "");
 }
 
-TEST_CASE("poses in a camera's axes, or with z downwards, are recognized") {
+/// What `map` says of a drive's true poses after a change.
+template <typename Change>
+std::string said_of_poses(const std::string& drive, const Change& change) {
   const TemporaryDirectory folder;
   const std::string poses = folder.file("poses.tum");
-  const std::string& drive = simulated_drive("--sensor os1-16 --scans 40");
-  const auto printed = [&](const auto& changed) {
-    Trajectory trajectory = read_tum(drive + "/truth.tum");
-    for (StampedPose& pose : trajectory) pose.T_map_sensor = changed(pose.T_map_sensor);
-    write_tum(trajectory, poses);
-    return succeeds("map '{}' --poses '{}' --out '{}'", drive, poses, folder.file("out")).error;
-  };
-  CHECK_FALSE(holds(printed([](const Pose& pose) { return pose; }), "poses.tum"));
+  Trajectory trajectory = read_tum(drive + "/truth.tum");
+  for (StampedPose& pose : trajectory) change(pose);
+  write_tum(trajectory, poses);
+  return succeeds("map '{}' --poses '{}' --out '{}'", drive, poses, folder.file("out")).error;
+}
+
+TEST_CASE("poses in a camera's axes, with z downwards or of another scale are recognized") {
+  const std::string drive = simulated_drive("--sensor os1-16 --scans 40");
   const Eigen::Quaterniond camera(0.5, -0.5, 0.5, -0.5);  // x right, y down, z forward
-  CHECK(holds(printed([&](const Pose& pose) { return Pose(camera.inverse() * pose * camera); }),
-              "its motion differs"));
   const Eigen::Quaterniond half_roll(0.0, 1.0, 0.0, 0.0);
-  CHECK(holds(printed([&](const Pose& pose) { return Pose(half_roll * pose); }),
-              "its z points down"));
+  const auto in_axes_of_a_camera = [&](StampedPose& pose) {
+    pose.T_map_sensor = camera.inverse() * pose.T_map_sensor * camera;
+  };
+  const auto z_down = [&](StampedPose& pose) { pose.T_map_sensor = half_roll * pose.T_map_sensor; };
+  const auto scaled = [](StampedPose& pose) { pose.T_map_sensor.translation() *= 1.1; };
+  CHECK_FALSE(holds(said_of_poses(drive, [](StampedPose&) {}), "poses.tum"));
+  CHECK(holds(said_of_poses(drive, in_axes_of_a_camera), "its motion differs"));
+  CHECK(holds(said_of_poses(drive, z_down), "its z points down"));
+  CHECK(holds(said_of_poses(drive, scaled), "its motion differs from that of the scans by 10 %"));
+}
+
+TEST_CASE("poses that do not turn with the scans are recognized: late ones, mirrored ones") {
+  const TemporaryDirectory folder;
+  const std::string drive = folder.file("drive");
+  succeeds("simulate --drive narrow --seed 2 --sensor os1-16 --scans 80 --out '{}'", drive);
+  const Eigen::Affine3d mirror(Eigen::Scaling(1.0, -1.0, 1.0));
+  const auto late = [](StampedPose& pose) { pose.stamp_s += 0.3; };
+  const auto mirrored = [&](StampedPose& pose) {
+    pose.T_map_sensor.matrix() = (mirror * pose.T_map_sensor * mirror).matrix();
+  };
+  CHECK_FALSE(holds(said_of_poses(drive, [](StampedPose&) {}), "poses.tum"));
+  CHECK(holds(said_of_poses(drive, late), " differ"));
+  CHECK(holds(said_of_poses(drive, mirrored), "its turns differ"));
 }
 
 TEST_CASE("a map is aligned by the trajectory beside it, however the map is named") {

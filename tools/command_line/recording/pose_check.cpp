@@ -9,31 +9,45 @@
 #include "hqslam/pipeline/pipeline.h"
 #include "recording/reading.h"
 #include "terminal/terminal.h"
+#include "timing/timing.h"
 
 namespace hqslam::tools {
 namespace {
 
 constexpr double kStretch_m = 1.0;
 constexpr std::size_t kFewestStretches = 5;
-constexpr std::size_t kMostStretches = 20;
+constexpr std::size_t kManyStretches = 20;
 constexpr int kMostScans = 300;
-/// Right poses differ by up to 0.016 (simulated drives, KITTI's raw ones, a handheld OS0), those in
-/// a camera's axes by 1.4.
-constexpr double kMostDifference = 0.3;
-
+/// Enough to tell whether poses turn with the scans: half a corner.
+constexpr double kManyTurns_rad = 0.8;
+/// Right poses differ by up to 0.015 (KITTI, a handheld OS0; 0.006 in simulated drives of five
+/// kinds), a tenth of scale or five degrees of yaw make 0.09 to 0.1.
+constexpr double kMostMotionDifference = 0.08;
+/// Right ones differ by up to 0.05, poses 0.2 s late by 0.16 to 1.1, mirrored ones by 2.
+constexpr double kMostTurnDifference = 0.15;
 struct BothPoses {
   Pose T_given_sensor;
   Pose T_slam_sensor;
 };
 
+/// The motion over a stretch.
+struct BothMotions {
+  Pose given;
+  Pose by_slam;
+
+  double difference() const {
+    return (given.translation() - by_slam.translation()).norm() / by_slam.translation().norm();
+  }
+  double turn_rad() const { return rotation_angle_rad(by_slam); }
+  double turn_difference_rad() const { return rotation_angle_rad(by_slam.inverse() * given); }
+};
+
 /// Nothing for a stretch that is not finished.
-std::optional<double> difference(const BothPoses& begin, const BothPoses& end) {
-  const auto moved_m = [](const Pose& before, const Pose& after) -> Eigen::Vector3d {
-    return (before.inverse() * after).translation();
-  };
-  const Eigen::Vector3d by_slam_m = moved_m(begin.T_slam_sensor, end.T_slam_sensor);
-  if (by_slam_m.norm() < kStretch_m) return std::nullopt;
-  return (moved_m(begin.T_given_sensor, end.T_given_sensor) - by_slam_m).norm() / by_slam_m.norm();
+std::optional<BothMotions> stretch(const BothPoses& begin, const BothPoses& end) {
+  const BothMotions moved{begin.T_given_sensor.inverse() * end.T_given_sensor,
+                          begin.T_slam_sensor.inverse() * end.T_slam_sensor};
+  if (moved.by_slam.translation().norm() < kStretch_m) return std::nullopt;
+  return moved;
 }
 
 bool is_upright(const BothPoses& poses) {
@@ -55,6 +69,18 @@ std::optional<BothPoses> located(const pipeline::ScanPoses& poses, const ReadSca
   }
 }
 
+double sum(const std::vector<BothMotions>& motions, double (BothMotions::*value)() const) {
+  double result = 0.0;
+  for (const BothMotions& motion : motions) result += (motion.*value)();
+  return result;
+}
+
+double median_difference(const std::vector<BothMotions>& motions) {
+  std::vector<double> differences;
+  for (const BothMotions& motion : motions) differences.push_back(motion.difference());
+  return distribution_of(differences).median;
+}
+
 }  // namespace
 
 PoseCheck check_poses(const pipeline::ScanPoses& poses, recordings::Recording& recording,
@@ -62,24 +88,29 @@ PoseCheck check_poses(const pipeline::ScanPoses& poses, recordings::Recording& r
   pipeline::PipelineOptions options;
   options.slam_options.loop_closing.enabled = false;
   pipeline::Pipeline pipeline(recording.sensor(), options);
-  std::vector<double> differences;
+  std::vector<BothMotions> motions;
   std::optional<BothPoses> begin;
   int scans = 0;
   int more_upright = 0;  // than upside down
+  double turns_rad = 0.0;
   Reading reading;
   read_scans(recording, interrupt, reading, [&](const ReadScan& read) {
     const auto now = located(poses, read, pipeline);
-    const auto found = now && begin ? difference(*begin, *now) : std::nullopt;
+    const auto moved = now && begin ? stretch(*begin, *now) : std::nullopt;
     if (now) more_upright += is_upright(*now) ? 1 : -1;
-    if (found) differences.push_back(*found);
-    if (found || !now || !begin) begin = now;
-    return ++scans < kMostScans && differences.size() < kMostStretches;
+    if (moved) {
+      motions.push_back(*moved);
+      turns_rad += moved->turn_rad();
+    }
+    if (moved || !now || !begin) begin = now;
+    return ++scans < kMostScans && (motions.size() < kManyStretches || turns_rad < kManyTurns_rad);
   });
-  PoseCheck result{std::nullopt, more_upright < 0};
-  if (differences.size() < kFewestStretches) return result;
-  const auto middle = differences.begin() + std::ssize(differences) / 2;
-  std::ranges::nth_element(differences, middle);
-  result.motion_difference = *middle;
+  PoseCheck result;
+  result.is_upside_down = more_upright < 0;
+  if (motions.size() < kFewestStretches) return result;
+  result.motion_difference = median_difference(motions);
+  if (turns_rad < kManyTurns_rad) return result;
+  result.turn_difference = sum(motions, &BothMotions::turn_difference_rad) / turns_rad;
   return result;
 }
 
@@ -91,9 +122,14 @@ void warn_of_wrong_poses(
   constexpr const char* kExpected =
       "expected are the sensor's poses on this drive, x forward, y left, z up, in TUM's or KITTI's "
       "order of numbers";
-  if (found.motion_difference > kMostDifference) {
+  if (found.motion_difference > kMostMotionDifference) {
     to_stderr("hqslam: {}: its motion differs from that of the scans by {:.0f} % over 1 m; {}\n",
               path, 100.0 * *found.motion_difference, kExpected);
+  } else if (found.turn_difference > kMostTurnDifference) {
+    to_stderr(
+        "hqslam: {}: its turns differ from those of the scans by {:.0f} %; {}, at the stamps "
+        "of the scans\n",
+        path, 100.0 * *found.turn_difference, kExpected);
   } else if (found.is_upside_down) {
     to_stderr("hqslam: {}: its z points down where the scans have the ground below; {}\n", path,
               kExpected);
