@@ -3,7 +3,8 @@
 // Each has axes with units and shows below it the values under the pointer.
 
 /** Steps of 1, 2 or 5 times a power of ten: the multiples between two values, about `wanted`. */
-function ticksBetween(low, high, wanted) {
+function ticksBetween(from, to, wanted) {
+  const [low, high] = [Math.min(from, to), Math.max(from, to)];
   const rough = Math.max(high - low, 1e-12) / wanted, power = 10 ** Math.floor(Math.log10(rough));
   const step = power * [1, 2, 5, 10].find(factor => factor * power >= rough * .999);
   const ticks = [];
@@ -27,7 +28,7 @@ function extentOf(...lists) {
 
 /**
  * A plot with axes, drawn anew for each width that the page gives it.
- * spec: {x, y: {label, low, high, names: [[value, text], ...] instead of numbers}, x.whole: ticks
+ * spec: {x, y: {label, low, high: less than low turns the axis round, names: [[value, text], ...] instead of numbers}, x.whole: ticks
  * are whole numbers, height: pixels or a function of the width, left: room for the names}
  * draw(plot): adds to plot.svg by plot.toX and plot.toY. read(x, y, plot): returns what the readout
  * shows for a place of the plot, a list of texts, of which the first is bold.
@@ -235,24 +236,22 @@ function histogram(spec) {
       });
 }
 
-/** A bar per row: [{name, value, text, colour}]. */
+/** A bar per row, below its name: [{name, value, text, colour}]. */
 function bars(rows, label) {
   const most = Math.max(1e-12, ...rows.map(row => row.value));
-  const names = rows.map((row, i) => [rows.length - i - .5, row.name]);
   return plotFigure(
       {
         x: {label, low: 0, high: 1.04 * most},
-        y: {label: '', low: 0, high: rows.length, names},
-        height: 58 + 28 * rows.length,
-        left: width => Math.min(250, .5 * width)
+        y: {label: '', low: 0, high: rows.length, names: []},
+        height: 58 + 40 * rows.length,
+        left: () => 10
       },
-      plot => rows.forEach((row, i) => plot.svg.append(el('rect', {
-        x: plot.left,
-        width: Math.max(1, plot.toX(Math.max(0, row.value)) - plot.left),
-        y: plot.toY(rows.length - i) + 6,
-        height: Math.max(2, plot.height / rows.length - 12),
-        style: `fill:${row.colour || colourOf(0)}`
-      }))),
+      plot => rows.forEach((row, i) => {
+        const top = plot.toY(rows.length - i), width = Math.max(1, plot.toX(Math.max(0, row.value)) - plot.left);
+        plot.svg.append(
+            el('text', {x: plot.left + 4, y: top + 16, class: 'name'}, row.name),
+            el('rect', {x: plot.left, y: top + 20, width, height: 16, style: `fill:${row.colour || colourOf(0)}`}));
+      }),
       (_, y) => {
         const row = rows[Math.floor(rows.length - y)];
         return row ? [row.name, row.text] : null;
