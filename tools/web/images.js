@@ -67,7 +67,8 @@ function scaleLegend(scale) {
  * whether to write the azimuth below, elevation_deg: of the rows, every: it has every n-th column, marks: [{row, column, colour}] drawn
  * over it}
  * The figure has show({values, scale, unit}), which replaces what is seen, pixels(), the colours that
- * are seen, and onpick(row, column), called for the pixel under the pointer.
+ * are seen, ring(row, column), which puts a ring round a pixel (round none for a row below 0), and
+ * onpick(row, column), called for the pixel under the pointer.
  */
 function imageFigure(spec) {
   const {rows, columns} = spec;
@@ -82,7 +83,8 @@ function imageFigure(spec) {
              text => el('span', {}, text)));
   const elevations = (spec.elevation_deg || []).filter((_, row) => row === 0 || row === rows - 1)
                          .map((degrees, i) => el('span', {class: i ? 'lowest' : 'highest'}, `elevation ${degrees.toFixed(1)}°`));
-  const figure = el('figure', {}, caption, el('div', {class: 'image'}, el('div', {class: 'pixels'}, canvas, ...elevations), axes), key, readout);
+  const ring = el('i', {class: 'ring', hidden: true});
+  const figure = el('figure', {}, caption, el('div', {class: 'image'}, el('div', {class: 'pixels'}, canvas, ring, ...elevations), axes), key, readout);
   let shown = {};
   figure.show = what => {
     shown = {...shown, ...what};
@@ -106,6 +108,11 @@ function imageFigure(spec) {
     context.putImageData(image, 0, 0);
     figure.pixels = () => image.data;
     key.replaceChildren(scaleLegend(scale));
+  };
+  figure.ring = (row, column) => {
+    ring.hidden = row < 0;
+    ring.style.left = `${100 * (column + .5) / columns}%`;
+    ring.style.top = `${100 * (row + .5) / rows}%`;
   };
   figure.read = (row, column) => {
     const value = shown.values[row * columns + column], {scale, unit} = shown;
