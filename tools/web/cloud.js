@@ -46,7 +46,7 @@ function turningStage(data) {
       el('div', {class: 'over metres'}, el('span'), el('i')),
       el('div', {class: 'over key'}, el('span', {class: 'low'}), el('i'), el('span', {class: 'high'}))),
     el('figcaption', {}, 'Drag to turn, Shift or right button to move, wheel to zoom (click first); two fingers move and zoom; arrow keys, + and -.',
-       data.grid ? ' Grid, at the height of the ground: white cells are occupied, grey ones free.' : ''));
+       data.grid ? ' Grid, at the height of the ground: light cells are free, black ones occupied, dark grey ones unknown.' : ''));
 }
 
 /**
@@ -523,7 +523,7 @@ function turningView(into, data, onscan = () => {}) {
   for (const cloud of data.clouds) find('.cloud').add(new Option(cloud.name));
   function choose() {
     shown.cloud = Math.max(0, find('.cloud').selectedIndex);
-    find('.key').hidden = !data.clouds.length;
+    find('.key').hidden = !data.clouds[shown.cloud]?.blocks.length;
     const {sure, bright = []} = data.clouds[shown.cloud] || {};
     const colour = find('.colour');
     [true, sure, bright.length].forEach((known, i) => { colour[i].disabled = colour[i].hidden = !known; });

@@ -51,7 +51,8 @@ Json numbers_json(const SlamRun& run) {
     numbers.push_back(number("Loops closed", fmt::format("{}", loops_closed(run)), "",
                              submaps > 1 ? fmt::format("{} submaps not joined", submaps) : ""));
   }
-  numbers.push_back(number("Map points", fmt::format("{}", run.map_points_m.size())));
+  numbers.push_back(number("Features of the map", fmt::format("{}", run.map_points_m.size()), "",
+                           "points of map.pcd"));
   return numbers;
 }
 
