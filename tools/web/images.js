@@ -72,7 +72,7 @@ function scaleLegend(scale) {
  */
 function imageFigure(spec) {
   const {rows, columns} = spec;
-  const canvas = el('canvas', {width: columns, height: rows, style: `height:${spec.height || '8rem'}`});
+  const canvas = el('canvas', {'aria-label': spec.caption || 'Image', width: columns, height: rows, style: `height:${spec.height || '8rem'}`});
   const readout = el('div', {class: 'readout'}, hint(spec.hint));
   const key = el('div');
   const caption = el('figcaption', {}, spec.caption || '');
@@ -109,7 +109,9 @@ function imageFigure(spec) {
     figure.pixels = () => image.data;
     key.replaceChildren(scaleLegend(scale));
   };
+  let ringed = [rows >> 1, columns >> 1];  // from here the arrow keys go
   figure.ring = (row, column) => {
+    ringed = [row, column];
     ring.hidden = row < 0;
     ring.style.left = `${100 * (column + .5) / columns}%`;
     ring.style.top = `${100 * (row + .5) / rows}%`;
@@ -125,13 +127,20 @@ function imageFigure(spec) {
         `  row ${row}, column ${every * column}${spec.axes === false ? '' : `, azimuth ${azimuth.toFixed(1)}°`}`,
         ...(spec.label ? ['  ' + spec.label(row, column)] : []));
   };
+  function pick(row, column) {
+    figure.read(row, column);
+    if (figure.onpick) figure.onpick(row, column);
+  }
   canvas.onpointermove = canvas.onpointerdown = event => {
     const box = canvas.getBoundingClientRect();
     const row = clamp(Math.floor((event.clientY - box.top) / box.height * rows), 0, rows - 1);
     const column = clamp(Math.floor((event.clientX - box.left) / box.width * columns), 0, columns - 1);
-    figure.read(row, column);
-    if (figure.onpick) figure.onpick(row, column);
+    pick(row, column);
   };
+  onArrowKeys(canvas, (right, down) => {
+    figure.ring(clamp(ringed[0] + down, 0, rows - 1), clamp(ringed[1] + right, 0, columns - 1));
+    pick(...ringed);
+  });
   if (spec.values)
     figure.show({values: spec.values, scale: spec.scale, unit: spec.unit, marks: spec.marks, shade: spec.shade});
   return figure;
