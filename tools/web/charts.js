@@ -2,11 +2,11 @@
 // Charts as SVG: lines and layers over one axis, histograms, bars, intervals, and maps from above.
 // Each has axes with units and shows below it the values under the pointer.
 
-/** Steps of 1, 2 or 5 times a power of ten: the multiples between two values, about `wanted`. */
+/** Steps of 1, 2 or 5 times a power of ten: about `wanted` multiples between two values in any order. */
 function ticksBetween(from, to, wanted) {
   const [low, high] = [Math.min(from, to), Math.max(from, to)];
   const rough = Math.max(high - low, 1e-12) / wanted, power = 10 ** Math.floor(Math.log10(rough));
-  const step = power * [1, 2, 5, 10].find(factor => factor * power >= rough * .999);
+  const step = power * [1, 2, 5, 10].find(factor => factor * power >= rough * .6);  // two ticks at least
   const ticks = [];
   for (let i = Math.ceil(low / step - 1e-9); i <= high / step + 1e-9; ++i) ticks.push(i * step);
   return ticks;
@@ -28,7 +28,7 @@ function extentOf(...lists) {
 
 /**
  * A plot with axes, drawn anew for each width that the page gives it.
- * spec: {x, y: {label, low, high: less than low turns the axis round, names: [[value, text], ...] instead of numbers}, x.whole: ticks
+ * spec: {x, y: {label, low, high, names: [[value, text], ...] instead of numbers}, x.whole: ticks
  * are whole numbers, height: pixels or a function of the width, left: room for the names}
  * draw(plot): adds to plot.svg by plot.toX and plot.toY. read(x, y, plot): returns what the readout
  * shows for a place of the plot, a list of texts, of which the first is bold.
@@ -37,7 +37,7 @@ function plotFigure(spec, draw, read, entries = []) {
   const svg = el('svg', {role: 'img', 'aria-label': `${spec.y.label} over ${spec.x.label}`});
   const readout = el('div', {class: 'readout'}, hint(spec.hint));
   const figure =
-      el('figure', {class: 'chart'}, entries.length > 1 || spec.legend ? legend(entries) : null, svg, readout);
+      el('figure', {class: 'chart'}, entries.length > 1 ? legend(entries) : null, svg, readout);
   let plot = null;
   function redraw() {
     const width = Math.max(200, svg.clientWidth || figure.clientWidth || 600), left = spec.left ? spec.left(width) : 52;
@@ -51,7 +51,6 @@ function plotFigure(spec, draw, read, entries = []) {
       height: h,
       left,
       top,
-      pixels: w,
       toX: value => left + w * (value - x.low) / (x.high - x.low),
       toY: value => top + h * (y.high - value) / (y.high - y.low),
       fromX: px => x.low + (px - left) / w * (x.high - x.low),
@@ -93,7 +92,6 @@ function plotFigure(spec, draw, read, entries = []) {
     if (!plot || Math.abs(plot.width + plot.left + 10 - svg.clientWidth) > 1) redraw();
   };
   new ResizeObserver(() => requestAnimationFrame(fit)).observe(svg);
-  figure.redraw = redraw;
   return figure;
 }
 
@@ -175,7 +173,7 @@ function lineChart(spec) {
         const under = pathThrough(plot, x, s.low);
         if (under) plot.svg.append(el('path', {d: under + edge + 'Z', style: `fill:${s.colour};fill-opacity:.2`}));
       }
-      const [tx, ty] = thinned(x, stacked ? tops[k] : s.y, plot.pixels, stacked);
+      const [tx, ty] = thinned(x, stacked ? tops[k] : s.y, plot.width, stacked);
       const path = pathThrough(plot, tx, ty);
       if (stacked && tx.length) {
         const base = plot.toY(0);
@@ -350,8 +348,10 @@ function mapFigure(spec) {
       height: plot.height,
       preserveAspectRatio: 'none'
     }));
+  // Below a path whose colours tell its errors a wider one in grey: some are near the page's colour.
+  const drawn = paths.flatMap(p => p.values ? [{...p, values: null, colour: 'var(--c7)', width: p.width + 2}, p] : [p]);
   const draw = plot => {
-    for (const p of paths) {
+    for (const p of drawn) {
       const colour = i => p.values ?
           (Number.isFinite(p.values[i]) ?
                `rgb(${colourBetween(kErrorStops, Math.round(20 * p.values[i] / (p.top || 1)) / 20)})` :
@@ -359,13 +359,8 @@ function mapFigure(spec) {
           p.colour;
       let [path, now] = ['', null];
       const end = () => {
-        if (path)
-          plot.svg.append(el('path', {
-            class: 'line',
-            d: path,
-            style: `stroke:${now};stroke-width:${p.width || 2.5}`,
-            'stroke-dasharray': p.dash
-          }));
+        const style = `stroke:${now};stroke-width:${p.width || 2.5}`;
+        if (path) plot.svg.append(el('path', {class: 'line', d: path, style, 'stroke-dasharray': p.dash}));
         path = '';
       };
       const place = i => `${plot.toX(p.x[i]).toFixed(1)},${plot.toY(p.y[i]).toFixed(1)}`;
