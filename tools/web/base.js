@@ -76,7 +76,8 @@ function short(value) {
   const size = Math.abs(value);
   return size >= 1000 ? value.toFixed(0) : size < 1e-3 ? value.toExponential(1) : String(Number(value.toPrecision(3)));
 }
-const fixed = (value, decimals) => Number.isFinite(value) ? value.toFixed(decimals) : '-';
+/** With so many decimals; no zero has a sign. */
+const fixed = (value, decimals) => Number.isFinite(value) ? value.toFixed(decimals).replace(/^-(?=[0.]*$)/, '') : '-';
 
 /** Headline numbers, each {label, value, unit, note}. */
 function numbers(list) {
@@ -112,7 +113,18 @@ let isHintGiven = false;
 function hint(text) {
   if (isHintGiven) return '';
   isHintGiven = true;
-  return text || 'Values are shown here under the pointer.';
+  return text || 'The values under the pointer or finger are shown here.';
+}
+
+/** Lets the keyboard reach an element, and calls act(right, down), each 1, 0 or -1, for its arrow keys. */
+function onArrowKeys(element, act) {
+  element.tabIndex = 0;
+  element.onkeydown = event => {
+    const step = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]}[event.key];
+    if (!step) return;
+    event.preventDefault();
+    act(...step);
+  };
 }
 
 /** Median and other quantiles of numbers; NaN of none. */

@@ -2,10 +2,11 @@
 // Charts as SVG: lines and layers over one axis, histograms, bars, intervals, and maps from above.
 // Each has axes with units and shows below it the values under the pointer.
 
-/** Steps of 1, 2 or 5 times a power of ten: the multiples between two values, about `wanted`. */
-function ticksBetween(low, high, wanted) {
+/** Steps of 1, 2 or 5 times a power of ten: about `wanted` multiples between two values in any order. */
+function ticksBetween(from, to, wanted) {
+  const [low, high] = [Math.min(from, to), Math.max(from, to)];
   const rough = Math.max(high - low, 1e-12) / wanted, power = 10 ** Math.floor(Math.log10(rough));
-  const step = power * [1, 2, 5, 10].find(factor => factor * power >= rough * .999);
+  const step = power * [1, 2, 5, 10].find(factor => factor * power >= rough * .6);  // two ticks at least
   const ticks = [];
   for (let i = Math.ceil(low / step - 1e-9); i <= high / step + 1e-9; ++i) ticks.push(i * step);
   return ticks;
@@ -36,7 +37,7 @@ function plotFigure(spec, draw, read, entries = []) {
   const svg = el('svg', {role: 'img', 'aria-label': `${spec.y.label} over ${spec.x.label}`});
   const readout = el('div', {class: 'readout'}, hint(spec.hint));
   const figure =
-      el('figure', {class: 'chart'}, entries.length > 1 || spec.legend ? legend(entries) : null, svg, readout);
+      el('figure', {class: 'chart'}, entries.length > 1 ? legend(entries) : null, svg, readout);
   let plot = null;
   function redraw() {
     const width = Math.max(200, svg.clientWidth || figure.clientWidth || 600), left = spec.left ? spec.left(width) : 52;
@@ -50,7 +51,6 @@ function plotFigure(spec, draw, read, entries = []) {
       height: h,
       left,
       top,
-      pixels: w,
       toX: value => left + w * (value - x.low) / (x.high - x.low),
       toY: value => top + h * (y.high - value) / (y.high - y.low),
       fromX: px => x.low + (px - left) / w * (x.high - x.low),
@@ -92,7 +92,6 @@ function plotFigure(spec, draw, read, entries = []) {
     if (!plot || Math.abs(plot.width + plot.left + 10 - svg.clientWidth) > 1) redraw();
   };
   new ResizeObserver(() => requestAnimationFrame(fit)).observe(svg);
-  figure.redraw = redraw;
   return figure;
 }
 
@@ -174,7 +173,7 @@ function lineChart(spec) {
         const under = pathThrough(plot, x, s.low);
         if (under) plot.svg.append(el('path', {d: under + edge + 'Z', style: `fill:${s.colour};fill-opacity:.2`}));
       }
-      const [tx, ty] = thinned(x, stacked ? tops[k] : s.y, plot.pixels, stacked);
+      const [tx, ty] = thinned(x, stacked ? tops[k] : s.y, plot.width, stacked);
       const path = pathThrough(plot, tx, ty);
       if (stacked && tx.length) {
         const base = plot.toY(0);
@@ -235,24 +234,22 @@ function histogram(spec) {
       });
 }
 
-/** A bar per row: [{name, value, text, colour}]. */
+/** A bar per row, below its name: [{name, value, text, colour}]. */
 function bars(rows, label) {
   const most = Math.max(1e-12, ...rows.map(row => row.value));
-  const names = rows.map((row, i) => [rows.length - i - .5, row.name]);
   return plotFigure(
       {
         x: {label, low: 0, high: 1.04 * most},
-        y: {label: '', low: 0, high: rows.length, names},
-        height: 58 + 28 * rows.length,
-        left: width => Math.min(250, .5 * width)
+        y: {label: '', low: 0, high: rows.length, names: []},
+        height: 58 + 40 * rows.length,
+        left: () => 10
       },
-      plot => rows.forEach((row, i) => plot.svg.append(el('rect', {
-        x: plot.left,
-        width: Math.max(1, plot.toX(Math.max(0, row.value)) - plot.left),
-        y: plot.toY(rows.length - i) + 6,
-        height: Math.max(2, plot.height / rows.length - 12),
-        style: `fill:${row.colour || colourOf(0)}`
-      }))),
+      plot => rows.forEach((row, i) => {
+        const top = plot.toY(rows.length - i), width = Math.max(1, plot.toX(Math.max(0, row.value)) - plot.left);
+        plot.svg.append(
+            el('text', {x: plot.left + 4, y: top + 16, class: 'name'}, row.name),
+            el('rect', {x: plot.left, y: top + 20, width, height: 16, style: `fill:${row.colour || colourOf(0)}`}));
+      }),
       (_, y) => {
         const row = rows[Math.floor(rows.length - y)];
         return row ? [row.name, row.text] : null;
@@ -351,8 +348,10 @@ function mapFigure(spec) {
       height: plot.height,
       preserveAspectRatio: 'none'
     }));
+  // Below a path whose colours tell its errors a wider one in grey: some are near the page's colour.
+  const drawn = paths.flatMap(p => p.values ? [{...p, values: null, colour: 'var(--c7)', width: p.width + 2}, p] : [p]);
   const draw = plot => {
-    for (const p of paths) {
+    for (const p of drawn) {
       const colour = i => p.values ?
           (Number.isFinite(p.values[i]) ?
                `rgb(${colourBetween(kErrorStops, Math.round(20 * p.values[i] / (p.top || 1)) / 20)})` :
@@ -360,13 +359,8 @@ function mapFigure(spec) {
           p.colour;
       let [path, now] = ['', null];
       const end = () => {
-        if (path)
-          plot.svg.append(el('path', {
-            class: 'line',
-            d: path,
-            style: `stroke:${now};stroke-width:${p.width || 2.5}`,
-            'stroke-dasharray': p.dash
-          }));
+        const style = `stroke:${now};stroke-width:${p.width || 2.5}`;
+        if (path) plot.svg.append(el('path', {class: 'line', d: path, style, 'stroke-dasharray': p.dash}));
         path = '';
       };
       const place = i => `${plot.toX(p.x[i]).toFixed(1)},${plot.toY(p.y[i]).toFixed(1)}`;

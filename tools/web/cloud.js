@@ -45,8 +45,8 @@ function turningStage(data) {
       el('output', {class: 'over distance', hidden: true}),
       el('div', {class: 'over metres'}, el('span'), el('i')),
       el('div', {class: 'over key'}, el('span', {class: 'low'}), el('i'), el('span', {class: 'high'}))),
-    el('figcaption', {}, 'Drag to turn, Shift or right button to move, wheel to zoom (click first); two fingers move and zoom; arrow keys, + and -.',
-       data.grid ? ' Grid, at the height of the ground: white cells are occupied, grey ones free.' : ''));
+    el('figcaption', {}, 'Drag to turn, Shift or right button to move, wheel to zoom (click first); two fingers move and zoom; arrow keys turn, + and - zoom.',
+       data.grid ? ' Grid, at the height of the ground: light cells are free, black ones occupied, dark grey ones unknown.' : ''));
 }
 
 /**
@@ -519,11 +519,12 @@ function turningView(into, data, onscan = () => {}) {
   find('.scan').max = data.scans.length;
   find('.scan').oninput = event => show(Number(event.target.value));
   root.querySelectorAll('input[type=checkbox]').forEach(box => { box.onchange = () => redraw(); });
+  find('.full').hidden = !document.fullscreenEnabled;
   find('.full').onclick = () => document.fullscreenElement ? document.exitFullscreen() : root.requestFullscreen();
   for (const cloud of data.clouds) find('.cloud').add(new Option(cloud.name));
   function choose() {
     shown.cloud = Math.max(0, find('.cloud').selectedIndex);
-    find('.key').hidden = !data.clouds.length;
+    find('.key').hidden = !data.clouds[shown.cloud]?.blocks.length;
     const {sure, bright = []} = data.clouds[shown.cloud] || {};
     const colour = find('.colour');
     [true, sure, bright.length].forEach((known, i) => { colour[i].disabled = colour[i].hidden = !known; });

@@ -48,8 +48,7 @@ in vec2 place;
 out vec4 pixel;
 void main() {
   uint cell = texelFetch(cells, ivec2(vec2(place.x, 1. - place.y) * vec2(textureSize(cells, 0))), 0).r;
-  if (cell == 0u) discard;
-  pixel = vec4(cell == 1u ? vec3(.22, .26, .32) : vec3(.95), 1);
+  pixel = vec4(cell == 0u ? vec3(.17, .19, .22) : cell == 1u ? vec3(.46, .49, .54) : vec3(0), 1);
 }`;
 
 // One triangle that covers the canvas.

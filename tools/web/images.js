@@ -67,11 +67,12 @@ function scaleLegend(scale) {
  * whether to write the azimuth below, elevation_deg: of the rows, every: it has every n-th column, marks: [{row, column, colour}] drawn
  * over it}
  * The figure has show({values, scale, unit}), which replaces what is seen, pixels(), the colours that
- * are seen, and onpick(row, column), called for the pixel under the pointer.
+ * are seen, ring(row, column), which puts a ring round a pixel (round none for a row below 0), and
+ * onpick(row, column), called for the pixel under the pointer.
  */
 function imageFigure(spec) {
   const {rows, columns} = spec;
-  const canvas = el('canvas', {width: columns, height: rows, style: `height:${spec.height || '8rem'}`});
+  const canvas = el('canvas', {'aria-label': spec.caption || 'Image', width: columns, height: rows, style: `height:${spec.height || '8rem'}`});
   const readout = el('div', {class: 'readout'}, hint(spec.hint));
   const key = el('div');
   const caption = el('figcaption', {}, spec.caption || '');
@@ -82,7 +83,8 @@ function imageFigure(spec) {
              text => el('span', {}, text)));
   const elevations = (spec.elevation_deg || []).filter((_, row) => row === 0 || row === rows - 1)
                          .map((degrees, i) => el('span', {class: i ? 'lowest' : 'highest'}, `elevation ${degrees.toFixed(1)}°`));
-  const figure = el('figure', {}, caption, el('div', {class: 'image'}, el('div', {class: 'pixels'}, canvas, ...elevations), axes), key, readout);
+  const ring = el('i', {class: 'ring', hidden: true});
+  const figure = el('figure', {}, caption, el('div', {class: 'image'}, el('div', {class: 'pixels'}, canvas, ring, ...elevations), axes), key, readout);
   let shown = {};
   figure.show = what => {
     shown = {...shown, ...what};
@@ -107,6 +109,13 @@ function imageFigure(spec) {
     figure.pixels = () => image.data;
     key.replaceChildren(scaleLegend(scale));
   };
+  let ringed = [rows >> 1, columns >> 1];  // from here the arrow keys go
+  figure.ring = (row, column) => {
+    ringed = [row, column];
+    ring.hidden = row < 0;
+    ring.style.left = `${100 * (column + .5) / columns}%`;
+    ring.style.top = `${100 * (row + .5) / rows}%`;
+  };
   figure.read = (row, column) => {
     const value = shown.values[row * columns + column], {scale, unit} = shown;
     const valueText = scale.classes            ? (scale.classes[value] || ['', '?'])[1] :
@@ -118,13 +127,20 @@ function imageFigure(spec) {
         `  row ${row}, column ${every * column}${spec.axes === false ? '' : `, azimuth ${azimuth.toFixed(1)}°`}`,
         ...(spec.label ? ['  ' + spec.label(row, column)] : []));
   };
+  function pick(row, column) {
+    figure.read(row, column);
+    if (figure.onpick) figure.onpick(row, column);
+  }
   canvas.onpointermove = canvas.onpointerdown = event => {
     const box = canvas.getBoundingClientRect();
     const row = clamp(Math.floor((event.clientY - box.top) / box.height * rows), 0, rows - 1);
     const column = clamp(Math.floor((event.clientX - box.left) / box.width * columns), 0, columns - 1);
-    figure.read(row, column);
-    if (figure.onpick) figure.onpick(row, column);
+    pick(row, column);
   };
+  onArrowKeys(canvas, (right, down) => {
+    figure.ring(clamp(ringed[0] + down, 0, rows - 1), clamp(ringed[1] + right, 0, columns - 1));
+    pick(...ringed);
+  });
   if (spec.values)
     figure.show({values: spec.values, scale: spec.scale, unit: spec.unit, marks: spec.marks, shade: spec.shade});
   return figure;

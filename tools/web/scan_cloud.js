@@ -1,5 +1,5 @@
 'use strict';
-// One range image as a cloud of points that turns: drag to turn, wheel or two buttons to zoom.
+// One range image as a cloud of points that turns: drag or arrow keys turn, wheel or two buttons zoom.
 
 /**
  * A view of rows x columns ranges in metres. spec: {elevation_deg: of each row, columns, height: css}
@@ -8,10 +8,10 @@
  */
 function scanCloud(spec) {
   const kNear_m = 0.5, kLens = 1.1;  // metres before the eye; distance of the picture, in its widths
-  const canvas = el('canvas', {style: `height:${spec.height};width:100%;cursor:grab;touch-action:none;display:block;background:#11141c;border-radius:6px`});
+  const canvas = el('canvas', {'aria-label': 'Points in three dimensions', style: `height:${spec.height};width:100%;cursor:grab;touch-action:none;display:block;background:#11141c;border-radius:6px`});
   const zoom = factor => () => { eye.distance_m = clamp(eye.distance_m * factor, 5, 200); draw(); };
-  const figure = el('figure', {}, canvas, el('figcaption', {class: 'controls'}, 'The same ranges as points: drag to turn, ',
-      el('button', {onclick: zoom(.8), title: 'nearer'}, '+'), el('button', {onclick: zoom(1.25), title: 'farther'}, '-')));
+  const figure = el('figure', {}, canvas, el('figcaption', {class: 'controls'}, 'The same ranges as points; drag or arrow keys turn them.',
+      el('button', {onclick: zoom(.8)}, 'Nearer'), el('button', {onclick: zoom(1.25)}, 'Farther')));
   const eye = {yaw: 2.6, pitch: .45, distance_m: 0};
   const rows = spec.elevation_deg.length, columns = spec.columns;
   const azimuths = Array.from({length: columns}, (_, x) => Math.PI - 2 * Math.PI * (x + .5) / columns);
@@ -49,13 +49,14 @@ function scanCloud(spec) {
   }
 
   canvas.onpointerdown = event => canvas.setPointerCapture(event.pointerId);
-  canvas.onpointermove = event => {
-    if (!event.buttons) return;
-    eye.yaw -= event.movementX * .008;
-    eye.pitch = clamp(eye.pitch + event.movementY * .006, -.3, 1.5);
-    draw();
+  const turn = (yaw, pitch) => { eye.yaw += yaw; eye.pitch = clamp(eye.pitch + pitch, -.3, 1.5); draw(); };
+  canvas.onpointermove = event => event.buttons && turn(-.008 * event.movementX, .006 * event.movementY);
+  onArrowKeys(canvas, (right, down) => turn(-.06 * right, -.06 * down));
+  canvas.onwheel = event => {  // only once it was clicked on: before, the page scrolls
+    if (document.activeElement !== canvas) return;
+    event.preventDefault();
+    zoom(event.deltaY > 0 ? 1.1 : .9)();
   };
-  canvas.onwheel = event => { event.preventDefault(); zoom(event.deltaY > 0 ? 1.1 : .9)(); };
   new ResizeObserver(draw).observe(canvas);
   figure.show = (ranges_m, rgba) => {
     ranges = ranges_m;

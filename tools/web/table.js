@@ -1,5 +1,5 @@
 'use strict';
-// Tables that sort by a click on a column's name.
+// Tables that sort by a click, or Enter, on a column's name.
 
 /**
  * A table of {title, columns, rows, links}: cells are text, the first of a row names it; links, if
@@ -32,11 +32,9 @@ function table(data, {text = []} = {}) {
     rows.sort((a, b) => (rising ? 1 : -1) * order(key(a), key(b)));
     show();
   }
-  const head =
-      el('tr', {},
-         ...data.columns.map(
-             (name, i) =>
-                 el('th', {class: isText(i) ? 'text' : undefined, title: 'sort', onclick: () => sortBy(i)}, name)));
+  const head = el('tr', {}, ...data.columns.map((name, i) => el('th', {
+    class: isText(i) ? 'text' : undefined, title: 'Sort by this column', tabindex: 0,
+    onclick: () => sortBy(i), onkeydown: event => event.key === 'Enter' && sortBy(i)}, name)));
   show();
   return el(
       'div', {}, data.title ? el('h3', {}, data.title) : null,

@@ -180,7 +180,8 @@ Json layers_json(const LayersReport& report) {
   add_result(report, images);
   for (const std::string& name : report.tensors) add_tensor(report.trace.tensor(name), images);
   Json data = {{"title", fmt::format("Scan {}, layer by layer", report.scan)},
-               {"subtitle", fmt::format("{}, upsampled by {}", report.recording, report.weights)},
+               {"subtitle",
+                fmt::format("{}, upsampled by {}", report.recording, short_name(report.weights))},
                {"max_range_m", report.network.sensor.max_range_m},
                {"tolerance_m", nn::SuperResolverOptions{}.tolerance_m},
                {"least_confidence", report.network.least_confidence},

@@ -14,16 +14,17 @@ std::string cell(const std::optional<double>& value, const char* format = "{:.3f
 }
 
 std::string range_text(float range_m) {
-  return range_m > 0.0F ? fmt::format("{:.3f}", range_m) : "none";
+  return range_m > 0.0F ? fmt::format("{:.3f} m", range_m) : "no return";
 }
 
 }  // namespace
 
 std::string figures_text(const LayersReport& report) {
-  constexpr const char* kLine = "{:<24} {:>7} {:>9} {:>9} {:>10} {:>9} {:>9} {:>11} {:>7} {:>8}\n";
-  std::string text =
-      fmt::format(fmt::runtime(kLine), "in metres, but for b", "b", "|H - Z|", "|H - Y|",
-                  "|D H - L|", "rejected", "MAE all", "MAE valid", "wrong", "missing");
+  constexpr const char* kLine =
+      "{:<24} {:>7} {:>10} {:>10} {:>12} {:>15} {:>10} {:>12} {:>12} {:>14}\n";
+  std::string text = fmt::format(fmt::runtime(kLine), "", "b", "|H - Z|, m", "|H - Y|, m",
+                                 "|D H - L|, m", "rejected pixels", "MAE all, m", "MAE valid, m",
+                                 "wrong, share", "missing, share");
   for (const LayerFigures& f : layer_figures(report)) {
     text += fmt::format(fmt::runtime(kLine), f.name, cell(f.penalty), cell(f.rms_h_z_m),
                         cell(f.rms_h_y_m), cell(f.rms_dh_l_m),
@@ -46,15 +47,16 @@ std::string pixel_text(const LayersReport& report) {
     if (!trace.has(name)) return std::nullopt;
     return trace.tensor(name).values(0, row, column);
   };
-  constexpr const char* kLine = "{:<8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>10} {:>8} {:>8} {:>8}\n";
+  constexpr const char* kLine = "{:<8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>13} {:>8} {:>8} {:>8}\n";
   std::string text = fmt::format(
-      "pixel {},{}: elevation {:.2f} degrees; {}; start {}; result {} m{}\n", row, column,
+      "pixel {},{}: elevation {:.2f} degrees; {}; start {}; result {}{}\n", row, column,
       kDegreesPerRadian * report.network.sensor.beam_elevation_rad[row],
-      report.network.measured_rows.contains(row) ? "measured" : "computed", cell(value("start")),
+      report.network.measured_rows.contains(row) ? "measured" : "computed",
+      trace.has("start") ? range_text(trace.image("start").at(row, column)) : "-",
       range_text(result.at(row, column)),
-      report.truth ? fmt::format("; truth {} m", range_text(report.truth->at(row, column))) : "");
-  text += fmt::format(fmt::runtime(kLine), "in m", "H", "w above", "w below", "w here", "w none",
-                      "correction", "Z", "rejected", "Y");
+      report.truth ? fmt::format("; truth {}", range_text(report.truth->at(row, column))) : "");
+  text += fmt::format(fmt::runtime(kLine), "", "H, m", "w above", "w below", "w here", "w none",
+                      "correction, m", "Z, m", "rejected", "Y, m");
   for (int k = 0; k < layer_count(trace); ++k) {
     std::array<std::string, 9> cells;
     constexpr std::array<const char*, 9> kNames{

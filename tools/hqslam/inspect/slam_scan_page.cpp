@@ -109,10 +109,9 @@ Json features_json(const slam::ScanTrace& trace) {
 /// The expected pose, the odometry's and the found one, in the frame of the found one.
 Json poses_json(const slam::ScanTrace& trace) {
   Json poses = Json::array();
-  for (const auto& [name, pose] :
-       {std::pair{"expected, with the velocity of the scan before", &trace.T_map_expected},
-        std::pair{"by the odometry", &trace.T_map_odometry},
-        std::pair{"found", &trace.T_map_level}}) {
+  for (const auto& [name, pose] : {std::pair{"expected", &trace.T_map_expected},
+                                   std::pair{"by the odometry", &trace.T_map_odometry},
+                                   std::pair{"found", &trace.T_map_level}}) {
     const Pose T_found_other = trace.T_map_level.inverse() * *pose;
     const Eigen::Vector3d shift_cm = 100.0 * T_found_other.translation();
     const Eigen::Vector3d turn_deg = kDegreesPerRadian * roll_pitch_yaw_rad(T_found_other);

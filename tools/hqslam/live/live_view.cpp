@@ -132,12 +132,11 @@ std::string LiveView::state() const {
   const std::lock_guard lock(mutex_);
   const Eigen::Vector3d position_m = T_map_sensor_.translation();
   const Eigen::Vector3d ahead = T_map_sensor_.linear().col(0);
-  const PageJson json = {
+  PageJson json = {
       {"position_m", {position_m.x(), position_m.y(), position_m.z()}},
       {"heading_rad", std::atan2(ahead.y(), ahead.x())},
       {"segment", segment_},
       {"rate_hz", status_.rate_hz},
-      {"latency_ms", 1e3 * status_.latency_s.value_or(0.0)},
       {"scans", status_.scans},
       {"lost_packets", status_.counts.packets.lost},
       {"dropped_scans", status_.counts.dropped_scans},
@@ -146,6 +145,7 @@ std::string LiveView::state() const {
        status_.latest ? slam::name(status_.latest->report.mapping_status) : "no scan yet"},
       {"warning", warning_of(status_)},
   };
+  if (status_.latency_s) json["latency_ms"] = 1e3 * *status_.latency_s;
   return json.dump(-1, ' ', false, PageJson::error_handler_t::replace);
 }
 

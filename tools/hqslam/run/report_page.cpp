@@ -51,7 +51,8 @@ Json numbers_json(const SlamRun& run) {
     numbers.push_back(number("Loops closed", fmt::format("{}", loops_closed(run)), "",
                              submaps > 1 ? fmt::format("{} submaps not joined", submaps) : ""));
   }
-  numbers.push_back(number("Map points", fmt::format("{}", run.map_points_m.size())));
+  numbers.push_back(number("Features of the map", fmt::format("{}", run.map_points_m.size()), "",
+                           "points of map.pcd"));
   return numbers;
 }
 
@@ -198,13 +199,13 @@ Json statuses_json(const SlamRun& run) {
 
 Json report_json(const SlamRun& run, const DenseMapRun* dense_map, const slam::OccupancyMap* grid) {
   const std::string upsampled =
-      run.upsampled_by.empty() ? "" : fmt::format(" by {}", run.upsampled_by);
+      run.upsampled_by.empty() ? "" : fmt::format(", upsampled by {}", run.upsampled_by);
   std::string subtitle = fmt::format("hqslam {}, sensor {}, range images of {} x {}", run.command,
                                      run.sensor.name, run.sensor.rows(), run.sensor.columns);
   if (dense_map != nullptr) {
     subtitle += fmt::format(
-        "; dense map of {} points, one per {} m, from {} scans: measured points, and computed ones "
-        "where scans agree",
+        "; dense map of {} points, one per voxel of {} m, from {} scans: measured points, and "
+        "computed ones where scans agree",
         dense_map->points.size(), dense_map->voxel_m, dense_map->scans);
   }
   TurningView view = view_of(run, dense_map);

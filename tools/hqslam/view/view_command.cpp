@@ -191,7 +191,8 @@ int run(const ViewOptions& options) {
       page_html("view", {{"title", title}, {"notes", notes}, {"view", turning_view_json(view)}}),
       options.out);
   for (const std::string& note : notes) to_stdout("{}\n", note);
-  to_stdout("{} points, {} trajectories\nresults: {}\n", points, view.paths.size(), options.out);
+  to_stdout("{} points, {} {}\nresults: {}\n", points, view.paths.size(),
+            view.paths.size() == 1 ? "trajectory" : "trajectories", options.out);
   if (options.open) open_page(options.out);
   return kOk;
 }

@@ -106,12 +106,12 @@ std::vector<std::string> score_cells(const std::optional<UpsamplingScore>& score
   if (!score) return {"-", "-", "-", "-"};
   return {fmt::format("{:.3f}", score->mae_all_m), fmt::format("{:.3f}", score->mae_valid_m),
           fmt::format("{:.2f} %", 100.0 * score->outlier_share),
-          fmt::format("{:.1f}", 1e3 / score->upsampling_ms)};
+          fmt::format("{:.0f}", 1e3 / score->upsampling_ms)};
 }
 
 TextTable table_of(const std::vector<DemoRow>& rows) {
-  TextTable table{.columns = {"", "scans", "APE, m", "MAE all", "MAE valid", "outliers",
-                              "upsampling/s", "SLAM, ms", "all, scans/s"}};
+  TextTable table{.columns = {"", "scans", "APE, m", "MAE all, m", "MAE valid, m", "outliers",
+                              "upsampling, scans/s", "SLAM, ms", "all, scans/s"}};
   for (const DemoRow& row : rows) {
     const SlamRun& run = row.run;
     std::vector<std::string>& cells = table.rows.emplace_back();
@@ -129,10 +129,9 @@ std::vector<std::string> notes_of(const std::vector<DemoRow>& rows) {
       fmt::format("APE: absolute pose error (RMSE) against the true trajectory, SE(3)-aligned; the "
                   "path is {:.0f} m",
                   path_length_m(rows.front().run.trajectory)),
-      "MAE: mean |range - true range| in metres, over all pixels and over those where both have a "
-      "return",
+      "MAE: mean |range - true range|, over all pixels and over those where both have a return",
       "outliers: share of points farther than 0.5 m from the cloud of 64 beams",
-      "upsampling/s: scans per second of the upsampling alone; all: reading, upsampling and SLAM"};
+      "upsampling: alone, without reading; all: reading, upsampling and SLAM"};
 }
 
 /// The scan in the middle of the drive in every input.

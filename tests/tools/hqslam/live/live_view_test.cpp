@@ -94,6 +94,8 @@ TEST_CASE("the state has the pose and the numbers, the view all points, also aft
   view.set(status);
   const auto state = answered(view, "/state");
   CHECK(state["position_m"] == nlohmann::json({2.0, 0.0, 0.0}));
+  CHECK(state["latency_ms"] == 31.0);
+  CHECK(!answered(LiveView("no scan yet"), "/state").contains("latency_ms"));
   CHECK(state["lost_packets"] == 7);
   CHECK(state["dropped_scans"] == 1);
   CHECK(state["mapping"] == "ok");
