@@ -8,7 +8,7 @@
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/pose.h"
 #include "hqslam/core/projection.h"
-#include "hqslam/core/sensor_model.h"
+#include "made_images.h"
 
 namespace hqslam::test {
 
@@ -88,13 +88,8 @@ class Yard {
 
 /// A small sensor: quick to simulate, enough for SLAM.
 inline SensorModel small_sensor(int rows = 16, int columns = 512) {
-  SensorModel sensor;
+  SensorModel sensor = even_sensor(rows, columns, 10.0, 25.0 / (rows - 1));
   sensor.name = "small";
-  sensor.columns = columns;
-  for (int row = 0; row < rows; ++row) {
-    sensor.beam_elevation_rad.push_back((10.0 - 25.0 * row / (rows - 1)) * M_PI / 180.0);
-  }
-  sensor.beam_azimuth_offset_rad.assign(rows, 0.0);
   return sensor;
 }
 
