@@ -36,16 +36,6 @@ double number_of_line(const std::string& text, const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("inspect shows weights for any sensor as they are for the recording's sensor") {
-  const TemporaryDirectory folder;
-  const std::string weights = folder.file("any.npz");
-  write_weights(weights, untrained_weights(sensor_preset("os1-64"), "du-mix", "any_beams"));
-  const ProgramResult inspected =
-      succeeds("inspect '{}' --weights '{}' --reference",
-               simulated_drive("--sensor vlp-32c --scans 1 --seed 9"), weights);
-  CHECK(missing(inspected.out, {"layers.0.z", "confidence"}) == "");
-}
-
 TEST_CASE("inspect and compare take weights that come with hqslam by their name") {
   const TemporaryDirectory folder;
   const std::string drive = simulated_drive("--sensor vlp-32c --scans 1 --seed 9");
