@@ -15,13 +15,9 @@ std::vector<NetworkDescription> every_kind() {
 
 /// A scan of `columns` columns, `times` side by side.
 RangeImage repeated_scan(int columns, int times) {
-  RangeImage image(4, columns * times);
-  for (int row = 0; row < image.rows; ++row) {
-    for (int column = 0; column < image.columns; ++column) {
-      image.at(row, column) = 5.0F + static_cast<float>((row * 37 + column % columns * 11) % 23);
-    }
-  }
-  return image;
+  return test::made_image(4, columns * times, [=](int row, int column) {
+    return 5 + (row * 37 + column % columns * 11) % 23;
+  });
 }
 
 UpsampledImage upsampled(NetworkDescription description, const RangeImage& measured) {

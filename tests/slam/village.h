@@ -77,17 +77,10 @@ struct Village {
       const Eigen::Vector3d nearest_m = origin_m.cwiseMax(box.low_m).cwiseMin(box.high_m);
       if ((nearest_m - origin_m).norm() < kReach_m) near.push_back(box);
     }
-    RangeImage image(sensor.rows(), sensor.columns);
-    for (int row = 0; row < sensor.rows(); ++row) {
-      for (int column = 0; column < sensor.columns; ++column) {
-        const double elevation_rad = sensor.beam_elevation_rad[row];
-        const double azimuth_rad = sensor.azimuth_rad(row, column);
-        const Eigen::Vector3d direction =
-            T_village_sensor.linear() * direction_of(azimuth_rad, elevation_rad);
-        const double range_m = cast(near, origin_m, direction);
-        if (range_m < kReach_m) image.at(row, column) = static_cast<float>(range_m);
-      }
-    }
+    const RangeImage image = made_image(sensor, [&](int, int, const Eigen::Vector3d& direction) {
+      const double range_m = cast(near, origin_m, T_village_sensor.linear() * direction);
+      return range_m < kReach_m ? range_m : 0.0;
+    });
     return unproject(image, sensor, CaptureTime::kMotionCorrected);
   }
 

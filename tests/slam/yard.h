@@ -38,18 +38,11 @@ class Yard {
 
   template <typename PoseAt>
   RangeImage image(const SensorModel& sensor, const PoseAt& T_yard_sensor_at) const {
-    RangeImage image(sensor.rows(), sensor.columns);
-    for (int row = 0; row < sensor.rows(); ++row) {
-      for (int column = 0; column < sensor.columns; ++column) {
-        const Pose T_yard_beam = T_yard_sensor_at(sensor.time_offset_s(row, column));
-        const double elevation_rad = sensor.beam_elevation_rad[row];
-        const double azimuth_rad = sensor.azimuth_rad(row, column);
-        const Eigen::Vector3d direction = direction_of(azimuth_rad, elevation_rad);
-        const double range_m = cast(T_yard_beam.translation(), T_yard_beam.linear() * direction);
-        if (range_m < sensor.max_range_m) image.at(row, column) = static_cast<float>(range_m);
-      }
-    }
-    return image;
+    return made_image(sensor, [&](int row, int column, const Eigen::Vector3d& direction) {
+      const Pose T_yard_beam = T_yard_sensor_at(sensor.time_offset_s(row, column));
+      const double range_m = cast(T_yard_beam.translation(), T_yard_beam.linear() * direction);
+      return range_m < sensor.max_range_m ? range_m : 0.0;
+    });
   }
 
   double cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
