@@ -1,7 +1,5 @@
 #include "hqslam/core/trajectory.h"
 
-#include <functional>
-
 #include "testing.h"
 
 using namespace hqslam;
