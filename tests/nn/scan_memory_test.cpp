@@ -2,7 +2,6 @@
 
 #include <omp.h>
 
-#include "hqslam/core/angles.h"
 #include "hqslam/core/projection.h"
 #include "made_images.h"
 #include "random_values.h"
