@@ -3,7 +3,6 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "hqslam/core/cloud_file.h"
 #include "testing.h"
 #include "tools/example_run.h"
 
