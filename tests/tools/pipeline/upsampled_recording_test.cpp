@@ -13,9 +13,7 @@ using test::refused_with;
 
 struct Files {
   test::TemporaryDirectory folder;
-  std::string weights = folder.file("weights.npz");
-
-  Files() { test::write_untrained_weights(weights, sensor_preset("os1-64")); }
+  std::string weights = test::untrained_file();
 
   std::string stack(int rows) const {
     const std::string path = folder.file(std::to_string(rows) + ".npy");

@@ -119,8 +119,7 @@ TEST_CASE("weights for any sensor go on with a recorded drive, and stay where th
   write_sensor_json(preset_with("vlp-16", 256), folder.file("sensor.json"));
   const std::string drive =
       simulated_drive("--sensor '" + folder.file("sensor.json") + "' --scans 110 --seed 9");
-  const std::string weights = folder.file("any.npz");
-  nn::write_weights(weights, untrained_weights(sensor_preset("os1-64"), "du-mix", "any_beams"));
+  const std::string weights = untrained_file("du-mix", "any_beams");
   const ProgramResult trained =
       succeeds("train --from-recording '{}' --start-from '{}' --steps 40 --out '{}'", drive,
                weights, folder.file("own"));
@@ -140,20 +139,18 @@ TEST_CASE("weights for any sensor go on with a recorded drive, and stay where th
   CHECK(scores[1]["over_linear"] == 0.0);
   CHECK(scores[2]["right_share"] > scores[0]["right_share"]);  // inverse, nearest
   CHECK(holds(refused("compare '{}' --every 2", drive).error, "leave --layers, --poses"));
-  const ProgramResult short_drive =
-      run_hqslam("compare '{}'", simulated_drive("--sensor os1-16 --scans 2 --seed 9"));
+  const std::string two_scans = simulated_drive("--sensor os1-16 --scans 2 --seed 9");
+  const ProgramResult short_drive = run_hqslam("compare '{}'", two_scans);
   CHECK(short_drive.status == 2);
   CHECK(holds(short_drive.error, "expected 20 scans or more"));
   const ProgramResult few = run_hqslam("train --from-recording '{}' --start-from '{}' --out '{}'",
-                                       simulated_drive("--sensor os1-16 --scans 2 --seed 9"),
-                                       weights, folder.file("few"));
+                                       two_scans, weights, folder.file("few"));
   CHECK(few.status == 2);
   CHECK(holds(few.error, "expected at least 100 scans"));
-  nn::write_weights(weights, untrained_weights(sensor_preset("os1-64"), "du-mix", "scan_memory"));
-  CHECK(holds(refused("train --from-recording '{}' --start-from '{}' --out '{}'", drive, weights,
-                      folder.file("memory"))
-                  .error,
-              "expected weights without a memory"));
+  const ProgramResult memory =
+      refused("train --from-recording '{}' --start-from '{}' --out '{}'", drive,
+              untrained_file("du-mix", "scan_memory"), folder.file("memory"));
+  CHECK(holds(memory.error, "expected weights without a memory"));
 }
 
 TEST_CASE("a scan without a return costs a comparison that scan and no more") {
@@ -170,11 +167,9 @@ TEST_CASE("a scan without a return costs a comparison that scan and no more") {
 }
 
 TEST_CASE("compare refuses weights of a sensor with as many rows whose beams look elsewhere") {
-  const TemporaryDirectory folder;
-  const std::string weights = folder.file("weights.npz");
-  write_untrained_weights(weights, sensor_preset("os1-64"));
-  const ProgramResult result = refused("compare '{}' --weights '{}'",
-                                       simulated_drive("--sensor hdl-64e --scans 1"), weights);
+  const ProgramResult result =
+      refused("compare '{}' --weights '{}'", simulated_drive("--sensor hdl-64e --scans 1"),
+              untrained_file());
   CHECK(holds(result.error, "found weights for 'os1-64'"));
 }
 
