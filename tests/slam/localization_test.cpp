@@ -120,6 +120,20 @@ TEST_CASE("of two halves that are alike the given start decides") {
   CHECK(error_m(report.T_map_sensor, truth) < 0.1);
 }
 
+TEST_CASE("a sensor carried along the street is found there after a few scans") {
+  const test::Village village = test::street(31);
+  slam::Slam slam = located_in(driven(village));
+  int located = 0;
+  for (int i = 0; i < 20; ++i) {
+    const Pose T_street_sensor = street_pose(i < 8 ? 20.0 : 65.0, 0.0, i < 8 ? 0.0 : 2.0);
+    const auto report = slam.process(village.scan(T_street_sensor), 0.1 * i);
+    if (!is_registered(report.mapping_status)) continue;
+    ++located;
+    CHECK(error_m(report.T_map_sensor, T_street_sensor) < 0.05);
+  }
+  CHECK(located >= 13);
+}
+
 TEST_CASE("a sensor that spins fast is located in a given map as one that stands is") {
   slam::Slam mapped(test::street_sensor());
   for (int i = 0; i < 40; ++i) mapped.process(test::drive_scan(test::street_sensor(), i), 0.1 * i);

@@ -120,8 +120,6 @@ TEST_CASE(
   CHECK(drive.states("b") == "?");
   CHECK(drive.report.mapping_status == Status::kNotRecognized);
   CHECK(drive.states("ss") == "tt");
-  CHECK(drive.states("eeeeeee") == "lllll??");
-  CHECK(drive.states("ss") == "tt");
 }
 
 TEST_CASE("a scan through fog that leaves few features does not determine the pose, and says so") {
