@@ -217,6 +217,32 @@ TEST_CASE("in an endless corridor the motion along it is held at its prediction"
   CHECK(result.state.T_map_sensor.translation().y() == doctest::Approx(0.2).epsilon(0.2));
 }
 
+TEST_CASE("a corridor whose normals lean at random is degenerate, whatever they feign") {
+  // Points are 5 cm off the walls and the floor. Their normals feign more than kMinObservableShare
+  // of the information about the motion along it.
+  const auto corridor = [](double offset_m, unsigned seed) {
+    std::mt19937 generator(seed);
+    std::normal_distribution<double> rough_m(0.0, 0.05);
+    slam::MapFeatures result;
+    for (double along_m = -15.0 + offset_m; along_m < 15.0; along_m += 0.3) {
+      for (double across_m = -1.5 + offset_m; across_m < 1.5; across_m += 0.3) {
+        add(along_m, across_m, -1.7 + rough_m(generator), result.ground);
+        for (const double side : {-1.7, 1.7}) {
+          add(along_m, side + rough_m(generator), across_m, result.surfaces);
+        }
+      }
+    }
+    result.ground_to_register = result.ground;
+    result.surfaces_to_register = result.surfaces;
+    return result;
+  };
+  slam::Mapping mapping{slam::MappingOptions{}};
+  mapping.insert(corridor(0.1, 1), Pose::Identity(), {});
+  const auto result = mapping.register_scan(corridor(0.0, 2), expected_at(Pose::Identity(), 0.03),
+                                            Pose::Identity());
+  CHECK(result.status == Status::kDegenerate);
+}
+
 TEST_CASE("rings on a bare floor do not hold the sensor back") {
   // Over an endless floor every scan has the same rings, which must not imply that the sensor
   // stands.
