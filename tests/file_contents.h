@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "temporary_directory.h"
+
 namespace hqslam::test {
 
 inline std::string file_contents(const std::string& path) {
@@ -17,6 +19,14 @@ inline std::string file_contents(const std::string& path) {
 inline void write_file(const std::string& path, const std::string& contents) {
   std::ofstream stream(path, std::ios::binary);
   stream.write(contents.data(), static_cast<std::streamsize>(contents.size()));
+}
+
+/// What `read` gives for the path of a file of this name with these contents.
+template <typename Read>
+auto from_file(const std::string& name, const std::string& contents, const Read& read) {
+  const TemporaryDirectory folder;
+  write_file(folder.file(name), contents);
+  return read(folder.file(name));
 }
 
 /// Numbers as in memory, low byte first.

@@ -41,6 +41,26 @@ inline RangeImage flat_image(int rows, int columns, float range_m) {
   return image;
 }
 
+/// The range of each pixel is range_m(row, column).
+template <typename Range>
+RangeImage made_image(int rows, int columns, const Range& range_m) {
+  RangeImage image(rows, columns);
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      image.at(row, column) = static_cast<float>(range_m(row, column));
+    }
+  }
+  return image;
+}
+/// The same with the direction in which a sensor's pixel looks: range_m(row, column, direction).
+template <typename Range>
+RangeImage made_image(const SensorModel& sensor, const Range& range_m) {
+  return made_image(sensor.rows(), sensor.columns, [&](int row, int column) {
+    const double azimuth_rad = sensor.azimuth_rad(row, column);
+    return range_m(row, column, direction_of(azimuth_rad, sensor.beam_elevation_rad[row]));
+  });
+}
+
 /// A stack of these images.
 inline void write_stack(const std::string& path, const std::vector<RangeImage>& images) {
   NpyStackWriter writer(path, images.front().rows, images.front().columns);

@@ -3,6 +3,7 @@
 #include "hqslam/core/projection.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
+#include "made_images.h"
 #include "testing.h"
 
 using namespace hqslam;
@@ -12,16 +13,12 @@ namespace {
 
 /// Walls, posts and nothing, by whole numbers alone.
 RangeImage a_scene(const SensorModel& sensor) {
-  RangeImage image(sensor.rows(), sensor.columns);
-  for (int row = 0; row < image.rows; ++row) {
-    for (int column = 0; column < image.columns; ++column) {
-      const int wall = 12 + (column / 64) % 5 + row % 3;
-      const bool post = column % 97 < 4;
-      const bool nothing = (row * 31 + column * 7) % 23 == 0;
-      image.at(row, column) = nothing ? 0.0F : static_cast<float>(post ? 8 : wall) + 0.125F;
-    }
-  }
-  return image;
+  return made_image(sensor.rows(), sensor.columns, [](int row, int column) {
+    const int wall = 12 + (column / 64) % 5 + row % 3;
+    const bool post = column % 97 < 4;
+    const bool nothing = (row * 31 + column * 7) % 23 == 0;
+    return nothing ? 0.0 : (post ? 8 : wall) + 0.125;
+  });
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-// Zip archives put together by hand: stored and damaged ones, which no library would write.
+// Arrays and zip archives put together by hand: also damaged ones, which no library would write.
 
 namespace hqslam::test {
 
@@ -12,6 +12,19 @@ inline std::string little_endian(std::uint64_t value, int bytes) {
   std::string text;
   for (int i = 0; i < bytes; ++i) text += static_cast<char>((value >> (8 * i)) & 0xFF);
   return text;
+}
+
+/// An .npy file, as numpy's format document describes it.
+inline std::string npy_of(const std::string& dictionary, const std::string& data,
+                          char version = 1) {
+  return std::string("\x93NUMPY") + version + '\0' +
+         little_endian(dictionary.size() + 1, version > 1 ? 4 : 2) + dictionary + "\n" + data;
+}
+inline std::string npy_file(const std::string& dtype, const std::string& shape,
+                            const std::string& data, const std::string& fortran_order = "False") {
+  return npy_of(
+      "{'descr': " + dtype + ", 'fortran_order': " + fortran_order + ", 'shape': " + shape + ", }",
+      data);
 }
 
 /// The checksum of zip, bit by bit. Source: polynomial 0xEDB88320 of IEEE 802.3, reflected.

@@ -14,6 +14,7 @@
 #include "hqslam/core/npz.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
+#include "made_images.h"
 #include "readers.h"
 #ifdef HQSLAM_FUZZ_RECORDINGS
 #include "bags.h"
@@ -37,11 +38,7 @@ void put(const std::string& reader, const std::string& name, const std::string& 
 }
 
 RangeImage an_image() {
-  RangeImage image(16, 32);
-  for (std::size_t i = 0; i < image.range_m.size(); ++i) {
-    image.range_m[i] = 5.0F + static_cast<float>(i % 7);
-  }
-  return image;
+  return test::made_image(16, 32, [](int row, int column) { return 5 + (32 * row + column) % 7; });
 }
 
 void put_points() {

@@ -103,19 +103,6 @@ TEST_CASE("filters that cannot be are refused with the description, not when wei
       {small_simple_du(), [](HqsPlan& d) { d.last_filter.min_pixels = -1; }, "min_pixels is -1"},
       {small_du_or(), [](HqsPlan& d) { d.filter.min_angle_rad = 0.0; }, "min_angle_rad is 0"},
   });
-  const auto du_mix_with = [](const std::string& filter) {
-    return test::error_message([&] {
-      validate(network_from_json(R"({"kind": "du-mix", "sensor": "os1-64", "measured_rows": 16,
-                                     "last_filter": )" +
-                                     filter + "}",
-                                 "a test"));
-    });
-  };
-  CHECK(du_mix_with(R"({"min_pixels": 10})") == "no Error");
-  CHECK(du_mix_with(R"({"min_pixels": 0})") == "no Error");
-  CHECK(test::one_line_with(du_mix_with(R"({"min_pixels": -1})"), "min_pixels is -1"));
-  CHECK(test::one_line_with(du_mix_with(R"({"min_pixels": 10, "support_share": 1})"),
-                            "support_share is 1"));
 }
 
 TEST_CASE("the choices of the loop are written as they are read, and refused otherwise") {

@@ -1,7 +1,5 @@
 #include "hqslam/nn/network.h"
 
-#include <omp.h>
-
 #include "architecture.h"
 #include "hqslam/nn/network_json.h"
 #include "small_network.h"
@@ -17,13 +15,9 @@ std::vector<NetworkDescription> every_kind() {
 
 /// A scan of `columns` columns, `times` side by side.
 RangeImage repeated_scan(int columns, int times) {
-  RangeImage image(4, columns * times);
-  for (int row = 0; row < image.rows; ++row) {
-    for (int column = 0; column < image.columns; ++column) {
-      image.at(row, column) = 5.0F + static_cast<float>((row * 37 + column % columns * 11) % 23);
-    }
-  }
-  return image;
+  return test::made_image(4, columns * times, [=](int row, int column) {
+    return 5 + (row * 37 + column % columns * 11) % 23;
+  });
 }
 
 UpsampledImage upsampled(NetworkDescription description, const RangeImage& measured) {
@@ -128,32 +122,6 @@ TEST_CASE("every kind gives the same bytes with any number of threads and instru
         CHECK(found.image.range_m == expected.image.range_m);
         CHECK(found.confidence == expected.confidence);
       }
-    }
-  }
-}
-
-TEST_CASE("gradients inside a parallel region of the caller's are those outside, bit for bit") {
-  const RangeImage truth = small_scene();
-  for (const NetworkDescription& description : every_kind()) {
-    CAPTURE(name(description));
-    const TrainingSample sample{select_rows(truth, description.measured_rows), truth};
-    const std::vector<float> parameters = initial_parameters(description, 5);
-    struct Result {
-      double loss = 0.0;
-      std::vector<float> gradient;
-    };
-    const auto gradient = [&] {
-      Result result{0.0, std::vector<float>(parameters.size())};
-      result.loss = add_gradient(*trainable(description, parameters), sample, result.gradient, 7);
-      return result;
-    };
-    const Result alone = gradient();
-    std::array<Result, 3> of_team;
-#pragma omp parallel num_threads(3)
-    of_team[omp_get_thread_num()] = gradient();
-    for (const Result& each : of_team) {
-      CHECK(each.loss == alone.loss);
-      CHECK(each.gradient == alone.gradient);
     }
   }
 }

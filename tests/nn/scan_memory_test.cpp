@@ -2,7 +2,6 @@
 
 #include <omp.h>
 
-#include "hqslam/core/angles.h"
 #include "hqslam/core/projection.h"
 #include "made_images.h"
 #include "random_values.h"
@@ -56,18 +55,10 @@ ColumnPoses poses_at(double scan, const SensorModel& sensor, const Eigen::Vector
 /// The ranges of all beams, column after column.
 RangeImage seen_from(const ColumnPoses& poses, const SensorModel& sensor,
                      const Eigen::Vector3d& offset_m, bool pillar = true) {
-  RangeImage image(sensor.rows(), sensor.columns);
-  for (int row = 0; row < image.rows; ++row) {
-    for (int column = 0; column < image.columns; ++column) {
-      const Pose& pose = poses[sensor.firing_column(row, column)];
-      const double elevation_rad = sensor.beam_elevation_rad[row];
-      const double azimuth_rad = sensor.azimuth_rad(row, column);
-      const Eigen::Vector3d along = direction_of(azimuth_rad, elevation_rad);
-      image.at(row, column) =
-          range_to_hall_m(pose.translation() - offset_m, pose.linear() * along, pillar);
-    }
-  }
-  return image;
+  return test::made_image(sensor, [&](int row, int column, const Eigen::Vector3d& along) {
+    const Pose& pose = poses[sensor.firing_column(row, column)];
+    return range_to_hall_m(pose.translation() - offset_m, pose.linear() * along, pillar);
+  });
 }
 
 struct Recalled {

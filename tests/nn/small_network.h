@@ -32,18 +32,14 @@ inline SensorModel small_sensor() {
 
 /// Walls round about, a box and poles in front of them, and no return in one corner.
 inline RangeImage small_scene() {
-  RangeImage image(16, 64);
-  for (int row = 0; row < image.rows; ++row) {
-    for (int column = 0; column < image.columns; ++column) {
-      const double azimuth_rad = 2.0 * std::numbers::pi * column / image.columns;
-      double range_m = 12.0 + 4.0 * std::sin(azimuth_rad) - 0.25 * row;
-      if (row >= 5 && column >= 20 && column < 31) range_m = 5.0;
-      for (const int pole : {6, 13, 37, 60}) range_m = column == pole ? 3.0 : range_m;
-      if (row < 8 && column >= 44 && column < 51) range_m = 0.0;
-      image.at(row, column) = static_cast<float>(range_m);
-    }
-  }
-  return image;
+  return test::made_image(16, 64, [](int row, int column) {
+    const double azimuth_rad = 2.0 * std::numbers::pi * column / 64;
+    double range_m = 12.0 + 4.0 * std::sin(azimuth_rad) - 0.25 * row;
+    if (row >= 5 && column >= 20 && column < 31) range_m = 5.0;
+    for (const int pole : {6, 13, 37, 60}) range_m = column == pole ? 3.0 : range_m;
+    if (row < 8 && column >= 44 && column < 51) range_m = 0.0;
+    return range_m;
+  });
 }
 
 /// A network of eq. 10 as a test likes it: a preset, and the sizes of its prior.

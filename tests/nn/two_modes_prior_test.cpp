@@ -152,12 +152,6 @@ TEST_CASE("the confidence grows with the tolerance") {
 }
 
 TEST_CASE("a DU-Mix that cannot be is refused with the field") {
-  const auto message = [](const NetworkDescription& description, int columns) {
-    return test::error_message(
-        [&] { make_network(description, columns, InstructionSet::kPortable, 1); });
-  };
-  CHECK(message(small_du_mix(), 64) == "no Error");
-  CHECK(test::one_line_with(message(small_du_mix(), 36), "36 columns", "multiple of 8"));
   TwoModesShape bad = small_two_modes();
   bad.tile.rows = 2;
   CHECK(test::refused_with([&] { validate(small_du_mix(bad)); }, "tiles of 2 rows",

@@ -31,13 +31,4 @@ TEST_CASE("the U-shaped denoiser's arrays have the names and shapes of its descr
   }
 }
 
-TEST_CASE("images that cannot be halved often enough are refused") {
-  const auto message = [](int rows, int columns) {
-    return test::error_message([&] { check_image(u_shaped_prior(kSmall), rows, columns); });
-  };
-  CHECK(message(8, 32) == "no Error");
-  CHECK(test::one_line_with(message(12, 32), "12 x 32", "8 x 16"));
-  CHECK(test::one_line_with(message(8, 40), "8 x 40", "8 x 16"));
-}
-
 }  // namespace hqslam::nn

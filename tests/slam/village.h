@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <random>
 #include <vector>
 
 #include "front_end/features.h"
 #include "front_end/segmentation.h"
-#include "hqslam/core/angles.h"
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/core/sensor_model.h"
@@ -23,10 +21,6 @@ inline constexpr double kStreetStep_m = 1.0;
 
 /// Flat ground with upright boxes: houses, walls, posts, as many and as irregular as are wanted.
 struct Village {
-  struct Box {
-    Eigen::Vector3d low_m;
-    Eigen::Vector3d high_m;
-  };
   std::vector<Box> boxes;
 
   enum class Along { kX, kY };
@@ -77,31 +71,18 @@ struct Village {
       const Eigen::Vector3d nearest_m = origin_m.cwiseMax(box.low_m).cwiseMin(box.high_m);
       if ((nearest_m - origin_m).norm() < kReach_m) near.push_back(box);
     }
-    RangeImage image(sensor.rows(), sensor.columns);
-    for (int row = 0; row < sensor.rows(); ++row) {
-      for (int column = 0; column < sensor.columns; ++column) {
-        const double elevation_rad = sensor.beam_elevation_rad[row];
-        const double azimuth_rad = sensor.azimuth_rad(row, column);
-        const Eigen::Vector3d direction =
-            T_village_sensor.linear() * direction_of(azimuth_rad, elevation_rad);
-        const double range_m = cast(near, origin_m, direction);
-        if (range_m < kReach_m) image.at(row, column) = static_cast<float>(range_m);
-      }
-    }
+    const RangeImage image = made_image(sensor, [&](int, int, const Eigen::Vector3d& direction) {
+      const double range_m = cast(near, origin_m, T_village_sensor.linear() * direction);
+      return range_m < kReach_m ? range_m : 0.0;
+    });
     return unproject(image, sensor, CaptureTime::kMotionCorrected);
   }
 
  private:
   static double cast(const std::vector<Box>& near, const Eigen::Vector3d& origin_m,
                      const Eigen::Vector3d& direction) {
-    double nearest_m = direction.z() < 0.0 ? -origin_m.z() / direction.z()
-                                           : std::numeric_limits<double>::infinity();
-    for (const Box& box : near) {
-      const Eigen::Array3d a = (box.low_m - origin_m).array() / direction.array();
-      const Eigen::Array3d b = (box.high_m - origin_m).array() / direction.array();
-      const double enter_m = a.min(b).maxCoeff();
-      if (enter_m > 0.0 && enter_m < a.max(b).minCoeff()) nearest_m = std::min(nearest_m, enter_m);
-    }
+    double nearest_m = direction.z() < 0.0 ? -origin_m.z() / direction.z() : HUGE_VAL;
+    for (const Box& box : near) nearest_m = std::min(nearest_m, box.entered_m(origin_m, direction));
     return nearest_m;
   }
 };

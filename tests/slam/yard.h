@@ -2,15 +2,26 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-#include "hqslam/core/angles.h"
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/pose.h"
 #include "hqslam/core/projection.h"
-#include "hqslam/core/sensor_model.h"
+#include "made_images.h"
 
 namespace hqslam::test {
+
+/// An upright box.
+struct Box {
+  Eigen::Vector3d low_m, high_m;
+
+  /// How far away a ray from outside enters it; infinite: nowhere.
+  double entered_m(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& along) const {
+    const Eigen::Array3d a = (low_m - origin_m).array() / along.array();
+    const Eigen::Array3d b = (high_m - origin_m).array() / along.array();
+    const double enter_m = a.min(b).maxCoeff();
+    return enter_m > 0.0 && enter_m < a.max(b).minCoeff() ? enter_m : HUGE_VAL;
+  }
+};
 
 /// A yard with exact geometry for tests: a floor, four walls and square pillars, scanned from any
 /// pose. The frame of the yard has its origin on the floor in the middle, z up.
@@ -34,26 +45,17 @@ class Yard {
   }
 
  private:
-  static constexpr double kNone = std::numeric_limits<double>::infinity();
-
   template <typename PoseAt>
   RangeImage image(const SensorModel& sensor, const PoseAt& T_yard_sensor_at) const {
-    RangeImage image(sensor.rows(), sensor.columns);
-    for (int row = 0; row < sensor.rows(); ++row) {
-      for (int column = 0; column < sensor.columns; ++column) {
-        const Pose T_yard_beam = T_yard_sensor_at(sensor.time_offset_s(row, column));
-        const double elevation_rad = sensor.beam_elevation_rad[row];
-        const double azimuth_rad = sensor.azimuth_rad(row, column);
-        const Eigen::Vector3d direction = direction_of(azimuth_rad, elevation_rad);
-        const double range_m = cast(T_yard_beam.translation(), T_yard_beam.linear() * direction);
-        if (range_m < sensor.max_range_m) image.at(row, column) = static_cast<float>(range_m);
-      }
-    }
-    return image;
+    return made_image(sensor, [&](int row, int column, const Eigen::Vector3d& direction) {
+      const Pose T_yard_beam = T_yard_sensor_at(sensor.time_offset_s(row, column));
+      const double range_m = cast(T_yard_beam.translation(), T_yard_beam.linear() * direction);
+      return range_m < sensor.max_range_m ? range_m : 0.0;
+    });
   }
 
   double cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
-    double nearest = direction.z() < 0.0 ? -origin.z() / direction.z() : kNone;
+    double nearest = direction.z() < 0.0 ? -origin.z() / direction.z() : HUGE_VAL;
     const double half[2] = {half_length_m, half_width_m};
     for (int axis = end_walls ? 0 : 1; axis < 2; ++axis) {
       const double wall = direction[axis] > 0.0 ? half[axis] : -half[axis];
@@ -64,37 +66,20 @@ class Yard {
     if (!pillars) return nearest;
     for (int i = -3; i <= 3; ++i) {
       for (const double side : {-1.0, 1.0}) {
-        const Eigen::Vector2d centre(8.0 * i + side, side * (9.0 + 0.7 * i));
-        nearest = std::min(nearest, cast_pillar(origin, direction, centre));
+        const Eigen::Vector3d centre(8.0 * i + side, side * (9.0 + 0.7 * i), 0.0);
+        const Eigen::Vector3d half_m(0.3, 0.3, HUGE_VAL);  // endlessly high
+        const Box pillar{centre - half_m, centre + half_m};
+        nearest = std::min(nearest, pillar.entered_m(origin, direction));
       }
     }
     return nearest;
-  }
-
-  /// An upright square pillar of 0.6 m, endlessly high.
-  static double cast_pillar(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
-                            const Eigen::Vector2d& centre) {
-    double enter = 0.0;
-    double leave = kNone;
-    for (int axis = 0; axis < 2; ++axis) {
-      const double low = (centre[axis] - 0.3 - origin[axis]) / direction[axis];
-      const double high = (centre[axis] + 0.3 - origin[axis]) / direction[axis];
-      enter = std::max(enter, std::min(low, high));
-      leave = std::min(leave, std::max(low, high));
-    }
-    return enter < leave && enter > 0.0 ? enter : kNone;
   }
 };
 
 /// A small sensor: quick to simulate, enough for SLAM.
 inline SensorModel small_sensor(int rows = 16, int columns = 512) {
-  SensorModel sensor;
+  SensorModel sensor = even_sensor(rows, columns, 10.0, 25.0 / (rows - 1));
   sensor.name = "small";
-  sensor.columns = columns;
-  for (int row = 0; row < rows; ++row) {
-    sensor.beam_elevation_rad.push_back((10.0 - 25.0 * row / (rows - 1)) * M_PI / 180.0);
-  }
-  sensor.beam_azimuth_offset_rad.assign(rows, 0.0);
   return sensor;
 }
 

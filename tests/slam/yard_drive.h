@@ -1,9 +1,9 @@
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 
 #include "hqslam/core/trajectory.h"
+#include "slam/poses.h"
 #include "slam/yard.h"
 
 namespace hqslam::test {
@@ -26,14 +26,9 @@ inline OrganizedCloud drive_scan(const SensorModel& sensor, int i) {
 
 /// The worst error of a trajectory with all scans of the drive.
 inline double worst_error_m(const Trajectory& trajectory) {
-  double worst_m = 0.0;
-  for (std::size_t i = 0; i < trajectory.size(); ++i) {
-    const Pose truth =
-        drive_pose(0).inverse() * drive_pose(static_cast<double>(i) * kDrivePeriod_s);
-    worst_m =
-        std::max(worst_m, (trajectory[i].T_map_sensor.translation() - truth.translation()).norm());
-  }
-  return worst_m;
+  std::vector<Pose> truth;
+  for (int i = 0; i < std::ssize(trajectory); ++i) truth.push_back(drive_pose(i * kDrivePeriod_s));
+  return worst_error_m(poses_of(trajectory), truth);
 }
 
 }  // namespace hqslam::test

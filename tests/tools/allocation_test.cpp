@@ -15,6 +15,7 @@
 #include "hqslam/sim/drive.h"
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/slam.h"
+#include "made_images.h"
 
 namespace {
 
@@ -70,13 +71,8 @@ constexpr std::int64_t kFloatBytes = 4;
 Allocations of_upsampling(const char* weights) {
   auto resolver =
       nn::SuperResolver::load(golden_folder() + "/../../weights/" + weights, {.threads = 2});
-  RangeImage image(64, 1024);
-  for (int row = 0; row < image.rows; ++row) {
-    for (int column = 0; column < image.columns; ++column) {
-      image.at(row, column) =
-          5.0F + 0.3F * static_cast<float>(row) + 0.01F * static_cast<float>(column);
-    }
-  }
+  const RangeImage image = test::made_image(
+      64, 1024, [](int row, int column) { return 5.0 + 0.3 * row + 0.01 * column; });
   resolver.run(image);
   const Allocations second = allocations_of([&] { resolver.run(image); });
   const Allocations third = allocations_of([&] { resolver.run(image); });

@@ -8,26 +8,8 @@ using namespace hqslam::test;
 
 namespace {
 
-/// An .npy file put together by hand, as numpy's format document describes it.
-std::string npy_stack(const std::string& dictionary, const std::string& data, char version = 1) {
-  return std::string("\x93NUMPY") + version + '\0' +
-         little_endian(dictionary.size() + 1, version > 1 ? 4 : 2) + dictionary + "\n" + data;
-}
-/// The same with this dtype and shape.
-std::string npy_stack_of(const std::string& dtype, const std::string& shape,
-                         const std::string& data, const std::string& fortran_order = "False") {
-  return npy_stack(
-      "{'descr': " + dtype + ", 'fortran_order': " + fortran_order + ", 'shape': " + shape + ", }",
-      data);
-}
-
 constexpr const char* kTwoImages = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 1, 3), }";
-
-std::string npy_complaint(const std::string& contents) {
-  const TemporaryDirectory directory;
-  write_file(directory.file("scans.npy"), contents);
-  return error_message([&] { NpyStackReader reader(directory.file("scans.npy")); });
-}
+NpyStackReader read_stack(const std::string& path) { return NpyStackReader(path); }
 
 }  // namespace
 
@@ -35,7 +17,7 @@ TEST_CASE("an .npy stack written by hand is read image by image in any order") {
   const TemporaryDirectory directory;
   const std::string path = directory.file("scans.npy");
   for (const char version : {'\1', '\2', '\3'}) {
-    write_file(path, npy_stack(kTwoImages, raw_bytes({1, 2, 3, 4, 5, 6}), version));
+    write_file(path, npy_of(kTwoImages, raw_bytes({1, 2, 3, 4, 5, 6}), version));
     NpyStackReader reader(path);
     REQUIRE(reader.images() == 2);
     CHECK(reader.rows() == 1);
@@ -45,15 +27,15 @@ TEST_CASE("an .npy stack written by hand is read image by image in any order") {
     CHECK(refused_with([&] { reader.read(2); }, path, "0 to 1", "found 2"));
   }
   // What an interrupted append leaves behind the last image is not read.
-  write_file(path, npy_stack(kTwoImages, raw_bytes({1, 2, 3, 4, 5, 6}) + "half an im"));
+  write_file(path, npy_of(kTwoImages, raw_bytes({1, 2, 3, 4, 5, 6}) + "half an im"));
   CHECK(NpyStackReader(path).images() == 2);
 }
 
 TEST_CASE("a trailing axis of one and other spellings of the header mean the same") {
   const TemporaryDirectory directory;
   const std::string path = directory.file("scans.npy");
-  write_file(path, npy_stack("{\"shape\":(1,2,2,1),\"descr\":\"<f4\",\"fortran_order\":False}   ",
-                             raw_bytes({1, 2, 3, 4})));
+  write_file(path, npy_of("{\"shape\":(1,2,2,1),\"descr\":\"<f4\",\"fortran_order\":False}   ",
+                          raw_bytes({1, 2, 3, 4})));
   NpyStackReader reader(path);
   CHECK(reader.rows() == 2);
   CHECK(reader.columns() == 2);
@@ -100,20 +82,19 @@ TEST_CASE("a file that is no stack of range images is refused in one line that s
   const std::string data = raw_bytes({1, 2, 3, 4, 5, 6});
   const auto refuses = [](const std::string& contents, const auto&... parts) {
     CAPTURE(contents);
-    CHECK(one_line_with(npy_complaint(contents), parts...));
+    CHECK(refused_with([&] { from_file("scans.npy", contents, read_stack); }, parts...));
   };
   refuses("x y z\n1 2 3\n", "scans.npy", "NUMPY");
   refuses("", "scans.npy", "NUMPY");
-  refuses(npy_stack(kTwoImages, data, 9), "9.0");
-  refuses(npy_stack(kTwoImages, data).substr(0, 40), "truncated");
-  refuses(npy_stack(kTwoImages, data.substr(0, 23)), "truncated", "2 images of 12 bytes",
-          "found 23");
-  refuses(npy_stack(kTwoImages, data + data), "too long");
-  refuses(npy_stack_of("'<f8'", "(1, 1, 3)", data), "'<f4'", "'<f8'", "astype");
-  refuses(npy_stack_of("'<f4'", "(2, 1, 3)", data, "True"), "Fortran");
-  refuses(npy_stack_of("'<f4'", "(2, 3)", data), "(N, rows, columns)", "(2, 3)");
-  refuses(npy_stack_of("'<f4'", "(2, 0, 3)", data), "(2, 0, 3)");
-  refuses(npy_stack_of("[('x', '<f4')]", "(6,)", data), "structures");
+  refuses(npy_of(kTwoImages, data, 9), "9.0");
+  refuses(npy_of(kTwoImages, data).substr(0, 40), "truncated");
+  refuses(npy_of(kTwoImages, data.substr(0, 23)), "truncated", "2 images of 12 bytes", "found 23");
+  refuses(npy_of(kTwoImages, data + data), "too long");
+  refuses(npy_file("'<f8'", "(1, 1, 3)", data), "'<f4'", "'<f8'", "astype");
+  refuses(npy_file("'<f4'", "(2, 1, 3)", data, "True"), "Fortran");
+  refuses(npy_file("'<f4'", "(2, 3)", data), "(N, rows, columns)", "(2, 3)");
+  refuses(npy_file("'<f4'", "(2, 0, 3)", data), "(2, 0, 3)");
+  refuses(npy_file("[('x', '<f4')]", "(6,)", data), "structures");
   // No dictionary of the three keys.
   for (const char* dictionary :
        {"", "{", "{}", "{'descr': '<f4'", "{'descr': '<f4', 'fortran_order': False}",
@@ -122,7 +103,7 @@ TEST_CASE("a file that is no stack of range images is refused in one line that s
         "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 1, 1)} more",
         "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 1, 1), 'x': 1}",
         "{'descr': '<f4', 'fortran_order': False, 'shape': [1, 1, 1]}", "{'descr"}) {
-    refuses(npy_stack(dictionary, data), "scans.npy", "damaged .npy header", "expected");
+    refuses(npy_of(dictionary, data), "scans.npy", "damaged .npy header", "expected");
   }
 }
 
@@ -133,6 +114,7 @@ TEST_CASE("sizes that overflow or exceed the file are refused before anything is
                                     {"(-1, 1, 3)", "size"},
                                     {"(1, 65536, 65536)", "truncated"}}) {
     CAPTURE(shape);
-    CHECK(one_line_with(npy_complaint(npy_stack_of("'<f4'", shape, raw_bytes({1, 2, 3}))), said));
+    const std::string contents = npy_file("'<f4'", shape, raw_bytes({1, 2, 3}));
+    CHECK(refused_with([&] { from_file("scans.npy", contents, read_stack); }, said));
   }
 }

@@ -18,13 +18,13 @@ std::string header(const std::string& fields, const std::string& size, const std
 /// sensor: as read_cloud.
 template <typename... Sensor>
 Scan scan_of(const std::string& contents, const Sensor&... sensor) {
-  const TemporaryDirectory directory;
-  write_file(directory.file("0.pcd"), contents);
-  return read_cloud(directory.file("0.pcd"), sensor...);
+  return from_file("0.pcd", contents,
+                   [&](const auto& path) { return read_cloud(path, sensor...); });
 }
 
-std::string pcd_complaint(const std::string& contents) {
-  return error_message([&] { scan_of(contents); });
+template <typename... Parts>
+void refuses_pcd(const std::string& contents, const Parts&... parts) {
+  CHECK(refused_with([&] { scan_of(contents); }, parts...));
 }
 
 std::string literals(const std::string& bytes) {
@@ -190,10 +190,10 @@ TEST_CASE("some rings of a sensor, its own or a little off, are taken as they ar
 TEST_CASE("a file that is no point cloud is refused with file, expected and found") {
   const auto refuses = [](const std::string& from, const std::string& to, const auto&... parts) {
     CAPTURE(to);
-    CHECK(one_line_with(pcd_complaint(replaced_in(kAscii, from, to)), parts...));
+    refuses_pcd(replaced_in(kAscii, from, to), parts...);
   };
-  CHECK(one_line_with(pcd_complaint(""), "0.pcd", "DATA"));
-  CHECK(one_line_with(pcd_complaint("ply\nformat ascii\n"), "0.pcd", "DATA", "found 'ply'"));
+  refuses_pcd("", "0.pcd", "DATA");
+  refuses_pcd("ply\nformat ascii\n", "0.pcd", "DATA", "found 'ply'");
   refuses("FIELDS x y z", "FIELDS x y w", "fields x y z", "found x y w");
   refuses("SIZE 4 4 4", "SIZE 4 4", "SIZE", "expected 3", "found 2");
   refuses("SIZE 4 4 4", "SIZE 4 4 3", "'z'", "F of 3");
@@ -205,15 +205,14 @@ TEST_CASE("a file that is no point cloud is refused with file, expected and foun
   refuses("5.5", "five", "point 1", "'five'");
   refuses(" 6e-1\n", "", "truncated", "2 points of 3", "found 5");
   refuses("DATA ascii", "DATA binary", "truncated", "2 points of 12 bytes");
-  CHECK(one_line_with(pcd_complaint(header("x y z", "4 4 4", "F F F", 2, "binary") + "abc"),
-                      "truncated", "found 3 bytes"));
+  refuses_pcd(header("x y z", "4 4 4", "F F F", 2, "binary") + "abc", "truncated", "found 3 bytes");
   CHECK(refused_with([] { read_cloud("/nowhere/0.pcd"); }, "/nowhere", "no file"));
 }
 
 TEST_CASE("counts that overflow or exceed the file are refused before anything is allocated") {
   const auto refuses = [](const std::string& rest, const auto&... parts) {
     CAPTURE(rest);
-    CHECK(one_line_with(pcd_complaint("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\n" + rest), parts...));
+    refuses_pcd("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\n" + rest, parts...);
   };
   for (const char* data : {"ascii", "binary", "binary_compressed"}) {
     refuses(std::string("WIDTH 67108864\nHEIGHT 1\nDATA ") + data + "\n1 2 3\n", "truncated");
@@ -225,8 +224,7 @@ TEST_CASE("counts that overflow or exceed the file are refused before anything i
       "FIELDS x y z pad\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 13\nWIDTH 25165824\nHEIGHT 1\n"
       "DATA binary_compressed\n";
   const std::string sizes = raw_bytes(0U, 64U * 25165824U);
-  CHECK(one_line_with(pcd_complaint(wide + sizes), "0.pcd", "at most 1073741824 bytes",
-                      "found 1610612736"));
+  refuses_pcd(wide + sizes, "0.pcd", "at most 1073741824 bytes", "found 1610612736");
 }
 
 TEST_CASE("numbers too large for a double are infinite, those too small are 0") {
@@ -252,11 +250,11 @@ TEST_CASE("damaged compressed data are refused") {
   const std::string data(24, 'a');
   const std::string start = header("x y z", "4 4 4", "F F F", 2, "binary_compressed");
   std::string stream = literals(data);
-  CHECK(one_line_with(pcd_complaint(start + stream.substr(0, 20)), "truncated"));
-  CHECK(one_line_with(pcd_complaint(start + "ab"), "truncated"));
-  CHECK(one_line_with(pcd_complaint(start + literals(std::string(23, 'a'))), "found 23 bytes"));
+  refuses_pcd(start + stream.substr(0, 20), "truncated");
+  refuses_pcd(start + "ab", "truncated");
+  refuses_pcd(start + literals(std::string(23, 'a')), "found 23 bytes");
   stream[8] = '\xFF';
-  CHECK(one_line_with(pcd_complaint(start + stream), "damaged"));
+  refuses_pcd(start + stream, "damaged");
 }
 
 TEST_CASE("literals, short and long references and overlapping repeats are expanded") {

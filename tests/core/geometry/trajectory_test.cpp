@@ -1,7 +1,5 @@
 #include "hqslam/core/trajectory.h"
 
-#include <functional>
-
 #include "testing.h"
 
 using namespace hqslam;
@@ -26,13 +24,6 @@ double largest_difference(const Trajectory& a, const Trajectory& b) {
     difference = std::max(difference, d.cwiseAbs().maxCoeff());
   }
   return difference;
-}
-
-std::string trajectory_complaint(const std::string& contents,
-                                 const std::function<Trajectory(const std::string&)>& read) {
-  const TemporaryDirectory directory;
-  write_file(directory.file("poses.txt"), contents);
-  return error_message([&] { read(directory.file("poses.txt")); });
 }
 
 Trajectory read_any(const std::string& path) { return read_trajectory_file(path).poses; }
@@ -74,10 +65,9 @@ TEST_CASE("a trajectory written as KITTI comes back with stamps from the period"
 }
 
 TEST_CASE("comments, empty lines, tabs and carriage returns are accepted") {
-  const TemporaryDirectory directory;
-  write_file(directory.file("t"),
-             "# stamp x y z qx qy qz qw\r\n\n1 1 2 3 0 0 0 1\r\n\t2e0\t4 5 6 0 0 1.0 0 # half\n");
-  const Trajectory trajectory = read_trajectory_file(directory.file("t")).poses;
+  const Trajectory trajectory = from_file(
+      "t", "# stamp x y z qx qy qz qw\r\n\n1 1 2 3 0 0 0 1\r\n\t2e0\t4 5 6 0 0 1.0 0 # half\n",
+      read_any);
   REQUIRE(trajectory.size() == 2);
   CHECK(trajectory[1].stamp_s == 2.0);
   CHECK(trajectory[1].T_map_sensor.translation() == Eigen::Vector3d(4, 5, 6));
@@ -85,17 +75,17 @@ TEST_CASE("comments, empty lines, tabs and carriage returns are accepted") {
 }
 
 TEST_CASE("a file that is no trajectory is refused with its name and its first wrong line") {
-  const auto refuses = [](const std::string& contents, const auto&... parts) {
+  const auto refuses_by = [](const auto& read, const std::string& contents, const auto&... parts) {
     CAPTURE(contents);
-    CHECK(one_line_with(trajectory_complaint(contents, read_any), parts...));
+    CHECK(refused_with([&] { from_file("poses.txt", contents, read); }, parts...));
   };
+  const auto refuses = [&](const auto&... with) { refuses_by(read_any, with...); };
   refuses("", "poses.txt", "at least one pose");
-  CHECK(one_line_with(trajectory_complaint("# only a comment\n", read_tum), "at least one pose"));
+  refuses_by(read_tum, "# only a comment\n", "at least one pose");
   refuses("\n1 2 3\n", "poses.txt:2", "8", "12", "found 3");
   refuses("0 0 0 0 0 0 0 1\n1 0 0 0 0 0 0\n", "poses.txt:2", "expected 8 numbers", "found 7");
   refuses("1\n2\nthree\n", "poses.txt:1", "found 1");
-  CHECK(one_line_with(trajectory_complaint("0 0 0 0 0 0 0 1\n1\ntwo\n", read_tum), "poses.txt:2",
-                      "found 1"));
+  refuses_by(read_tum, "0 0 0 0 0 0 0 1\n1\ntwo\n", "poses.txt:2", "found 1");
   refuses("0 0 0 0 0 0 0 one\n", "poses.txt:1", "'one'");
   refuses("0 0 0 nan 0 0 0 1\n", "'nan'");
   refuses("0 0 0 1e999 0 0 0 1\n", "'1e999'");
@@ -104,9 +94,8 @@ TEST_CASE("a file that is no trajectory is refused with its name and its first w
   refuses("1 0 0 0 0 1 0 0 0 0 -1 0\n", "rotation", "determinant -1");
   refuses("2 0 0 0 0 2 0 0 0 0 2 0\n", "rotation");
   refuses(std::string("\0\1\2binary\n", 10), "poses.txt:1", "finite number");
-  CHECK(one_line_with(trajectory_complaint("1 2 3 4 5 6 7 8 9 10 11 12 13 14",
-                                           [](const auto& path) { return read_kitti_poses(path); }),
-                      "expected 12", "more than 12"));
+  refuses_by([](const auto& path) { return read_kitti_poses(path); },
+             "1 2 3 4 5 6 7 8 9 10 11 12 13 14", "expected 12", "more than 12");
   refuses(std::string("\x93NUMPY\1\0v\0", 10), "poses.txt:1", "finite number");
   CHECK(refused_with([] { read_tum("/nowhere/t.tum"); }, "/nowhere/t.tum"));
   CHECK(refused_with([] { write_tum({}, "/nowhere/t.tum"); }, "/nowhere/t.tum"));

@@ -8,13 +8,14 @@
 
 namespace hqslam::test {
 
-/// What is wrong with a recording, read to its end.
-inline std::string recording_complaint(const std::string& path, const SensorModel& sensor) {
-  return error_message([&] {
+/// Whether a recording, read to its end, is refused in one line with these parts.
+template <typename... Parts>
+bool recording_refused(const std::string& path, const SensorModel& sensor, const Parts&... parts) {
+  const auto read = [&] {
     const auto source = recordings::open_scan_files(path, sensor);
-    while (source->next()) {
-    }
-  });
+    while (source->next()) continue;
+  };
+  return refused_with(read, parts...);
 }
 
 /// Whether its first nine scans are left out, and the tenth, as none was read before, ends it.

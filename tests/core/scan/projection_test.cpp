@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 
+#include "made_images.h"
 #include "testing.h"
 
 using namespace hqslam;
@@ -11,12 +12,10 @@ namespace {
 
 RangeImage random_image(const SensorModel& sensor, unsigned seed) {
   std::mt19937 generator(seed);
-  RangeImage image(sensor.rows(), sensor.columns);
-  for (float& range_m : image.range_m) {
-    const auto value = generator() % 1000;
-    range_m = value < 200 ? 0.0F : 2.0F + 0.05F * static_cast<float>(value);
-  }
-  return image;
+  return hqslam::test::made_image(sensor.rows(), sensor.columns, [&](int, int) {
+    const auto value = static_cast<double>(generator() % 1000);
+    return value < 200.0 ? 0.0 : 2.0 + 0.05 * value;
+  });
 }
 
 }  // namespace

@@ -16,13 +16,12 @@ constexpr const char* kGrouped = R"({"sensor_info": {"prod_line": "OS-0-32"},
   "lidar_data_format": {"columns_per_frame": 512}, "config_params": {"lidar_mode": "512x20"}})";
 
 SensorModel sensor_of(const std::string& json) {
-  const TemporaryDirectory directory;
-  write_file(directory.file("s.json"), json);
-  return read_sensor_json(directory.file("s.json"));
+  return from_file("s.json", json, read_sensor_json);
 }
 
-std::string sensor_json_complaint(const std::string& json) {
-  return error_message([&] { sensor_of(json); });
+template <typename... Parts>
+void refuses_json(const std::string& json, const Parts&... parts) {
+  CHECK(refused_with([&] { sensor_of(json); }, parts...));
 }
 
 }  // namespace
@@ -91,7 +90,7 @@ TEST_CASE("Ouster's grouped metadata give the sensor with azimuths turned counte
 TEST_CASE("a sensor file with a wrong field is refused with file, field, expected and found") {
   const auto refuses = [](const std::string& from, const std::string& to, const auto&... parts) {
     CAPTURE(to);
-    CHECK(one_line_with(sensor_json_complaint(replaced_in(kOwn, from, to)), parts...));
+    refuses_json(replaced_in(kOwn, from, to), parts...);
   };
   refuses("\"max_range_m\": 80,", "", "s.json", "'max_range_m'", "expected a number",
           "found nothing");
@@ -115,37 +114,34 @@ TEST_CASE("a sensor file with a wrong field is refused with file, field, expecte
   refuses("80", "NaN", "s.json", "expected JSON");
   refuses("[10, -10]", "[-10, 10]", "s.json", "elevations must fall");
   refuses("[1.5, 0]", "[1.5]", "s.json", "azimuth offsets");
-  CHECK(one_line_with(sensor_json_complaint("[1, 2]"), "s.json", "object"));
-  CHECK(one_line_with(sensor_json_complaint("{\"name\": \"x\""), "s.json", "JSON", "byte"));
-  CHECK(one_line_with(sensor_json_complaint(std::string(100000, '[')), "s.json", "JSON"));
+  refuses_json("[1, 2]", "s.json", "object");
+  refuses_json("{\"name\": \"x\"", "s.json", "JSON", "byte");
+  refuses_json(std::string(100000, '['), "s.json", "JSON");
 }
 
 TEST_CASE("values nested deeper than 32 levels and objects of more than 1000 fields are refused") {
   const std::string deep = std::string(1'000'000, '[') + std::string(1'000'000, ']');
-  CHECK(one_line_with(sensor_json_complaint(deep), "s.json", "at most 32 levels"));
-  CHECK(one_line_with(sensor_json_complaint(replaced_in(kOwn, "1024", deep)), "s.json",
-                      "at most 32 levels"));
+  refuses_json(deep, "s.json", "at most 32 levels");
+  refuses_json(replaced_in(kOwn, "1024", deep), "s.json", "at most 32 levels");
   std::string objects;
   for (int i = 0; i < 100'000; ++i) objects += "{\"a\":";
-  CHECK(
-      one_line_with(sensor_json_complaint(objects + "1" + std::string(100'000, '}')), "32 levels"));
+  refuses_json(objects + "1" + std::string(100'000, '}'), "32 levels");
   std::string fields;
   for (int i = 0; i < 300'000; ++i) fields += ", \"" + std::to_string(i) + "\": 0";
-  CHECK(one_line_with(sensor_json_complaint(replaced_in(kOwn, "80", "80" + fields)), "s.json",
-                      "at most 1000 fields"));
+  refuses_json(replaced_in(kOwn, "80", "80" + fields), "s.json", "at most 1000 fields");
   std::string text =
       "{\"lidar_mode\": \"512x20\", \"beam_altitude_angles\": [1], "
       "\"beam_azimuth_angles\": [0], \"deep\": " +
       std::string(31, '[') + std::string(31, ']');
   for (int i = 4; i < 1000; ++i) text += ", \"" + std::to_string(i) + "\": 0";
   CHECK(sensor_of(text + "}").columns == 512);
-  CHECK(one_line_with(sensor_json_complaint(text + ", \"more\": 0}"), "at most 1000 fields"));
+  refuses_json(text + ", \"more\": 0}", "at most 1000 fields");
 }
 
 TEST_CASE("Ouster metadata that contradict themselves or lack a field are refused") {
   const auto refuses = [](const std::string& from, const std::string& to, const auto&... parts) {
     CAPTURE(to);
-    CHECK(one_line_with(sensor_json_complaint(replaced_in(kGrouped, from, to)), parts...));
+    refuses_json(replaced_in(kGrouped, from, to), parts...);
   };
   refuses("512x20", "fast", "s.json", "'lidar_mode'", "1024x10", "\"fast\"");
   refuses("512x20", "1024x10", "'columns_per_frame'", "1024", "found 512");

@@ -1,7 +1,6 @@
 #include "srae.h"
 
 #include "golden.h"
-#include "hqslam/nn/compare/compared_networks.h"
 #include "parameters.h"
 #include "small_network.h"
 #include "testing.h"

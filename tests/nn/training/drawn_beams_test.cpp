@@ -32,12 +32,8 @@ TEST_CASE("drawn sensors are valid ones of many kinds, the same for the same see
 TEST_CASE("a drawn sensor sees its rows and columns of a scan, up to its range") {
   DrawnBeams beams = draw_beams(many_rows(), 3);
   beams.sensor.max_range_m = 100.0;
-  TrainingScan scan{RangeImage(272, 64)};
-  for (int row = 0; row < 272; ++row) {
-    for (int column = 0; column < 64; ++column) {
-      scan.truth.at(row, column) = static_cast<float>(row) + 0.01F * static_cast<float>(column);
-    }
-  }
+  const TrainingScan scan{
+      test::made_image(272, 64, [](int row, int column) { return row + 0.01 * column; })};
   const TrainingScan seen = seen_by(beams, scan);
   CHECK(seen.truth.columns == 64 / beams.column_step);
   for (int row = 0; row < seen.truth.rows; ++row) {

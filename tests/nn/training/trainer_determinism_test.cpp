@@ -20,12 +20,15 @@ TEST_CASE("one, two and three threads train the same bytes, another seed others"
 }
 
 TEST_CASE("a training inside a parallel region of the caller's trains the same bytes") {
-  const HqsPlan description = simple_du_with_dropout();
-  const TrainingState alone = trained(description, 3, 1);
-  std::vector<TrainingState> of_team(2, alone);
+  for (const NetworkDescription& description :
+       {NetworkDescription(filtered_du_or()), NetworkDescription(simple_du_with_dropout()),
+        small_du_mix()}) {
+    const TrainingState alone = trained(description, 3, 1);
+    std::vector<TrainingState> of_team(2, alone);
 #pragma omp parallel num_threads(2)
-  of_team[omp_get_thread_num()] = trained(description, 3, 1 + omp_get_thread_num());
-  for (const TrainingState& state : of_team) check_same(state, alone);
+    of_team[omp_get_thread_num()] = trained(description, 3, 1 + omp_get_thread_num());
+    for (const TrainingState& state : of_team) check_same(state, alone);
+  }
 }
 
 TEST_CASE("a training that stopped and went on gives the same bytes as one that never stopped") {

@@ -26,36 +26,21 @@ Eigen::Array3f first_of_voxel_m(const FeaturePoint& point) {
 
 }  // namespace
 
-TEST_CASE("points of one voxel become their mean, in position and time") {
-  const std::vector<FeaturePoint> points = {
-      {{0.01F, 0.01F, 0.01F}, 0.02F, 3}, {{0.03F, 0.05F, 0.01F}, 0.04F, 3}, {{1, 1, 1}, 0.0F, 3}};
-  const auto thinned = hqslam::slam::thin(points, 0.2);
-  REQUIRE(thinned.size() == 2);
-  CHECK((thinned[0].point_m - Eigen::Vector3f(0.02F, 0.03F, 0.01F)).norm() < 1e-6F);
-  CHECK(thinned[0].time_offset_s == doctest::Approx(0.03));
-  CHECK(thinned[0].row == 3);
-  CHECK(thinned[1].point_m == Eigen::Vector3f(1, 1, 1));
-}
-
-TEST_CASE("the slopes of a voxel become their mean direction; none stays none") {
-  const std::vector<FeaturePoint> points = {{{0.01F, 0.01F, 0.01F}, 0.0F, 3, {1, 0, 0}},
-                                            {{0.03F, 0.05F, 0.01F}, 0.0F, 3, {0, 0, 1}},
+TEST_CASE("points of one voxel become their mean: place, time, slope and what is known of light") {
+  const std::vector<FeaturePoint> points = {{{0.01F, 0.01F, 0.01F}, 0.02F, 3, {1, 0, 0}, 10.0F},
+                                            {{0.03F, 0.05F, 0.01F}, 0.04F, 3, {0, 0, 1}},
+                                            {{0.05F, 0.06F, 0.01F}, 0.06F, 3, {0, 0, 0}, 40.0F},
                                             {{1, 1, 1}, 0.0F, 3}};
   const auto thinned = hqslam::slam::thin(points, 0.2);
   REQUIRE(thinned.size() == 2);
+  CHECK((thinned[0].point_m - Eigen::Vector3f(0.03F, 0.04F, 0.01F)).norm() < 1e-6F);
+  CHECK(thinned[0].time_offset_s == doctest::Approx(0.04));
+  CHECK(thinned[0].row == 3);
   const float half = std::sqrt(0.5F);
   CHECK((thinned[0].slope - Eigen::Vector3f(half, 0.0F, half)).norm() < 1e-6F);
-  CHECK(thinned[1].slope == Eigen::Vector3f::Zero());
-}
-
-TEST_CASE("the intensities of a voxel become their mean, those that are not known left out") {
-  std::vector<FeaturePoint> points = {
-      {{0.01F, 0.01F, 0.01F}}, {{0.03F, 0.05F, 0.01F}}, {{0.05F, 0.05F, 0.01F}}, {{1, 1, 1}}};
-  points[0].intensity = 10.0F;
-  points[2].intensity = 40.0F;
-  const auto thinned = hqslam::slam::thin(points, 0.2);
-  REQUIRE(thinned.size() == 2);
   CHECK(thinned[0].intensity == 25.0F);
+  CHECK(thinned[1].point_m == Eigen::Vector3f(1, 1, 1));
+  CHECK(thinned[1].slope == Eigen::Vector3f::Zero());
   CHECK(std::isnan(thinned[1].intensity));
 }
 

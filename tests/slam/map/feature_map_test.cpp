@@ -21,14 +21,11 @@ std::vector<Eigen::Vector3f> random_points_m(int count, float extent_m, unsigned
   return points;
 }
 
-}  // namespace
-
-TEST_CASE("neighbours are those of a search through all points of the map") {
-  FeatureMap map(0.4, 1.0);
-  map.insert(random_points_m(20000, 15.0F, 1));
+/// What nearest() finds at these places against a search through all points.
+void check_neighbours(const FeatureMap& map, const std::vector<Eigen::Vector3f>& queries_m) {
   const auto all = map.points_m();
   CHECK(all.size() == map.size());
-  for (const auto& query : random_points_m(500, 16.0F, 2)) {
+  for (const auto& query : queries_m) {
     std::vector<float> distances_m2;
     for (const auto& p : all) {
       const float d2 = (p - query).squaredNorm();
@@ -46,6 +43,20 @@ TEST_CASE("neighbours are those of a search through all points of the map") {
       CHECK((found.points_m[i] - query).squaredNorm() == distances_m2[i]);
     }
   }
+}
+
+}  // namespace
+
+TEST_CASE("neighbours are those of a search through all points of the map, also after many left") {
+  FeatureMap map(0.4, 1.0);
+  map.insert(random_points_m(20000, 15.0F, 1));
+  check_neighbours(map, random_points_m(500, 16.0F, 2));
+  FeatureMap emptied(0.4, 1.0);
+  emptied.insert(random_points_m(8000, 12.0F, 6), 0);
+  emptied.insert(random_points_m(1500, 4.0F, 7), 1);
+  CHECK(emptied.take_not_observed_since(1).size() > 1000);
+  emptied.insert(random_points_m(500, 12.0F, 9), 2);
+  check_neighbours(emptied, random_points_m(200, 13.0F, 8));
 }
 
 TEST_CASE(
@@ -180,23 +191,6 @@ TEST_CASE(
   const Eigen::Vector3f merged_m = map.nearest({0.1F, 0.1F, 0.1F}).points_m[0];
   CHECK((merged_m - Eigen::Vector3f(0.2F, 0.1F, 0.1F)).norm() < 1e-6F);
   CHECK(map.take_near({{0, 0, 0}, 0.5F}).front().keyframe == 0);
-}
-
-TEST_CASE("a map out of which most was taken finds what a search through all does") {
-  FeatureMap map(0.4, 1.0);
-  map.insert(random_points_m(8000, 12.0F, 6), 0);
-  map.insert(random_points_m(1500, 4.0F, 7), 1);
-  CHECK(map.take_not_observed_since(1).size() > 1000);
-  map.insert(random_points_m(500, 12.0F, 9), 2);
-  const auto all = map.points_m();
-  CHECK(all.size() == map.size());
-  for (const auto& query : random_points_m(200, 13.0F, 8)) {
-    float nearest_m2 = 1.0F;
-    for (const auto& p : all) nearest_m2 = std::min(nearest_m2, (p - query).squaredNorm());
-    const Neighbours found = map.nearest(query);
-    REQUIRE((found.count > 0) == (nearest_m2 < 1.0F));
-    if (found.count > 0) CHECK(found.squared_distance_m2[0] == nearest_m2);
-  }
 }
 
 TEST_CASE("a region that is far away, or larger than the map, is searched as any other") {

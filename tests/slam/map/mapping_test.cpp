@@ -42,8 +42,8 @@ struct MappedYard {
   }
 };
 
-void add(double x, double y, double z, std::vector<slam::FeaturePoint>& to) {
-  to.push_back({{static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)}, 0.0F, 0});
+void add(double x, double y, double z, std::vector<slam::FeaturePoint>& to, int row = 0) {
+  to.push_back({{static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)}, 0.0F, row});
 }
 
 /// A road and two walls, measured from 1.7 m above the road, from `offset_m` on.
@@ -253,34 +253,16 @@ TEST_CASE("rings on a bare floor do not hold the sensor back") {
   CHECK((result.state.T_map_sensor.translation() - predicted.translation()).norm() < 0.01);
 }
 
-TEST_CASE("without a map the result is the prediction, with status too few features") {
-  const SensorModel sensor = test::small_sensor();
-  const slam::Mapping mapping{slam::MappingOptions{}};
-  const auto features =
-      test::features_of(test::Yard().scan(sensor, test::yard_pose(0, 0, 0)), sensor);
-  const Pose predicted = pose_from_xyz_rpy({1, 2, 3}, 0, 0, 1);
-  const auto result = mapping.register_scan(features, expected_at(predicted), predicted);
-  CHECK(result.status == Status::kTooFewFeatures);
-  CHECK(result.state.T_map_sensor.isApprox(predicted));
-}
-
 TEST_CASE("posts in open land determine position and heading") {
   // A road without walls, and six posts around it, each in one row at another height.
   const auto seen_from = [](double offset_m, double height_m) {
     slam::MapFeatures scan = road_with(offset_m, 0.4, [](double) { return 0.0; });
     scan.surfaces.clear();
     scan.surfaces_to_register.clear();
-    for (const auto& [x, y] : {std::pair(12.0, 3.0),
-                               {9.0, -8.0},
-                               {-4.0, 11.0},
-                               {-13.0, 5.0},
-                               {-7.0, -9.0},
-                               {15.0, -2.0}}) {
-      for (int i = 0; i < 3; ++i) {
-        const double z = -1.0 + 0.5 * i + height_m;
-        scan.posts.push_back(
-            {{static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)}, 0.0F, i});
-      }
+    const std::pair<double, double> posts_m[] = {{12, 3},  {9, -8},  {-4, 11},
+                                                 {-13, 5}, {-7, -9}, {15, -2}};
+    for (const auto& [x, y] : posts_m) {
+      for (int i = 0; i < 3; ++i) add(x, y, -1.0 + 0.5 * i + height_m, scan.posts, i);
     }
     scan.posts_to_register = scan.posts;
     return scan;

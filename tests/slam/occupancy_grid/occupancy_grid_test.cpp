@@ -22,7 +22,7 @@ Trajectory true_poses() {
 
 /// A box of a car's size that is in the yard during some scans.
 struct Car {
-  Eigen::Vector3d low_m, high_m;
+  Box box;
   int from_scan = 0, to_scan = kScans;
 };
 
@@ -36,11 +36,9 @@ void put_in(const Car& car, const SensorModel& sensor, const SensorPath& path,
     const double elevation_rad = sensor.beam_elevation_rad[static_cast<std::size_t>(row)];
     const double azimuth_rad = sensor.azimuth_rad(row, column);
     const Eigen::Vector3d ray = direction_of(azimuth_rad, elevation_rad);
-    const Eigen::Vector3d along = T_yard_sensor.linear() * ray;
-    const Eigen::Array3d a = (car.low_m - T_yard_sensor.translation()).array() / along.array();
-    const Eigen::Array3d b = (car.high_m - T_yard_sensor.translation()).array() / along.array();
-    const double enters_m = a.min(b).maxCoeff();
-    if (enters_m < 0.0 || enters_m > a.max(b).minCoeff()) continue;
+    const double enters_m =
+        car.box.entered_m(T_yard_sensor.translation(), T_yard_sensor.linear() * ray);
+    if (!std::isfinite(enters_m)) continue;
     if (cloud.range_m[pixel] > 0.0F && cloud.range_m[pixel] < enters_m) continue;
     cloud.range_m[pixel] = static_cast<float>(enters_m);
     cloud.points_m[pixel] = (enters_m * ray).cast<float>();
@@ -103,7 +101,7 @@ TEST_CASE("the floor of a yard is free, its walls and pillars are occupied, beyo
 }
 
 TEST_CASE("a parked car is in the map, one that drove away is not") {
-  const Car car{{6.0, -7.0, 0.0}, {10.0, -5.2, 1.5}};
+  const Car car{{{6.0, -7.0, 0.0}, {10.0, -5.2, 1.5}}};
   const OccupancyMap standing = yard_map(car);
   CHECK(share(standing, {6.0, -5.3}, {10.0, -5.1}, Occupancy::kOccupied) > 0.3);
   Car leaving = car;

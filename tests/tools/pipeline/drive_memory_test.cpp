@@ -53,11 +53,9 @@ TEST_CASE("the poses of a scan's columns follow the times of its points, whereve
 }
 
 TEST_CASE("without looking ahead a scan recalls those before it, also of a sensor that stands") {
-  const test::TemporaryDirectory folder;
   const SensorModel sensor = sensor_preset("os1-64");
-  write_weights(folder.file("memory.npz"),
-                test::untrained_weights(sensor, "du-mix", "scan_memory"));
-  const nn::Upsampler upsampler(nn::SuperResolver::load(folder.file("memory.npz")), sensor);
+  const nn::Upsampler upsampler(
+      nn::SuperResolver::load(test::untrained_file("du-mix", "scan_memory")), sensor);
   const OrganizedCloud measured = unproject(test::flat_image(16, sensor.columns, 10.0F),
                                             select_rows(sensor, {3, 4}), CaptureTime::kRolling);
   ScanPoses poses;

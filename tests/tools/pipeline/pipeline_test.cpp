@@ -51,9 +51,7 @@ TEST_CASE("without an upsampling the pipeline is SLAM, bit by bit, of a driver's
 }
 
 TEST_CASE("a network with a memory recalls the scans before, as SLAM located them") {
-  const test::TemporaryDirectory folder;
-  const std::string weights = folder.file("memory.npz");
-  write_weights(weights, test::untrained_weights(sensor_preset("os1-64"), "du-mix", "scan_memory"));
+  const std::string weights = test::untrained_file("du-mix", "scan_memory");
   Pipeline pipeline(kSensor, {.upsampling = {.method = weights}});
   Upsampler alone(kSensor, {.method = weights});
   for (int i = 0; i < 3; ++i) {

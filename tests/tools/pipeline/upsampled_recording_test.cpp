@@ -13,9 +13,7 @@ using test::refused_with;
 
 struct Files {
   test::TemporaryDirectory folder;
-  std::string weights = folder.file("weights.npz");
-
-  Files() { test::write_untrained_weights(weights, sensor_preset("os1-64")); }
+  std::string weights = test::untrained_file();
 
   std::string stack(int rows) const {
     const std::string path = folder.file(std::to_string(rows) + ".npy");
@@ -38,18 +36,6 @@ bool is_refused(const std::string& path, const std::string& sensor, const std::s
 }
 
 }  // namespace
-
-TEST_CASE("images of the measured rows and of all rows both find their sensor by themselves") {
-  const Files files;
-  const auto measured = open_upsampled(files.stack(16), {}, {.method = files.weights});
-  CHECK(measured.upsampler.recorded().beam_elevation_rad ==
-        sensor_preset("os1-16").beam_elevation_rad);
-  CHECK_FALSE(measured.upsampler.selected_rows());
-  const auto all = open_upsampled(files.stack(64), {}, {.method = files.weights});
-  CHECK(all.upsampler.recorded().beam_elevation_rad == sensor_preset("os1-64").beam_elevation_rad);
-  CHECK(all.upsampler.selected_rows() == RowSelection{3, 4});
-  CHECK(all.reopened().size() == 1);
-}
 
 TEST_CASE("clouds of the measured rows alone find them by their points, those of all rows too") {
   const Files files;

@@ -11,17 +11,17 @@ namespace {
 
 using test::refused_with;
 
-struct Weights {
-  test::TemporaryDirectory folder;
-  std::string file = folder.file("weights.npz");
-  Weights() { test::write_untrained_weights(file, sensor_preset("os1-64")); }
-};
+/// Whether these options for a drive of this sensor are refused with these parts.
+template <typename... Parts>
+bool refused(const SensorModel& sensor, const UpsamplingOptions& options, const Parts&... parts) {
+  return test::refused_with([&] { Upsampler(sensor, options, "drive"); }, parts...);
+}
 
 }  // namespace
 
 TEST_CASE("scans of the measured rows and of all rows are upsampled to the same rows") {
-  const Weights weights;
-  const Upsampler measured(sensor_preset("os1-16"), {.method = weights.file});
+  const std::string weights = test::untrained_file();
+  const Upsampler measured(sensor_preset("os1-16"), {.method = weights});
   CHECK(measured.recorded() == sensor_preset("os1-16"));
   CHECK_FALSE(measured.selected_rows());
   SensorModel all_rows = sensor_preset("os1-64");
@@ -29,27 +29,27 @@ TEST_CASE("scans of the measured rows and of all rows are upsampled to the same 
   CHECK(measured.sensor() == all_rows);
   CHECK(measured.method()->name() == "du-or");
 
-  const Upsampler all(sensor_preset("os1-64"), {.method = weights.file});
+  const Upsampler all(sensor_preset("os1-64"), {.method = weights});
   CHECK(all.selected_rows() == RowSelection{3, 4});
   CHECK(all.measured_sensor().rows() == 16);
   CHECK(all.sensor() == all_rows);
 
-  const Upsampler made_for(UpsamplingOptions{.method = weights.file});
+  const Upsampler made_for(UpsamplingOptions{.method = weights});
   CHECK(made_for.recorded().beam_elevation_rad == sensor_preset("os1-16").beam_elevation_rad);
 }
 
 TEST_CASE("the sensor's own beams, rate and limits are kept when its scans are upsampled") {
-  const Weights weights;
+  const std::string weights = test::untrained_file();
   SensorModel own = sensor_preset("os1-64");
   for (double& elevation_rad : own.beam_elevation_rad) elevation_rad += 0.002;  // 0.11 degrees
   own.name = "own";
-  CHECK(Upsampler(own, {.method = weights.file}).sensor().name == "own");
+  CHECK(Upsampler(own, {.method = weights}).sensor().name == "own");
 
   SensorModel fast = sensor_preset("os1-16");
   fast.scan_period_s = 0.05;
   fast.min_range_m = 0.8;
   fast.max_range_m = 200.0;
-  const SensorModel upsampled = Upsampler(fast, {.method = weights.file}).sensor();
+  const SensorModel upsampled = Upsampler(fast, {.method = weights}).sensor();
   CHECK(upsampled.rows() == 64);
   CHECK(upsampled.scan_period_s == 0.05);
   CHECK(upsampled.min_range_m == 0.8);
@@ -64,34 +64,27 @@ TEST_CASE("an interpolation takes every fourth row as measured, or the rows that
   CHECK_FALSE(alone.selected_rows());
   CHECK(alone.sensor().rows() == 64);
   const SensorModel os1_16 = sensor_preset("os1-16");
-  CHECK(refused_with([&] { Upsampler(os1_16, {.method = "linear"}); }, "all 16 rows",
-                     "nothing between them", "os1-64"));
-  CHECK(
-      refused_with([&] { Upsampler(os1_16, {.method = "linear", .rows = 32, .all_rows = os1_64}); },
-                   "16 rows", "32"));
+  CHECK(refused(os1_16, {.method = "linear"}, "all 16 rows", "nothing between them", "os1-64"));
+  CHECK(refused(os1_16, {.method = "linear", .rows = 32, .all_rows = os1_64}, "16 rows", "32"));
   CHECK(Upsampler(os1_16, {.method = "linear", .rows = 4}).selected_rows()->stride == 4);
 }
 
 TEST_CASE("a sensor that the weights were not made for is one line with what they expect") {
-  const Weights weights;
-  const UpsamplingOptions options{.method = weights.file};
-  const auto refused = [&](const char* sensor, const auto&... parts) {
-    return refused_with([&] { Upsampler(sensor_preset(sensor), options, "drive"); }, parts...);
-  };
-  CHECK(refused("hdl-64e", "os1-64", "drive is of 'hdl-64e'"));
-  CHECK(refused("vlp-16", "16 x 1024", "vlp-16"));
-  CHECK(refused_with(
-      [&] { Upsampler(sensor_preset("os1-64"), {.method = weights.file, .rows = 32}); },
-      "16 measured rows", "32"));
-  CHECK(refused_with([&] { Upsampler(test::preset_with("os1-16", 512), options, "drive"); },
-                     "expects 1024 columns a turn", "drive has 512"));
+  const std::string weights = test::untrained_file();
+  const UpsamplingOptions options{.method = weights};
+  CHECK(refused(sensor_preset("hdl-64e"), options, "os1-64", "drive is of 'hdl-64e'"));
+  CHECK(refused(sensor_preset("vlp-16"), options, "16 x 1024", "vlp-16"));
+  CHECK(
+      refused(sensor_preset("os1-64"), {.method = weights, .rows = 32}, "16 measured rows", "32"));
+  CHECK(refused(test::preset_with("os1-16", 512), options, "expects 1024 columns a turn",
+                "drive has 512"));
   CHECK(refused_with([&] { Upsampler(UpsamplingOptions{.method = "linear"}); }, "weights"));
 }
 
 TEST_CASE("scans in more columns than the network's are projected into its columns") {
-  const Weights weights;
+  const std::string weights = test::untrained_file();
   const SensorModel fine = test::preset_with("os1-16", 2048);
-  const Upsampler upsampler(fine, {.method = weights.file});
+  const Upsampler upsampler(fine, {.method = weights});
   CHECK(upsampler.recorded().columns == 1024);
   const RangeImage image = test::flat_image(16, fine.columns, 10.0F);
   const OrganizedCloud measured = upsampler.measured(unproject(image, fine, CaptureTime::kRolling));
@@ -101,9 +94,7 @@ TEST_CASE("scans in more columns than the network's are projected into its colum
 }
 
 TEST_CASE("weights for any sensor get 64 rows out of 16 or 32, twice as many out of more") {
-  const test::TemporaryDirectory folder;
-  const std::string file = folder.file("any.npz");
-  write_weights(file, test::untrained_weights(sensor_preset("os1-64"), "du-mix", "any_beams"));
+  const std::string file = test::untrained_file("du-mix", "any_beams");
   const auto rows_of = [&](const SensorModel& sensor, int rows = 0) {
     return Upsampler(sensor, {.method = file, .rows = rows}).sensor().rows();
   };
@@ -122,9 +113,7 @@ TEST_CASE("weights for any sensor get 64 rows out of 16 or 32, twice as many out
 }
 
 TEST_CASE("a spacing gives as many rows as leave no wider gap, with weights for any sensor alone") {
-  const test::TemporaryDirectory folder;
-  const std::string any = folder.file("any.npz");
-  write_weights(any, test::untrained_weights(sensor_preset("os1-64"), "du-mix", "any_beams"));
+  const std::string any = test::untrained_file("du-mix", "any_beams");
   const SensorModel vlp16 = sensor_preset("vlp-16");  // 2 degrees apart
   const auto upsampler = [&](const std::string& method, double spacing_deg, int rows = 0) {
     return Upsampler(vlp16,
@@ -142,8 +131,7 @@ TEST_CASE("a spacing gives as many rows as leave no wider gap, with weights for 
   CHECK(refused_with([&] { upsampler(any, 2.0); }, "less than", "2.00"));
   CHECK(refused_with([&] { upsampler(any, 0.5, 8); }, "all rows", "leave out the spacing"));
   CHECK(refused_with([&] { upsampler("linear", 0.5); }, "linear", "weights for any sensor"));
-  const Weights for_os1;
-  CHECK(refused_with([&] { upsampler(for_os1.file, 0.5); }, "weights for any sensor"));
+  CHECK(refused_with([&] { upsampler(test::untrained_file(), 0.5); }, "weights for any sensor"));
 }
 
 TEST_CASE("rows that nothing fills are selected, all of them where none are asked for") {
@@ -167,8 +155,8 @@ TEST_CASE("weights that come with hqslam are chosen by name and sensor, the labo
   CHECK(Upsampler(hdl_64e, {.method = "du-mix"}).sensor().rows() == 128);
   const Upsampler hdl_32e(sensor_preset("hdl-32e"), {.method = "du-mix"});
   CHECK(fits_any_sensor(hdl_32e.method()->network()->description()));
-  CHECK(refused_with([] { Upsampler(sensor_preset("hdl-32e"), {.method = "du-or"}); }, "du-or",
-                     "hdl-64e", "none for 'hdl-32e'"));
+  CHECK(refused(sensor_preset("hdl-32e"), {.method = "du-or"}, "du-or", "hdl-64e",
+                "none for 'hdl-32e'"));
   CHECK(refused_with([] { load_method({.method = "du-or"}); }, "name the sensor"));
 }
 

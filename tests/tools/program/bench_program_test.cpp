@@ -7,10 +7,7 @@
 namespace hqslam::test {
 
 TEST_CASE("bench measures every stage with 64, 16 and 16 upsampled rows, with one thread and two") {
-  const TemporaryDirectory folder;
-  write_untrained_weights(folder.file("weights.npz"), sensor_preset("os1-64"));
-  const ProgramResult result =
-      succeeds("bench --scans 12 --json --weights '{}'", folder.file("weights.npz"));
+  const ProgramResult result = succeeds("bench --scans 12 --json --weights '{}'", untrained_file());
   const nlohmann::json json = nlohmann::json::parse(result.out);
   REQUIRE(json["slam"].size() == 6);
   for (const nlohmann::json& timing : json["slam"]) {

@@ -235,6 +235,8 @@ TEST_CASE("no command replaces what it reads") {
                         "--out '{0}'",
                         options),
             options + "/scans.npy"},
+           {fmt::format("upsample '{0}/bin' --method linear --rows 16 --out '{0}'", options),
+            options + "/bin/000000.bin"},
            {fmt::format("simulate --drive block --scans 2 --sensor '{0}/sensor.json' --out '{0}'",
                         drive_of_64),
             drive_of_64 + "/sensor.json"}}) {

@@ -71,20 +71,28 @@ const OusterDrive& drive() {
   return sent;
 }
 
-/// `hqslam live` beside this program, with its output in files.
+/// `hqslam live` beside this program, with its output in files; {0} in its options is their
+/// folder.
 class LiveProgram {
  public:
   explicit LiveProgram(const std::string& options) : port_(free_udp_port()) {
-    write_file(folder_.file("sensor.json"), drive().metadata);
-    start(options);
+    write_file(path("sensor.json"), drive().metadata);
+    listens(options);
   }
   /// Once more, into the same folder, after it has ended.
   void start(const std::string& options) {
     fs::remove(path("stdout"));
     fs::remove(path("stderr"));
-    child_.emplace(fmt::format("live --sensor '{}' --port {} --out '{}' {}",
-                               folder_.file("sensor.json"), port_, folder_.file("out"), options),
-                   fmt::format(">'{}' 2>'{}'", path("stdout"), path("stderr")));
+    child_.emplace(
+        fmt::format(
+            fmt::runtime("live --sensor '{0}/sensor.json' --out '{0}/out' --port {1} " + options),
+            folder_.path().string(), port_),
+        fmt::format(">'{}' 2>'{}'", path("stdout"), path("stderr")));
+  }
+  /// The same, until it waits for packets.
+  void listens(const std::string& options) {
+    start(options);
+    REQUIRE(says("no packet yet"));
   }
 
   std::uint16_t port() const { return port_; }
@@ -93,12 +101,6 @@ class LiveProgram {
   }
   std::string error() const { return file_contents(path("stderr")); }
   std::string path(const std::string& name) const { return folder_.file(name); }
-  /// Of its page.
-  std::string url() const {
-    const std::string text = out();
-    const std::size_t at = text.find("http://");
-    return text.substr(at, text.find('\n', at) - at);
-  }
 
   /// Waits until the output has such a part; whether it came.
   bool says(const std::string& part) const {
@@ -133,9 +135,7 @@ class LiveProgram {
 }  // namespace
 
 TEST_CASE("a drive that is sent live gives the trajectory that its capture gives") {
-  const TemporaryDirectory folder;
-  LiveProgram live("--record '" + folder.file("kept.pcap") + "'");
-  REQUIRE(live.says("no packet yet"));
+  LiveProgram live("--record '{0}/kept.pcap'");
   live.send_drive();
   CHECK(live.end(SIGINT) == 0);
   CAPTURE(live.out());
@@ -154,8 +154,8 @@ TEST_CASE("a drive that is sent live gives the trajectory that its capture gives
   CHECK(timings["times_ms"]["latency"]["p95"] > timings["times_ms"]["slam_total"]["median"]);
   CHECK(timings["per_scan"]["times_ms"]["latency"].size() == kDriveScans);
 
-  succeeds("run '{}' --out '{}'", folder.file("kept.pcap"), folder.file("out"));
-  const Trajectory by_file = read_tum(folder.file("out/trajectory.tum"));
+  succeeds("run '{}' --out '{}'", live.path("kept.pcap"), live.path("run"));
+  const Trajectory by_file = read_tum(live.path("run/trajectory.tum"));
   REQUIRE(by_file.size() == kDriveScans);
   for (std::size_t i = 0; i < by_file.size(); ++i) {
     CHECK(by_wire[i].T_map_sensor.isApprox(by_file[i].T_map_sensor, 1e-9));
@@ -164,27 +164,23 @@ TEST_CASE("a drive that is sent live gives the trajectory that its capture gives
 }
 
 TEST_CASE("live makes the maps that run makes of its capture, and one to be located in again") {
-  const TemporaryDirectory folder;
-  const std::string kept = folder.file("kept.pcap");
-  LiveProgram live(fmt::format("--record '{}' --occupancy-grid --save-map", kept));
-  REQUIRE(live.says("no packet yet"));
+  LiveProgram live("--record '{0}/kept.pcap' --occupancy-grid --save-map");
+  const std::string kept = live.path("kept.pcap");
   live.send_drive();
   CHECK(live.end(SIGINT) == 0);
   CAPTURE(live.error());
-  succeeds("run '{}' --occupancy-grid --save-map --out '{}'", kept, folder.file("run"));
-  for (const char* map : {"map.pgm", "map.yaml", "saved_map.npz"}) {
+  succeeds("run '{}' --occupancy-grid --save-map --out '{}'", kept, live.path("run"));
+  for (const std::string map : {"map.pgm", "map.yaml", "saved_map.npz"}) {
     CAPTURE(map);
-    CHECK(file_contents(live.path(fmt::format("out/{}", map))) ==
-          file_contents(folder.file(fmt::format("run/{}", map))));
+    CHECK(file_contents(live.path("out/" + map)) == file_contents(live.path("run/" + map)));
   }
 
-  live.start(fmt::format("--map '{}'", folder.file("run/saved_map.npz")));
-  REQUIRE(live.says("no packet yet"));
+  live.listens("--map '{0}/run/saved_map.npz'");
   succeeds("replay '{}' --port {}", kept, live.port());
   REQUIRE(live.says(fmt::format("{} scans  x", kDriveScans)));
   CHECK(live.end(SIGINT) == 0);
   const Trajectory again = read_tum(live.path("out/trajectory.tum"));
-  const Trajectory first = read_tum(folder.file("run/trajectory.tum"));
+  const Trajectory first = read_tum(live.path("run/trajectory.tum"));
   REQUIRE(again.size() == first.size());
   const auto end_m = [](const Trajectory& path) -> Eigen::Vector3d {
     return path.back().T_map_sensor.translation();
@@ -194,26 +190,23 @@ TEST_CASE("live makes the maps that run makes of its capture, and one to be loca
 
 TEST_CASE(
     "killed while it records, live leaves a capture to run on, which it does not write over") {
-  const TemporaryDirectory folder;
-  const std::string kept = folder.file("kept.pcap");
-  LiveProgram live("--record '" + kept + "'");
-  REQUIRE(live.says("no packet yet"));
+  LiveProgram live("--record '{0}/kept.pcap'");
+  const std::string kept = live.path("kept.pcap");
   live.send_drive();
   CHECK(live.end(SIGKILL) == -1);
 
   // At most the last packets, which were not written yet, are missing.
   const std::string recorded = file_contents(kept);
-  const ProgramResult run = succeeds("run '{}' --out '{}'", kept, folder.file("run"));
-  CHECK(read_tum(folder.file("run/trajectory.tum")).size() >= kDriveScans - 1);
+  succeeds("run '{}' --out '{}'", kept, live.path("run"));
+  CHECK(read_tum(live.path("run/trajectory.tum")).size() >= kDriveScans - 1);
 
-  live.start("--record '" + kept + "'");
+  live.start("--record '{0}/kept.pcap'");
   CHECK(live.wait() == 2);
   CHECK(missing(live.error(), {kept.substr(0, kept.size() - 5), "name another file"}) == "");
-  CHECK(live.error().find('\n') == live.error().size() - 1);
+  CHECK(is_one_line(live.error()));
   CHECK(file_contents(kept) == recorded);
 
-  live.start("--record '" + folder.file("more.pcap") + "'");
-  REQUIRE(live.says("no packet yet"));
+  live.listens("--record '{0}/more.pcap'");
   live.send_drive();
   CHECK(live.end(SIGTERM) == 0);
   CHECK(read_tum(live.path("out/trajectory.tum")).size() == kDriveScans);
@@ -222,10 +215,7 @@ TEST_CASE(
 TEST_CASE("results that cannot be written end no drive and no recording; they are written later") {
   for (const bool mended : {true, false}) {
     CAPTURE(mended);
-    const TemporaryDirectory folder;
-    const std::string kept = folder.file("kept.pcap");
-    LiveProgram live("--record '" + kept + "'");
-    REQUIRE(live.says("no packet yet"));
+    LiveProgram live("--record '{0}/kept.pcap'");
     fs::create_directory(live.path("out/timings.json"));  // nothing can be renamed to this
     live.send_drive();
     CHECK(live.says("RESULTS NOT WRITTEN"));
@@ -234,16 +224,14 @@ TEST_CASE("results that cannot be written end no drive and no recording; they ar
     CHECK(live.end(SIGINT) == (mended ? 0 : 2));
     CAPTURE(live.error());
     CHECK(fs::exists(live.path("out/report.html")) == mended);
-    succeeds("run '{}' --out '{}'", kept, folder.file("out"));
-    CHECK(read_tum(folder.file("out/trajectory.tum")).size() == kDriveScans);
+    succeeds("run '{}' --out '{}'", live.path("kept.pcap"), live.path("run"));
+    CHECK(read_tum(live.path("run/trajectory.tum")).size() == kDriveScans);
   }
 }
 
 TEST_CASE("metadata that cannot be put beside a recording end the recording, not the drive") {
-  const TemporaryDirectory folder;
-  LiveProgram live("--record '" + folder.file("kept.pcap") + "'");
-  REQUIRE(live.says("no packet yet"));
-  fs::create_directory(folder.file("kept.json"));
+  LiveProgram live("--record '{0}/kept.pcap'");
+  fs::create_directory(live.path("kept.json"));
   live.send_drive();
   REQUIRE(live.says("NOT RECORDED ANY MORE"));
   CHECK(live.end(SIGINT) == 2);
@@ -253,9 +241,10 @@ TEST_CASE("metadata that cannot be put beside a recording end the recording, not
 
 TEST_CASE("live upsamples scans, serves the page, and ends with SIGTERM as with Ctrl-C") {
   LiveProgram live("--rows 8 --upsample linear --view 0");
-  REQUIRE(live.says("page: http://127.0.0.1:"));
-  const std::string url = live.url();
-  const auto port = static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)));
+  const std::string page = "page: http://127.0.0.1:";
+  REQUIRE(live.says(page));
+  const int at = std::stoi(live.out().substr(live.out().find(page) + page.size()));
+  const auto port = static_cast<std::uint16_t>(at);
   CHECK(holds(live::http_get(kLoopback, port, "/"), "hqslam live"));
   live.send_drive();
   const auto state = nlohmann::json::parse(live::http_get(kLoopback, port, "/state"));
@@ -269,12 +258,11 @@ TEST_CASE("live upsamples scans, serves the page, and ends with SIGTERM as with 
 }
 
 TEST_CASE("live that never got a packet says so, writes nothing and can be ended") {
-  const TemporaryDirectory folder;
-  LiveProgram live("--record '" + folder.file("kept.pcap") + "'");
+  LiveProgram live("--record '{0}/kept.pcap'");
   REQUIRE(live.says(fmt::format("no packet yet on UDP port {}", live.port())));
   CHECK(live.end(SIGINT) == 0);
   CHECK_FALSE(fs::exists(live.path("out")));
-  CHECK_FALSE(fs::exists(folder.file("kept.pcap")));
+  CHECK_FALSE(fs::exists(live.path("kept.pcap")));
 }
 
 TEST_CASE("captures are opened by upsample, compare, inspect and table as by run") {
@@ -282,22 +270,21 @@ TEST_CASE("captures are opened by upsample, compare, inspect and table as by run
   const OusterDrive drive = ouster_drive(simulated_drive("--sensor os1-64 --scans 6"));
   write_file(folder.file("a.pcap"), pcap_bytes(drive.packets));
   write_file(folder.file("a.json"), drive.metadata);
-  write_untrained_weights(folder.file("w.npz"), sensor_preset("os1-64"));
   const std::string in = folder.path().string();
   for (const char* arguments :
        {"upsample '{0}/a.pcap' --method linear --return last --out '{0}/upsampled'",
         "compare '{0}/a.pcap' --return last",
-        "inspect '{0}/a.pcap' --weights '{0}/w.npz' --scan 2 --out '{0}/layers.html'",
+        "inspect '{0}/a.pcap' --weights '{1}' --scan 2 --out '{0}/layers.html'",
         "table --drives '{0}/a.pcap' --methods linear,rows-64 --stream 7502 --out '{0}/table'"}) {
-    succeeds(fmt::format(fmt::runtime(arguments), in));
+    succeeds(fmt::format(fmt::runtime(arguments), in, untrained_file()));
   }
   const nlohmann::json origin = json_of(folder.file("upsampled/upsample.json"));
   CHECK(origin["input"] == in + "/a.pcap");
   CHECK(origin["scans_in_recording"] == 6);
   CHECK(missing(refused("replay '{}/a.pcap' --to nowhere", in).error,
                 {"--to nowhere", "expected an IPv4 or IPv6 address"}) == "");
-  const ProgramResult none =
-      refused("inspect '{0}/a.pcap' --weights '{0}/w.npz' --scan 6 --out '{0}/none.html'", in);
+  const ProgramResult none = refused(
+      "inspect '{0}/a.pcap' --weights '{1}' --scan 6 --out '{0}/none.html'", in, untrained_file());
   CHECK(holds(none.error, "has 6 scans"));
 }
 

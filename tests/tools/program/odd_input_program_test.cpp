@@ -38,30 +38,24 @@ TEST_CASE("options that would do nothing are refused with what they need") {
     CHECK(holds(refused("run " + input + options).error, needs));
   }
   CHECK_FALSE(fs::exists(out.file("x")));
-  const std::string drive = simulated_drive();
-  for (const char* command :
-       {"run '{0}' {1} --out '{2}'", "upsample '{0}' --method linear {1} --out '{2}'",
-        "compare '{0}' {1}", "table --drives '{0}' --methods rows-16 {1} --out '{2}'",
-        "map '{0}' --poses '{0}/truth.tum' {1} --out '{2}'",
-        "calibrate '{0}' {1} --out '{2}.json'"}) {
-    CAPTURE(command);
-    CHECK(holds(refused(fmt::format(fmt::runtime(command), drive,
-                                    "--motion-corrected --capture rolling", out.file("z")))
-                    .error,
-                "--capture does not apply to a stack of range images"));
+  std::vector<std::pair<std::string, const char*>> refusals = {
+      {"info '{0}' --stream 7502", "leave --stream out"},
+      {"upsample '{0}' --sensor os1-64 --method linear --poses '{0}/truth.tum' --out '{1}'",
+       "weights with a memory"},
+      {"evaluate '{0}/truth.tum' '{0}/truth.tum' --sensor os1-16", "two .npy stacks"},
+      {"inspect '{0}' --slam --tensor mode_1 --out '{1}'", "--slam excludes"},
+      {"inspect '{0}' --slam --reference --out '{1}'", "--slam excludes"}};
+  for (const std::string command :
+       {"run '{0}' --out '{1}'", "upsample '{0}' --method linear --out '{1}'", "compare '{0}'",
+        "table --drives '{0}' --methods rows-16 --out '{1}'",
+        "map '{0}' --poses '{0}/truth.tum' --out '{1}'", "calibrate '{0}' --out '{1}.json'"}) {
+    refusals.emplace_back(command + " --motion-corrected --capture rolling",
+                          "--capture does not apply to a stack of range images");
   }
-  CHECK(holds(refused("info '{}' --stream 7502", drive).error, "leave --stream out"));
-  CHECK(holds(
-      refused("upsample '{0}' --sensor os1-64 --method linear --poses '{0}/truth.tum' --out '{1}'",
-              drive, out.file("y"))
-          .error,
-      "weights with a memory"));
-  CHECK(holds(refused("evaluate '{0}/truth.tum' '{0}/truth.tum' --sensor os1-16", drive).error,
-              "two .npy stacks"));
-  for (const char* option : {"--tensor mode_1", "--reference"}) {
+  for (const auto& [command, says] : refusals) {
+    const std::string out_of = out.file("y");
     CHECK(
-        holds(refused("inspect '{}' --slam {} --out '{}'", drive, option, out.file("x.html")).error,
-              "--slam excludes"));
+        holds(refused(fmt::format(fmt::runtime(command), simulated_drive(), out_of)).error, says));
   }
 }
 

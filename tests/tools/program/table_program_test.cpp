@@ -98,12 +98,15 @@ TEST_CASE("a table is interrupted, finished, repeated and repaired, always with 
   CHECK(file_contents(out + "/table.json") == whole);
 }
 
-TEST_CASE("LeGO-LOAM and networks without their filter go other ways") {
+TEST_CASE("LeGO-LOAM, networks without their filter and those of others go other ways") {
   const TemporaryDirectory folder;
   const std::string drive = simulated_drive("--sensor os1-64 --scans 6");
   const std::string out = folder.file("out");
-  succeeds("table --drives '{}' --scans 4 --methods {} --out '{}'", drive,
-           "du-or-no-filter,du-or,du-or+as-published,rows-64", out);
+  const ProgramResult table =
+      succeeds("table --drives '{}' --scans 4 --methods {} --weights '{}' --out '{}'", drive,
+               "du-or-no-filter,du-or,du-or+as-published,rows-64",
+               golden_folder() + "/../../weights/srae_4_os1_16to64.npz", out);
+  CHECK(holds(table.out, "srae_4_os1_16to64"));
   const std::string name = fs::path(drive).filename().string();
   const std::string du_or = file_contents(run_file(out, name, "du-or"));
   CHECK(read_tum(run_file(out, name, "du-or")).size() == 4);
@@ -207,15 +210,6 @@ TEST_CASE(
 
   for (const fs::path& file : files) fs::resize_file(file, 1001);
   CHECK(holds(refused(arguments).error, ".bin: expected a KITTI scan"));
-}
-
-TEST_CASE("networks that others published are rows of a table") {
-  const TemporaryDirectory folder;
-  const ProgramResult result =
-      succeeds("table --drives '{}' --methods rows-64 --weights '{}' --out '{}'",
-               simulated_drive("--sensor os1-64 --scans 4"),
-               golden_folder() + "/../../weights/srae_4_os1_16to64.npz", folder.file("out"));
-  CHECK(holds(result.out, "srae_4_os1_16to64"));
 }
 
 TEST_CASE("a wrong table is one line on stderr and status 2, and writes nothing") {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <map>
 #include <string>
 
 #include "hqslam/core/sensor_model.h"
@@ -9,6 +10,7 @@
 #include "hqslam/nn/network_json.h"
 #include "hqslam/nn/weights_file.h"
 #include "made_images.h"
+#include "temporary_directory.h"
 
 namespace hqslam::test {
 
@@ -29,13 +31,9 @@ inline nn::Weights untrained_weights(const SensorModel& sensor, const std::strin
       "untrained");
   weights.parameters = initial_parameters(weights.description, 1);
   weights.training = "{}";
-  RangeImage measured(sensor.rows() / 4, sensor.columns);
-  for (int row = 0; row < measured.rows; ++row) {
-    for (int column = 0; column < measured.columns; ++column) {
-      measured.at(row, column) =
-          4.0F + static_cast<float>(row) + 0.01F * static_cast<float>(column);
-    }
-  }
+  const RangeImage measured =
+      made_image(sensor.rows() / 4, sensor.columns,
+                 [](int row, int column) { return 4.0 + row + 0.01 * column; });
   const auto network =
       nn::make_network(weights.description, sensor.columns, nn::chosen_instruction_set(), 1);
   network->set_parameters(weights.parameters);
@@ -43,9 +41,17 @@ inline nn::Weights untrained_weights(const SensorModel& sensor, const std::strin
   return weights;
 }
 
-inline void write_untrained_weights(const std::string& path, const SensorModel& sensor,
-                                    const std::string& kind = "du-or") {
-  write_weights(path, untrained_weights(sensor, kind));
+/// The file of such a network for an OS1-64, made once per test program.
+inline const std::string& untrained_file(const std::string& kind = "du-or",
+                                         const std::string& feature = "") {
+  static const TemporaryDirectory folder;
+  static std::map<std::string, std::string> files;
+  std::string& file = files[kind + feature];
+  if (file.empty()) {
+    file = folder.file(kind + feature + ".npz");
+    write_weights(file, untrained_weights(sensor_preset("os1-64"), kind, feature));
+  }
+  return file;
 }
 
 }  // namespace hqslam::test

@@ -15,14 +15,13 @@ struct Material {
   TemporaryDirectory folder;
   std::string drive = simulated_drive("--sensor os1-64 --scans " + std::to_string(kScans));
   std::string measured = folder.file("measured.npy");
-  std::string weights = folder.file("weights.npz");
+  std::string weights = untrained_file();
   Material() {
     NpyStackReader all(drive + "/scans.npy");
     NpyStackWriter rows(measured, 16, 1024);
     for (std::int64_t i = 0; i < all.images(); ++i) {
       rows.append(select_rows(all.read(i), selection_for(64, 16)));
     }
-    write_untrained_weights(weights, sensor_preset("os1-64"));
   }
 };
 
@@ -115,8 +114,7 @@ TEST_CASE(
 TEST_CASE("where the poses are known a network with a memory recalls the scans around each") {
   const Material& files = material();
   const TemporaryDirectory folder;
-  const std::string weights = folder.file("memory.npz");
-  write_weights(weights, untrained_weights(sensor_preset("os1-64"), "du-mix", "scan_memory"));
+  const std::string weights = untrained_file("du-mix", "scan_memory");
   const auto upsampled = [&](const std::string& poses, const std::string& out) {
     succeeds("upsample '{}' --weights '{}' {} --confidence 0 --out '{}'", files.drive, weights,
              poses, folder.file(out));

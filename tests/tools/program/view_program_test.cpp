@@ -86,8 +86,7 @@ TEST_CASE("--open hands the page to xdg-open; without one, or if it fails, a lin
 
 TEST_CASE(
     "view refuses the image of an occupancy grid alone, two grids, a scan that a recording does "
-    "not "
-    "have and files without points") {
+    "not have and files without points") {
   const TemporaryDirectory folder;
   write_file(folder.file("map.pgm"), "P5 1 1 255\n\xFE");
   write_file(folder.file("one.yaml"),

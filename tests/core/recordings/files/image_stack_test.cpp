@@ -27,7 +27,9 @@ struct ImageFolder : TemporaryDirectory {
   std::unique_ptr<ScanSource> open(const RecordingOptions& options = {}) const {
     return open_scan_files(path().string(), sensor, options);
   }
-  std::string complaint() const { return recording_complaint(path().string(), sensor); }
+  bool refused(const auto&... parts) const {
+    return recording_refused(path().string(), sensor, parts...);
+  }
 };
 
 }  // namespace
@@ -81,7 +83,7 @@ TEST_CASE("the scans of a drive have the stamps of its truth, also where it was 
     for (int i = 0; i < 3; ++i) CHECK(source->next()->stamp_s == doctest::Approx(0.05 + 0.1 * i));
   }
   with_truth_of(1);
-  CHECK(one_line_with(folder.complaint(), "scans.npy", "3 images", "found 1", "truth.tum"));
+  CHECK(folder.refused("scans.npy", "3 images", "found 1", "truth.tum"));
 }
 
 TEST_CASE("the files beside the images of a folder describe their pixels") {
@@ -109,9 +111,9 @@ TEST_CASE("the files beside the images of a folder describe their pixels") {
   cloud = folder.open()->next()->cloud;
   for (std::size_t i = 0; i < bytes.size(); ++i) REQUIRE(cloud.intensity[i] == bytes[i]);
   write_file(folder.file("confidence.npy"), file_contents(folder.file("intensity.npy")));
-  CHECK(one_line_with(folder.complaint(), "confidence.npy", "'<f4'", "'|u1'"));
+  CHECK(folder.refused("confidence.npy", "'<f4'", "'|u1'"));
   write_stack(folder.file("confidence.npy"), {RangeImage(16, 7)});
-  CHECK(one_line_with(folder.complaint(), "confidence.npy", "1 images", "16 x 7"));
+  CHECK(folder.refused("confidence.npy", "1 images", "16 x 7"));
 }
 
 TEST_CASE("images have the stamps that they are given, which go before those in their folder") {

@@ -11,9 +11,7 @@ using namespace hqslam::test;
 namespace {
 
 std::vector<ImuSample> samples_of(const std::string& csv) {
-  const TemporaryDirectory directory;
-  write_file(directory.file("imu.csv"), csv);
-  return read_imu_csv(directory.file("imu.csv"));
+  return from_file("imu.csv", csv, read_imu_csv);
 }
 
 }  // namespace

@@ -96,22 +96,20 @@ TEST_CASE(".ply files of both forms are read") {
 }
 
 TEST_CASE("a .ply file may announce as many points as a map has, if it is as long") {
-  const TemporaryDirectory directory;
-  const auto complaint = [&](const std::string& points) {
-    write_file(directory.file("map.ply"),
-               "ply\nformat binary_little_endian 1.0\nelement vertex " + points +
-                   "\nproperty float x\nproperty float y\nproperty float z\nend_header\n123");
-    return error_message([&] { only_scan(directory.file("map.ply")); });
+  const auto refuses = [](const std::string& points, const auto&... parts) {
+    const std::string ply =
+        "ply\nformat binary_little_endian 1.0\nelement vertex " + points +
+        "\nproperty float x\nproperty float y\nproperty float z\nend_header\n123";
+    CHECK(refused_with([&] { from_file("map.ply", ply, only_scan); }, parts...));
   };
-  CHECK(one_line_with(complaint("60000000"), "60000000 points of 12 bytes", "'3 bytes'"));
-  CHECK(one_line_with(complaint("67108865"), "a number of points up to 67108864"));
+  refuses("60000000", "60000000 points of 12 bytes", "'3 bytes'");
+  refuses("67108865", "a number of points up to 67108864");
 }
 
 TEST_CASE("confidence and intensity come with their points, whatever the field is called") {
-  const TemporaryDirectory folder;
+  const auto scan_at = [](const auto& path) { return read_point_file(path).scan; };
   const auto read = [&](const std::string& names) {
-    write_file(folder.file("a.csv"), names + "\n1,2,0.5,3,7\n0,0,0.9,0,8\n4,5,1,6,9\n");
-    return read_point_file(folder.file("a.csv")).scan;
+    return from_file("a.csv", names + "\n1,2,0.5,3,7\n0,0,0.9,0,8\n4,5,1,6,9\n", scan_at);
   };
   for (const char* name : {"intensity", "Reflectivity", "scalar_Intensity"}) {
     const Scan scan = read(std::string("x,y,confidence,z,") + name);
@@ -123,8 +121,7 @@ TEST_CASE("confidence and intensity come with their points, whatever the field i
   CHECK(read("x,y,a,z,b").confidence.empty());
   CHECK(read("x,y,a,z,b").intensity.empty());
   // Intensities that are all 0 count as absent.
-  write_file(folder.file("a.txt"), "1 2 3 0\n2 3 4 0\n");
-  CHECK(read_point_file(folder.file("a.txt")).scan.intensity.empty());
+  CHECK(from_file("a.txt", "1 2 3 0\n2 3 4 0\n", scan_at).intensity.empty());
 }
 
 TEST_CASE("the unit of times is that in which they last a turn") {

@@ -15,17 +15,12 @@ namespace {
 
 /// Walls at different distances and the ground; some pixels without a return.
 RangeImage an_image(const SensorModel& sensor, double shift_m = 0.0) {
-  RangeImage image(sensor.rows(), sensor.columns);
-  for (int row = 0; row < image.rows; ++row) {
+  return made_image(sensor.rows(), sensor.columns, [&](int row, int column) {
     const double tangent = std::tan(sensor.beam_elevation_rad[row]);
-    for (int column = 0; column < image.columns; ++column) {
-      const double wall_m = 12.0 + shift_m + 4.0 * std::cos(6.28 * column / image.columns);
-      const double distance_m = std::min(wall_m, tangent < 0.0 ? 1.7 / -tangent : 1e3);
-      if ((column / 100) % 5 == 4) continue;
-      image.at(row, column) = static_cast<float>(distance_m * std::hypot(1.0, tangent));
-    }
-  }
-  return image;
+    const double wall_m = 12.0 + shift_m + 4.0 * std::cos(6.28 * column / sensor.columns);
+    const double distance_m = std::min(wall_m, tangent < 0.0 ? 1.7 / -tangent : 1e3);
+    return (column / 100) % 5 == 4 ? 0.0 : distance_m * std::hypot(1.0, tangent);
+  });
 }
 
 Scan as_scan(const RangeImage& image, const SensorModel& sensor) {
@@ -74,12 +69,9 @@ TEST_CASE("an .npy stack gives its images, in either order of rows, rolling or c
   const SensorModel sensor = sensor_preset("os1-16");
   const std::string path = directory.file("scans.npy");
   const RangeImage image = an_image(sensor);
-  RangeImage flipped(image.rows, image.columns);
-  for (int row = 0; row < image.rows; ++row) {
-    for (int column = 0; column < image.columns; ++column) {
-      flipped.at(row, column) = image.at(image.rows - 1 - row, column);
-    }
-  }
+  const RangeImage flipped = made_image(image.rows, image.columns, [&](int row, int column) {
+    return image.at(image.rows - 1 - row, column);
+  });
   write_stack(path, {image, flipped});
   const auto source = open_scan_files(path, sensor);
   CHECK(source->size() == 2);
@@ -134,13 +126,12 @@ TEST_CASE("a simulated drive is opened with the sensor it was made with and no o
   CHECK_FALSE(scan->cloud.time_offset_s.empty());
   SensorModel tilted = sensor;
   tilted.beam_elevation_rad[3] += 1e-3;
-  CHECK(one_line_with(recording_complaint(path, tilted), path, "expected", "hdl-32e", "found",
-                      "sensor.json"));
-  CHECK(one_line_with(recording_complaint(path, sensor_preset("os1-64")), "'os1-64' (64 rows",
-                      "'hdl-32e' (32 rows"));
+  CHECK(recording_refused(path, tilted, path, "expected", "hdl-32e", "found", "sensor.json"));
+  CHECK(
+      recording_refused(path, sensor_preset("os1-64"), "'os1-64' (64 rows", "'hdl-32e' (32 rows"));
   SensorModel slow = sensor;
   slow.scan_period_s = 0.2;
-  CHECK(one_line_with(recording_complaint(path, slow), "0.2 s a scan", "found", "0.1 s a scan"));
+  CHECK(recording_refused(path, slow, "0.2 s a scan", "found", "0.1 s a scan"));
 }
 
 TEST_CASE("what a folder's sensor file says of its images holds whatever the sensor is called") {
@@ -177,21 +168,20 @@ TEST_CASE("a path that is no recording is refused in one line") {
   const TemporaryDirectory directory;
   const SensorModel sensor = sensor_preset("os1-16");
   const std::string path = directory.path().string();
-  CHECK(one_line_with(recording_complaint("/nowhere", sensor), "/nowhere", "no such",
-                      "give a capture"));
-  CHECK(one_line_with(recording_complaint(path, sensor), path, "empty folder", ".bin or .pcd"));
+  CHECK(recording_refused("/nowhere", sensor, "/nowhere", "no such", "give a capture"));
+  CHECK(recording_refused(path, sensor, path, "empty folder", ".bin or .pcd"));
   write_file(directory.file("readme.md"), "hello");
-  CHECK(one_line_with(recording_complaint(path, sensor), path, "found none"));
-  CHECK(one_line_with(recording_complaint(directory.file("readme.md"), sensor), "'.md'"));
+  CHECK(recording_refused(path, sensor, path, "found none"));
+  CHECK(recording_refused(directory.file("readme.md"), sensor, "'.md'"));
   write_file(directory.file("readme.txt"), "hello");  // a kind of recording, but no points in it
-  CHECK(one_line_with(recording_complaint(directory.file("readme.txt"), sensor), "columns x y z"));
+  CHECK(recording_refused(directory.file("readme.txt"), sensor, "columns x y z"));
   write_file(directory.file("a.npy"), "not numpy");
-  CHECK(one_line_with(recording_complaint(path, sensor), "a.npy", "give the path"));
-  CHECK(one_line_with(recording_complaint(directory.file("a.npy"), sensor), "a.npy", "NUMPY"));
+  CHECK(recording_refused(path, sensor, "a.npy", "give the path"));
+  CHECK(recording_refused(directory.file("a.npy"), sensor, "a.npy", "NUMPY"));
   write_file(directory.file("0.bin"), "text, not a scan");
-  CHECK(one_line_with(recording_complaint(path, sensor), "0.bin", "text"));
+  CHECK(recording_refused(path, sensor, "0.bin", "text"));
   write_file(directory.file("0.pcd"), "");
-  CHECK(one_line_with(recording_complaint(path, sensor), path, "one kind", "1 .bin and 1 .pcd"));
+  CHECK(recording_refused(path, sensor, path, "one kind", "1 .bin and 1 .pcd"));
 }
 
 TEST_CASE("broken links and files that are no scans are named, and later scans keep their stamps") {
@@ -224,27 +214,25 @@ TEST_CASE("scans of another sensor or in other units are refused") {
   write_points(scan.points_m, directory.file("0.pcd"));
   for (const std::string name : {"os1-16", "vlp-16", "hdl-64e", "vls-128"}) {
     CAPTURE(name);
-    CHECK(one_line_with(recording_complaint(directory.file("0.bin"), sensor_preset(name)), "0.bin",
-                        name, "name the sensor"));
+    CHECK(recording_refused(directory.file("0.bin"), sensor_preset(name), "0.bin", name,
+                            "name the sensor"));
   }
   std::vector<Eigen::Vector3f> in_mm = scan.points_m;
   for (Eigen::Vector3f& point : in_mm) point *= 1000.0F;
   write_points(in_mm, directory.file("mm.pcd"));
-  CHECK(one_line_with(recording_complaint(directory.file("mm.pcd"), os1_64), "mm.pcd", "metres"));
+  CHECK(recording_refused(directory.file("mm.pcd"), os1_64, "mm.pcd", "metres"));
   std::vector<Eigen::Vector3f> above = scan.points_m;
   for (Eigen::Vector3f& point : above) point.z() = point.norm();
   write_points(above, directory.file("above.pcd"));
-  CHECK(one_line_with(recording_complaint(directory.file("above.pcd"), os1_64), "above.pcd",
-                      "outside", "name the sensor"));
+  CHECK(recording_refused(directory.file("above.pcd"), os1_64, "above.pcd", "outside",
+                          "name the sensor"));
 
   RangeImage image = an_image(os1_64);
   for (float& range : image.range_m) range *= 1000.0F;
   write_stack(directory.file("mm.npy"), {image});
-  CHECK(
-      one_line_with(recording_complaint(directory.file("mm.npy"), os1_64), "mm.npy[0]", "metres"));
-  CHECK(one_line_with(recording_complaint(directory.file("mm.npy"), sensor_preset("os1-16")),
-                      "mm.npy", "16 x 1024", "64 x 1024"));
+  CHECK(recording_refused(directory.file("mm.npy"), os1_64, "mm.npy[0]", "metres"));
+  CHECK(recording_refused(directory.file("mm.npy"), sensor_preset("os1-16"), "mm.npy", "16 x 1024",
+                          "64 x 1024"));
   const NpyStackWriter no_images(directory.file("none.npy"), 64, 1024);
-  CHECK(one_line_with(recording_complaint(directory.file("none.npy"), os1_64), "none.npy",
-                      "one image"));
+  CHECK(recording_refused(directory.file("none.npy"), os1_64, "none.npy", "one image"));
 }

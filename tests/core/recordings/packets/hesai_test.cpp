@@ -149,9 +149,8 @@ TEST_CASE("a capture and a bag of Hesai packets give the same scans, by the angl
 }
 
 TEST_CASE(
-    "without an angle file the manual's angles are taken, with a warning; a wrong one is refused, "
-    "and of "
-    "another sensor's angles it is warned") {
+    "without an angle file the manual's angles are taken, with a warning, as of another sensor's "
+    "angles; a wrong file is refused") {
   const TemporaryDirectory folder;
   const std::string capture = folder.file("a.pcap");
   write_file(capture, pcap_bytes(hesai_capture(32, 0.15)));

@@ -1,6 +1,5 @@
 #include "run/slam_settings.h"
 
-#include "hqslam/core/whole_file.h"
 #include "testing.h"
 
 using namespace hqslam;
@@ -10,10 +9,9 @@ namespace {
 
 /// The options that a file with this text and these --set give.
 slam::SlamOptions options_of(const std::string& json, std::vector<std::string> set = {}) {
-  const test::TemporaryDirectory folder;
-  const std::string path = folder.file("slam.json");
-  write_whole_file(path, json);
-  return slam_options({"hqslam", path, std::move(set), false});
+  return test::from_file("slam.json", json, [&](const auto& path) {
+    return slam_options({"hqslam", path, std::move(set), false});
+  });
 }
 
 }  // namespace

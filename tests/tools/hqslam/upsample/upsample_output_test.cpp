@@ -118,26 +118,6 @@ TEST_CASE("an earlier upsampled drive is replaced whole; other files stay") {
   CHECK(file_contents(out + "/notes.txt") == "mine");
 }
 
-TEST_CASE("the input is never overwritten, by whatever path it is named") {
-  const TemporaryDirectory folder;
-  const std::string out = folder.file("out");
-  write_scans(out, 2, {true, true});
-  const std::string before = file_contents(out + "/scans.npy");
-  fs::create_symlink(out, folder.file("link"));
-  const SensorModel sensor = sensor_preset("os1-16");
-  for (const std::string& input :
-       {out, out + "/", out + "/scans.npy", out + "/pcd", out + "/bin/000001.bin",
-        folder.file("link"), folder.file("link/scans.npy"), folder.file("out/../out")}) {
-    CAPTURE(input);
-    CHECK(refused_with(
-        [&] {
-          UpsampleOutput(out, {input, "linear", 1}, sensor, {});
-        },
-        "overwritten", "--out"));
-  }
-  CHECK(file_contents(out + "/scans.npy") == before);
-}
-
 TEST_CASE("the truth and the inertial data of a simulated drive go along") {
   const TemporaryDirectory folder;
   fs::create_directory(folder.file("drive"));

@@ -75,22 +75,18 @@ TEST_CASE("a drive is read as it was written, with its mount and conditions") {
 
 TEST_CASE(
     "what is no drive.json, or of another revision, is an error of one line that names the file") {
-  const TemporaryDirectory folder;
-  const std::string path = folder.file("drive.json");
-  const auto message_for = [&](const std::string& text) {
-    write_file(path, text);
-    return error_message([&] { read_drive_json(path); });
+  const auto refuses = [](const std::string& json, const auto&... parts) {
+    CHECK(refused_with([&] { from_file("drive.json", json, read_drive_json); }, parts...));
   };
-  CHECK(refused_with([&] { read_drive_json(path); }, path, "found no file"));
-  CHECK(one_line_with(message_for("not json"), path, "JSON"));
-  CHECK(one_line_with(message_for("[]"), path, "object"));
-  CHECK(one_line_with(message_for(R"({"name": "town", "seed": 1})"), path, "scans"));
-  CHECK(one_line_with(message_for(R"({"name": "town", "seed": -1, "scans": 3})"), path, "seed"));
-  CHECK(one_line_with(message_for(R"({"name": "town", "seed": 1, "scans": 0})"), "scans"));
-  CHECK(one_line_with(message_for(R"({"name": "moon", "seed": 1, "scans": 3})"), "moon"));
-  CHECK(one_line_with(message_for(R"({"name": "town", "seed": 1, "scans": 3, "mount": 4})"), path,
-                      "mount"));
-  CHECK(one_line_with(message_for(std::string(100000, ' ')), path, "bytes"));
-  CHECK(one_line_with(message_for(R"({"name": "town", "seed": 7, "revision": 1, "scans": 5})"),
-                      "revision 1, expected"));
+  CHECK(
+      refused_with([] { read_drive_json("/nowhere/drive.json"); }, "drive.json", "found no file"));
+  refuses("not json", "drive.json", "JSON");
+  refuses("[]", "drive.json", "object");
+  refuses(R"({"name": "town", "seed": 1})", "drive.json", "scans");
+  refuses(R"({"name": "town", "seed": -1, "scans": 3})", "drive.json", "seed");
+  refuses(R"({"name": "town", "seed": 1, "scans": 0})", "scans");
+  refuses(R"({"name": "moon", "seed": 1, "scans": 3})", "moon");
+  refuses(R"({"name": "town", "seed": 1, "scans": 3, "mount": 4})", "drive.json", "mount");
+  refuses(std::string(100000, ' '), "drive.json", "bytes");
+  refuses(R"({"name": "town", "seed": 7, "revision": 1, "scans": 5})", "revision 1, expected");
 }
