@@ -6,12 +6,15 @@
 namespace hqslam::test {
 namespace {
 
-/// Of the position in the last scan.
+/// Of the position in the last scan, in the frame of the first.
 double error_m(const std::string& results, const std::string& drive) {
   const Trajectory found = read_tum(results + "/trajectory.tum");
   const Trajectory truth = read_tum(drive + "/truth.tum");
   REQUIRE(found.size() == truth.size());
-  return (found.back().T_map_sensor.translation() - truth.back().T_map_sensor.translation()).norm();
+  const auto motion_m = [](const Trajectory& path) -> Eigen::Vector3d {
+    return (path.front().T_map_sensor.inverse() * path.back().T_map_sensor).translation();
+  };
+  return (motion_m(found) - motion_m(truth)).norm();
 }
 
 }  // namespace
