@@ -116,8 +116,10 @@ TEST_CASE("where the poses are known a network with a memory recalls the scans a
   const TemporaryDirectory folder;
   const std::string weights = untrained_file("du-mix", "scan_memory");
   const auto upsampled = [&](const std::string& poses, const std::string& out) {
-    succeeds("upsample '{}' --weights '{}' {} --confidence 0 --out '{}'", files.drive, weights,
-             poses, folder.file(out));
+    const std::string error = succeeds("upsample '{}' --weights '{}' {} --confidence 0 --out '{}'",
+                                       files.drive, weights, poses, folder.file(out))
+                                  .error;
+    CHECK(holds(error, "recalls no earlier scan without poses") == poses.empty());
     return folder.file(out + "/scans.npy");
   };
   NpyStackReader without(upsampled("", "without"));

@@ -1,12 +1,28 @@
 #include "terminal/command_options.h"
 
+#include <fmt/ranges.h>
+
 #include <CLI/CLI.hpp>
 #include <map>
+
+#include "hqslam/core/nearest_names.h"
 
 // Apart from command_line.cpp the only file that includes CLI11, which takes seconds to compile.
 
 namespace hqslam::tools {
 namespace {
+
+/// `check`, which takes one of some names, with a message that proposes the nearest of them.
+CLI::Validator with_proposals(CLI::Validator check, const OptionRules& rules) {
+  const std::string expected =
+      fmt::format("{}{}{}", rules.given == Given::kAnything ? "" : "an existing file or ",
+                  rules.one_of.size() > 1 ? "one of " : "", fmt::join(rules.one_of, ", "));
+  const auto refuse = [check, expected, names = rules.one_of](std::string& value) -> std::string {
+    if (check(value).empty()) return "";
+    return fmt::format("expected {}, found {}{}", expected, value, did_you_mean(value, names));
+  };
+  return check.operation(refuse);
+}
 
 void check_given(CLI::Option& option, const OptionRules& rules) {
   static const std::map<Given, CLI::Validator> checks = {
@@ -18,9 +34,9 @@ void check_given(CLI::Option& option, const OptionRules& rules) {
   if (rules.one_of.empty()) {
     if (check != checks.end()) option.check(check->second);
   } else if (check == checks.end()) {
-    option.check(CLI::IsMember(rules.one_of));
+    option.check(with_proposals(CLI::IsMember(rules.one_of), rules));
   } else {
-    option.check(check->second | CLI::IsMember(rules.one_of));
+    option.check(with_proposals(check->second | CLI::IsMember(rules.one_of), rules));
   }
 }
 

@@ -160,6 +160,9 @@ int run(const UpsampleOptions& options) {
   refuse_to_write_into_recording(options.input, options.out);
   pipeline::UpsampledRecording input = upsampled_recording(options, options);
   require_memory(options.poses, input.upsampler.has_scan_memory());
+  if (options.poses.empty() && input.upsampler.has_scan_memory()) {
+    to_stderr("hqslam: {} recalls no earlier scan without poses; give --poses\n", options.upsample);
+  }
   const auto reopened = [&] { return std::make_unique<recordings::Recording>(input.reopened()); };
   const ScanPoses poses = read_scan_poses(options.poses, interrupt, reopened);
   warn_of_wrong_poses(poses, options.poses, interrupt, reopened);
