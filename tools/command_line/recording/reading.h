@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -22,6 +23,12 @@ std::string_view name(ReadingEnd end);
 struct ScanRange {
   std::int64_t first = 0;
   std::int64_t last = std::numeric_limits<std::int64_t>::max();
+
+  /// How many of a recording's scans they are; nothing where its length is not known.
+  std::optional<std::int64_t> count_of(std::optional<std::int64_t> scans) const {
+    if (!scans) return std::nullopt;
+    return std::max<std::int64_t>(0, std::min(*scans - 1, last) - first + 1);
+  }
 };
 
 /// How a recording was read, up to now or to its end.

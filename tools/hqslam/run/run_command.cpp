@@ -122,7 +122,7 @@ void process_all(ScanSource& source, SlamSession& session, RunOutput& output,
   SlamRun& run = session.run();
   run.scans_in_recording = source.size();
   Progress progress(fmt::format("slam {}x{}", run.sensor.rows(), run.sensor.columns),
-                    source.size());
+                    run.wanted.count_of(source.size()));
   read_scans(source, interrupt, run, [&](const ReadScan& read) {
     session.process(read.scan, read.index, read.reading_s);
     if (output.checkpoint_due()) output.write_checkpoint(session.run_so_far());

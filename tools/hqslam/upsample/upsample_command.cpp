@@ -77,7 +77,7 @@ UpsampleRun upsample(ScanSource& source, pipeline::Upsampler& upsampler, const S
   run.wanted = wanted_scans(options);
   Progress progress(
       fmt::format("upsample to {}x{}", upsampler.sensor().rows(), upsampler.sensor().columns),
-      source.size());
+      run.wanted.count_of(source.size()));
   const auto upsample = [&](const ReadScan& read) {
     const OrganizedCloud measured = upsampler.measured(read.scan.cloud);
     OrganizedCloud cloud;

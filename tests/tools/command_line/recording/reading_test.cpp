@@ -111,4 +111,12 @@ TEST_CASE("scans that wait for others are not used when Ctrl-C ends the reading"
   CHECK(reading.end == ReadingEnd::kInterrupted);
 }
 
+TEST_CASE("a range of scans has as many as the recording holds of it") {
+  CHECK(ScanRange{10, 29}.count_of(80) == 20);
+  CHECK(ScanRange{10, 29}.count_of(15) == 5);
+  CHECK(ScanRange{10, 29}.count_of(10) == 0);
+  CHECK(ScanRange{}.count_of(80) == 80);
+  CHECK_FALSE(ScanRange{}.count_of(std::nullopt).has_value());
+}
+
 }  // namespace hqslam::tools
