@@ -90,9 +90,11 @@ std::string ground_summary(const SlamRun& run) {
   const double share = median_ground_share(run);
   if (share >= kLittleGround) return "";
   return fmt::format(
-      "ground: only {:.0f} % of the returns; normal in rooms. Elsewhere height and tilt drift, and "
-      "the sensor may lean or hang upside down: state it (mounting in hqslam slam-options)\n",
-      100.0 * share);
+      "ground: only {:.0f} % of the returns; normal in rooms. Elsewhere height and tilt drift{}\n",
+      100.0 * share,
+      run.mounting.estimated ? ""
+                             : ", and the sensor may lean or hang upside down: state it (mounting "
+                               "in hqslam slam-options)");
 }
 
 /// "fog, dust or snow: near echoes left out of 190 scans"; nothing in clear air.
