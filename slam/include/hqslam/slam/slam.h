@@ -122,8 +122,8 @@ class Slam {
   /// from the reported ones.
   const Trajectory& trajectory() const;
 
-  /// SlamOptions::mounting or, if that is to be estimated or off by more than 5 degrees and a scan up
-  /// to the first of the map has ground, the estimate: `estimated`.
+  /// SlamOptions::mounting or, if that is to be estimated or off by more than 5 degrees and a scan
+  /// up to the first of the map has ground, the estimate: `estimated`.
   MountingOptions mounting() const;
 
   /// The submap of each scan; joined submaps have one number. Between submaps relative poses are
