@@ -97,7 +97,8 @@ ScanReport Slam::Implementation::process(const OrganizedCloud& cloud, double sta
     imu = {};  // the clock was set back: stamps before are of another clock
     gravity_window.interrupt();
   }
-  if (!mounting.is_compared() && reference_of(state) == nullptr) mounting.estimate(cloud);
+  if (!mounting.is_compared() && reference_of(state) == nullptr)
+    mounting.correct_from_ground(cloud);
   const std::optional<OrganizedCloud> level = mounting.level(cloud);
   Notes notes = process_level(level ? *level : cloud, stamp_s, trace);
   ScanReport& report = notes.report;
@@ -154,7 +155,8 @@ Segmentation Slam::Implementation::segmented(const OrganizedCloud& cloud, double
   const OrganizedCloud level = turned_level(cloud, up);
   Segmentation by_map = segment(level, sensor, options.ground, mounting.up_of_upright_sensor(up));
   by_map.up = up;
-  return by_map.ground_points > by_sensor.ground_points ? by_map : by_sensor;
+  if (by_map.ground_points > by_sensor.ground_points) return by_map;
+  return by_sensor;
 }
 
 Features Slam::Implementation::measured_features(const Scan& scan) const {

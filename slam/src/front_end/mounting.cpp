@@ -155,7 +155,7 @@ Eigen::Vector3d Mounting::up_of_upright_sensor(const Eigen::Vector3d& up) const 
   return is_upside_down_ ? half_turned(up_of_sensor) : up_of_sensor;
 }
 
-bool Mounting::estimate(const OrganizedCloud& cloud) {
+bool Mounting::correct_from_ground(const OrganizedCloud& cloud) {
   const std::optional<OrganizedCloud> turned = level(cloud);
   const Eigen::Matrix3Xf points_m =
       ground_points_m(turned ? *turned : cloud, upright_sensor_, up_of_upright_sensor());

@@ -34,8 +34,8 @@ class Mounting {
   /// MountingOptions::estimated asks for it. The ground is the plane, tilted by at most 30 degrees,
   /// with most of the candidate points within 25 m, one per 0.5 m (RANSAC, then least squares).
   /// Returns whether there was one. Motion along the ground does not matter.
-  bool estimate(const OrganizedCloud& cloud);
-  /// Whether estimate() has found the ground in a scan.
+  bool correct_from_ground(const OrganizedCloud& cloud);
+  /// Whether correct_from_ground() has found the ground in a scan.
   bool is_compared() const { return is_compared_; }
 
   /// The scan in the level frame; nothing where the two frames are the same.

@@ -95,7 +95,7 @@ TEST_CASE(
       CAPTURE(roll_rad);
       CAPTURE(pitch_rad);
       slam::Mounting mounting({mounted_roll_deg * kDegree_rad, 0.0, true}, sensor);
-      REQUIRE(mounting.estimate(leaning_scan(sensor, roll_rad, pitch_rad)));
+      REQUIRE(mounting.correct_from_ground(leaning_scan(sensor, roll_rad, pitch_rad)));
       const Pose found(R_level_sensor(mounting.mounted()));
       CHECK(rotation_angle_rad(found.inverse() * level_from_sensor(roll_rad, pitch_rad)) <
             0.05 * kDegree_rad);
@@ -115,7 +115,7 @@ TEST_CASE("a mounting is corrected without being asked where the ground is off b
     CAPTURE(stated_deg);
     CAPTURE(pitch_deg);
     slam::Mounting mounting(mounted(0.0, stated_deg * kDegree_rad), sensor);
-    REQUIRE(mounting.estimate(leaning_scan(sensor, 0.0, pitch_deg * kDegree_rad)));
+    REQUIRE(mounting.correct_from_ground(leaning_scan(sensor, 0.0, pitch_deg * kDegree_rad)));
     CHECK(mounting.is_compared());
     CHECK(mounting.mounted().estimated == is_corrected);
     const double expected_deg = is_corrected ? pitch_deg : stated_deg;
@@ -142,7 +142,7 @@ TEST_CASE("a bank beside the road is not the ground of a sensor that leans") {
   }
   const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kMotionCorrected);
   slam::Mounting mounting({}, sensor);
-  CHECK(mounting.estimate(cloud));
+  CHECK(mounting.correct_from_ground(cloud));
   CHECK_FALSE(mounting.mounted().estimated);
 }
 
@@ -150,13 +150,13 @@ TEST_CASE("without ground nothing is estimated") {
   const SensorModel sensor = sensor_preset("os1-16");
   slam::Mounting mounting(mounted(0.1, 0.0), sensor);
   const Eigen::Matrix3d R = R_level_sensor(mounting.mounted());
-  CHECK_FALSE(mounting.estimate(OrganizedCloud(sensor.rows(), sensor.columns)));
+  CHECK_FALSE(mounting.correct_from_ground(OrganizedCloud(sensor.rows(), sensor.columns)));
   // Walls alone.
   OrganizedCloud walls = leaning_scan(sensor, 0.0, 0.0);
   for (std::size_t i = 0; i < walls.range_m.size(); ++i) {
     if (walls.points_m[i].z() < -1.0F) walls.range_m[i] = 0.0F;
   }
-  CHECK_FALSE(mounting.estimate(walls));
+  CHECK_FALSE(mounting.correct_from_ground(walls));
   // A line of ground: every plane through it fits.
   OrganizedCloud line = leaning_scan(sensor, 0.0, 0.0);
   for (int row = 0; row < line.rows; ++row) {
@@ -164,6 +164,6 @@ TEST_CASE("without ground nothing is estimated") {
       if (column % 512 != 100) line.range_m[line.index(row, column)] = 0.0F;
     }
   }
-  CHECK_FALSE(mounting.estimate(line));
+  CHECK_FALSE(mounting.correct_from_ground(line));
   CHECK(R_level_sensor(mounting.mounted()) == R);
 }

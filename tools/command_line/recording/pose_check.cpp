@@ -69,12 +69,6 @@ std::optional<BothPoses> located(const pipeline::ScanPoses& poses, const ReadSca
   }
 }
 
-double sum(const std::vector<BothMotions>& motions, double (BothMotions::*value)() const) {
-  double result = 0.0;
-  for (const BothMotions& motion : motions) result += (motion.*value)();
-  return result;
-}
-
 double median_difference(const std::vector<BothMotions>& motions) {
   std::vector<double> differences;
   for (const BothMotions& motion : motions) differences.push_back(motion.difference());
@@ -93,6 +87,7 @@ PoseCheck check_poses(const pipeline::ScanPoses& poses, recordings::Recording& r
   int scans = 0;
   int more_upright = 0;  // than upside down
   double turns_rad = 0.0;
+  double turn_differences_rad = 0.0;
   Reading reading;
   read_scans(recording, interrupt, reading, [&](const ReadScan& read) {
     const auto now = located(poses, read, pipeline);
@@ -101,6 +96,7 @@ PoseCheck check_poses(const pipeline::ScanPoses& poses, recordings::Recording& r
     if (moved) {
       motions.push_back(*moved);
       turns_rad += moved->turn_rad();
+      turn_differences_rad += moved->turn_difference_rad();
     }
     if (moved || !now || !begin) begin = now;
     return ++scans < kMostScans && (motions.size() < kManyStretches || turns_rad < kManyTurns_rad);
@@ -109,8 +105,7 @@ PoseCheck check_poses(const pipeline::ScanPoses& poses, recordings::Recording& r
   result.is_upside_down = more_upright < 0;
   if (motions.size() < kFewestStretches) return result;
   result.motion_difference = median_difference(motions);
-  if (turns_rad < kManyTurns_rad) return result;
-  result.turn_difference = sum(motions, &BothMotions::turn_difference_rad) / turns_rad;
+  if (turns_rad >= kManyTurns_rad) result.turn_difference = turn_differences_rad / turns_rad;
   return result;
 }
 
