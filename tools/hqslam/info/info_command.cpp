@@ -8,10 +8,12 @@
 #include "files/result_files.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
+#include "hqslam/pipeline/own_parts.h"
 #include "hqslam/recordings/recording.h"
 #include "info/capture_check.h"
 #include "product.h"
 #include "program/invocation.h"
+#include "recording/reading.h"
 #include "recording/recording_choice.h"
 #include "terminal/command_options.h"
 #include "terminal/terminal.h"
@@ -87,6 +89,23 @@ std::string capture_line(const CaptureCheck& check) {
   return check.verdict ? fit : fit + ": the difference is too small to decide";
 }
 
+/// pipeline::OwnParts::text() after the first scans.
+std::string own_parts(const InfoOptions& options, const recordings::RecordingInfo& info) {
+  constexpr int kScans = 100;
+  recordings::OpenOptions open;
+  open.stream = info.stream;
+  open.all_rows = info.sensor;
+  auto source = recordings::Recording::open(options.input, open);
+  pipeline::OwnParts parts(source.sensor());
+  LeftOut left_out;
+  for (int i = 0; i < kScans; ++i) {
+    auto scan = next_usable(source, left_out);
+    if (!scan) break;
+    parts.without(std::move(scan->cloud));
+  }
+  return parts.text();
+}
+
 /// Where the points are not what they are taken for.
 std::string capture_option(const std::optional<CaptureTime>& verdict, bool is_stack,
                            bool has_times) {
@@ -157,6 +176,10 @@ int run(const InfoOptions& options) {
     const CaptureCheck check = check_capture(options.input, info.sensor, info.stream);
     print_line("captured", capture_line(check));
     capture = capture_option(check.verdict, is_stack, info.has_point_times);
+  }
+  if (complaint.empty()) {
+    const std::string parts = own_parts(options, info);
+    if (!parts.empty()) print_line("vehicle", parts + ": its own parts, which SLAM leaves out");
   }
   if (!info.streams.empty() || info.imu.used > 0) print_line("inertial", imu_line(info));
   if (info.packets.used > 0) print_line("packets", packets_line(info));

@@ -158,6 +158,7 @@ std::string timings_json(const SlamRun& run) {
       {"invalid_points_dropped", invalid_points},
       {"scans_left_out", run.left_out.scans},
       {"left_out", run.left_out.each},
+      {"parts_of_vehicle", run.own_parts.empty() ? Json() : Json(run.own_parts)},
       {"odometry_status", statuses_json(run, &slam::ScanReport::odometry_status)},
       {"mapping_status", statuses_json(run, &slam::ScanReport::mapping_status)},
       {"loops", loops_json(run)},

@@ -127,6 +127,9 @@ std::string run_summary(const SlamRun& run) {
   summary += mounting_summary(run);
   summary += ground_summary(run);
   summary += scattered_summary(run);
+  if (!run.own_parts.empty()) {
+    summary += fmt::format("parts of the vehicle: {}; left out\n", run.own_parts);
+  }
   if (run.found_beams) {
     summary += fmt::format("{}; {}\n", beams_text(*run.found_beams),
                            run.command == "live"

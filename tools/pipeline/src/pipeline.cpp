@@ -20,6 +20,7 @@ double seconds_since(Clock::time_point start) {
 struct Pipeline::Implementation {
   Upsampler upsampler;
   DriveMemory memory{upsampler.method()};
+  OwnParts own_parts{upsampler.measured_sensor()};
   std::unique_ptr<SlamSystem> slam;
 };
 
@@ -38,6 +39,7 @@ Pipeline::Pipeline(Pipeline&&) noexcept = default;
 Pipeline& Pipeline::operator=(Pipeline&&) noexcept = default;
 
 const Upsampler& Pipeline::upsampler() const { return implementation_->upsampler; }
+const OwnParts& Pipeline::own_parts() const { return implementation_->own_parts; }
 const SensorModel& Pipeline::sensor() const { return implementation_->upsampler.sensor(); }
 
 void Pipeline::add_imu(const std::vector<ImuSample>& samples) {
@@ -57,9 +59,9 @@ LocatedScan Pipeline::process(const Scan& points, slam::ScanTrace* trace) {
 
 LocatedScan Pipeline::process(const OrganizedCloud& recorded, double stamp_s,
                               slam::ScanTrace* trace) {
-  auto& [upsampler, memory, slam] = *implementation_;
+  auto& [upsampler, memory, own_parts, slam] = *implementation_;
   LocatedScan located;
-  OrganizedCloud measured = upsampler.measured(recorded);
+  OrganizedCloud measured = own_parts.without(upsampler.measured(recorded));
   if (upsampler.method() == nullptr) {
     located.cloud = std::move(measured);
     located.report = slam->process(located.cloud, stamp_s, trace);

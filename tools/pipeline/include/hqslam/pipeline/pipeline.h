@@ -12,6 +12,7 @@
 #include "hqslam/core/scan_source.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
+#include "hqslam/pipeline/own_parts.h"
 #include "hqslam/pipeline/upsampler.h"
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/saved_map.h"
@@ -43,7 +44,8 @@ struct LocatedScan {
 
 /// Recorded scans in, poses and a map out:
 ///
-///   recorded scan -> Upsampler (measured rows, DriveMemory, network) -> SLAM -> LocatedScan
+///   recorded scan -> Upsampler (measured rows; OwnParts empty them; DriveMemory, network) -> SLAM
+///     -> LocatedScan
 ///
 /// Deterministic, and one object serves one thread at a time, as slam::Slam.
 class Pipeline {
@@ -57,6 +59,7 @@ class Pipeline {
   Pipeline& operator=(Pipeline&&) noexcept;
 
   const Upsampler& upsampler() const;
+  const OwnParts& own_parts() const;
   /// The sensor of LocatedScan::cloud.
   const SensorModel& sensor() const;
 

@@ -1,0 +1,164 @@
+#include "hqslam/pipeline/own_parts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hqslam/core/error.h"
+
+namespace hqslam::pipeline {
+namespace {
+
+constexpr float kNear_m = 3.0F;
+/// Three standard deviations of a range, and what a vehicle's parts shake.
+constexpr float kSame_m = 0.1F;
+constexpr int kConstantScans = 10;
+constexpr int kMovingScans = 20;
+/// Of all pixels; with fewer beyond kNear_m nobody knows whether the sensor moves.
+constexpr double kFewestFarShare = 0.05;
+constexpr std::int32_t kFewestPixels = 10;
+constexpr double kMostContinuedShare = 0.2;
+/// ConnectedComponentsOptions::min_angle_rad. Floors are seen as flatly as that.
+constexpr double kMinAngle_rad = 0.035;
+
+/// The pixels with a return around a component.
+struct Border {
+  int pixels = 0;
+  int continued = 0;  ///< on the same surface
+};
+
+}  // namespace
+
+OwnParts::OwnParts(const SensorModel& sensor)
+    : sensor_(sensor),
+      labeler_(sensor, {.min_angle_rad = kMinAngle_rad}),
+      pixels_(static_cast<std::size_t>(sensor.rows()) * sensor.columns) {}
+
+OrganizedCloud OwnParts::without(OrganizedCloud scan) {
+  if (scan.rows != sensor_.rows() || scan.columns != sensor_.columns) {
+    throw Error("own parts: scan is {}x{}, expected {}x{}", scan.rows, scan.columns, sensor_.rows(),
+                sensor_.columns);
+  }
+  observe(scan.range_m);
+  if (is_moving()) {
+    const RangeImage constant = candidates(scan.range_m);
+    const ConnectedComponents& found = labeler_.label(constant);
+    const std::vector<bool> are_own = end_there(constant, found, scan.range_m);
+    for (std::size_t i = 0; i < pixels_.size(); ++i) {
+      if (found.label[i] < 0) continue;
+      if (are_own[static_cast<std::size_t>(found.label[i])]) pixels_[i].is_own = true;
+    }
+  }
+  for (std::size_t i = 0; i < pixels_.size(); ++i) {
+    if (!pixels_[i].is_own || pixels_[i].different > 0) continue;
+    scan.range_m[i] = 0.0F;
+    scan.points_m[i].setZero();
+  }
+  return scan;
+}
+
+std::string OwnParts::text() const {
+  std::size_t count = 0;
+  float nearest_m = kNear_m;
+  float farthest_m = 0.0F;
+  for (const Pixel& pixel : pixels_) {
+    if (!pixel.is_own) continue;
+    ++count;
+    nearest_m = std::min(nearest_m, pixel.range_m);
+    farthest_m = std::max(farthest_m, pixel.range_m);
+  }
+  if (count == 0) return "";
+  return fmt::format("{} of {} pixels, {:.1f} to {:.1f} m away", count, pixels_.size(), nearest_m,
+                     farthest_m);
+}
+
+/// In how many successive scans a pixel may see something else: the edges of thin parts flicker.
+int OwnParts::most_different(const Pixel& pixel) {
+  if (pixel.is_own) return kConstantScans;
+  return pixel.constant == kConstantScans ? 2 : 0;
+}
+
+/// Pixels without a return stay as they are.
+void OwnParts::observe(const std::vector<float>& range_m) {
+  ++scans_;
+  for (std::size_t i = 0; i < pixels_.size(); ++i) {
+    if (!(range_m[i] > 0.0F)) continue;
+    Pixel& pixel = pixels_[i];
+    if (std::abs(range_m[i] - pixel.range_m) <= kSame_m) {
+      pixel.different = 0;
+    } else if (pixel.different < most_different(pixel)) {
+      ++pixel.different;
+      continue;
+    } else {
+      pixel = {.range_m = range_m[i]};
+    }
+    if (pixel.constant == kConstantScans) continue;
+    ++pixel.constant;
+    pixel.range_m += (range_m[i] - pixel.range_m) / static_cast<float>(pixel.constant);
+  }
+}
+
+bool OwnParts::is_moving() const {
+  int far = 0;
+  int constant = 0;
+  for (const Pixel& pixel : pixels_) {
+    if (pixel.range_m < kNear_m) continue;
+    ++far;
+    constant += pixel.constant == kConstantScans ? 1 : 0;
+  }
+  return scans_ > kConstantScans && 2 * constant < far &&
+         far > kFewestFarShare * static_cast<double>(pixels_.size());
+}
+
+/// Their ranges; 0 elsewhere.
+RangeImage OwnParts::candidates(const std::vector<float>& range_m) {
+  RangeImage result(sensor_.rows(), sensor_.columns);
+  for (std::size_t i = 0; i < pixels_.size(); ++i) {
+    Pixel& pixel = pixels_[i];
+    if (pixel.constant < kConstantScans || !(range_m[i] > 0.0F) || pixel.different > 0) continue;
+    if (pixel.while_moving < kMovingScans) ++pixel.while_moving;
+    const bool is_candidate = pixel.while_moving == kMovingScans && pixel.range_m < kNear_m;
+    if (is_candidate) result.range_m[i] = pixel.range_m;
+  }
+  return result;
+}
+
+/// For each component of candidates whether it ends: whether it is an own part.
+std::vector<bool> OwnParts::end_there(const RangeImage& candidates,
+                                      const ConnectedComponents& found,
+                                      const std::vector<float>& range_m) const {
+  const auto tan_min_angle = static_cast<float>(std::tan(kMinAngle_rad));
+  std::vector<Border> borders(found.components.size());
+  const auto compare = [&](std::size_t pixel, std::size_t other, double alpha_rad) {
+    const bool is_border = candidates.range_m[pixel] > 0.0F &&
+                           !(candidates.range_m[other] > 0.0F) && range_m[other] > 0.0F;
+    if (!is_border) return;
+    Border& border = borders[static_cast<std::size_t>(found.label[pixel])];
+    ++border.pixels;
+    border.continued += ComponentLabeler::connected(
+        candidates.range_m[pixel], range_m[other], static_cast<float>(std::sin(alpha_rad)),
+        static_cast<float>(std::cos(alpha_rad)), tan_min_angle);
+  };
+  for (int row = 0; row < candidates.rows; ++row) {
+    for (int column = 0; column < candidates.columns; ++column) {
+      const std::size_t pixel = candidates.index(row, column);
+      const std::size_t beside = candidates.index(row, (column + 1) % candidates.columns);
+      compare(pixel, beside, sensor_.column_step_rad());
+      compare(beside, pixel, sensor_.column_step_rad());
+      if (row + 1 == candidates.rows) continue;
+      const std::size_t below = candidates.index(row + 1, column);
+      const double step_rad = sensor_.beam_elevation_rad[row] - sensor_.beam_elevation_rad[row + 1];
+      compare(pixel, below, step_rad);
+      compare(below, pixel, step_rad);
+    }
+  }
+  std::vector<bool> result;
+  for (std::size_t i = 0; i < borders.size(); ++i) {
+    result.push_back(found.components[i].pixels >= kFewestPixels &&
+                     borders[i].continued <= kMostContinuedShare * borders[i].pixels);
+  }
+  return result;
+}
+
+}  // namespace hqslam::pipeline
