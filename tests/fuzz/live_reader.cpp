@@ -128,7 +128,7 @@ class Listener {
   /// is_usual: as the sensor that was named sends it.
   void add(const Packet& packet, bool is_usual) {
     if (!assembler_) {
-      if (!stream_.recognise(packet)) return;
+      if (!stream_.recognize(packet)) return;
       assembler_ = stream_.assembler(is_velodyne_ ? kLiveColumns : 0);
     } else {
       const Endpoint before = stream_.sender();

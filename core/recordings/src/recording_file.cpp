@@ -40,7 +40,7 @@ std::string frame_of(const Message& message) {
 }
 
 /// What the messages of a stream are, by this one.
-void recognise(Stream& stream, const Message& message) {
+void recognize(Stream& stream, const Message& message) {
   const std::string type = plain_type(stream.type);
   if (stream.messages == 1 && is_stamped(type)) stream.frame = frame_of(message);
   if (type == "sensor_msgs/PointCloud2") stream.kind = StreamKind::kPointClouds;
@@ -83,7 +83,7 @@ class BagRecording : public RecordingFile {
         }
         Stream& stream = streams_[message->stream];
         ++stream.messages;
-        recognise(stream, *message);
+        recognize(stream, *message);
         return message;
       }
       note_cut();

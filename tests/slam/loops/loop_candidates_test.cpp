@@ -32,7 +32,7 @@ TEST_CASE("plausible drift grows along the path and is cut short by loops") {
     CHECK(open[i].translation_m - open[10].translation_m == doctest::Approx(0.5 * (10 - i)));
     CHECK(open[i].rotation_rad >= open[10].rotation_rad);
   }
-  // Node 9 was recognised at node 1: from node 10 it is one edge and the loop to there.
+  // Node 9 was recognized at node 1: from node 10 it is one edge and the loop to there.
   graph.loops.push_back({1, 9, Pose::Identity(), 0.1, 0.01});
   const auto tied = slam::plausible_drift(graph, edge_drift_m);
   CHECK(tied[1].translation_m - tied[10].translation_m == doctest::Approx(0.5 + 0.2));

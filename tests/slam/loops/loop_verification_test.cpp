@@ -65,7 +65,7 @@ TEST_CASE("a place that fits but could slide is refused") {
   }
 }
 
-TEST_CASE("where there is no map nothing is recognised") {
+TEST_CASE("where there is no map nothing is recognized") {
   const slam::Mapping nothing{slam::MappingOptions{}};
   const Pose pose = test::yard_pose(0.0, 0.0, 0.0);
   const auto features =

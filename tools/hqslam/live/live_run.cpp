@@ -179,7 +179,7 @@ std::string status_line(const LiveStatus& status) {
 bool wait_for_sensor(live::LiveSensor& sensor, const InterruptGuard& interrupt) {
   auto last_printed = SteadyClock::now();
   while (!interrupt.stop_requested()) {
-    if (sensor.recognise(kWait_s)) return true;
+    if (sensor.recognize(kWait_s)) return true;
     if (seconds_since(last_printed) < kStatusInterval_s) continue;
     last_printed = SteadyClock::now();
     const std::int64_t seen = sensor.packets_seen();
@@ -189,7 +189,7 @@ bool wait_for_sensor(live::LiveSensor& sensor, const InterruptGuard& interrupt) 
     }
     to_stdout("{} on UDP port {}{}\n", seen == 0 ? "no packet yet" : "listening", sensor.port(),
               seen == 0 ? "; does the sensor send to this computer?"
-                        : fmt::format(", {} packets, not yet recognised as the sensor's", seen));
+                        : fmt::format(", {} packets, not yet recognized as the sensor's", seen));
   }
   return false;
 }

@@ -96,7 +96,7 @@ Json statuses_json(const SlamRun& run, slam::Status slam::ScanReport::*status) {
   return json;
 }
 
-/// Places that were recognised, and by how much the pose moved.
+/// Places that were recognized, and by how much the pose moved.
 Json loops_json(const SlamRun& run) {
   Json loops = Json::array();
   for (const slam::LoopReport& loop : run.loops) {

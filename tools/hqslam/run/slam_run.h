@@ -56,7 +56,7 @@ struct SlamRun : Reading {
   std::size_t imu_samples = 0;               ///< that SLAM was given
   std::string imu_complaint;                 ///< slam::Slam::imu_complaint()
   std::string own_parts;                     ///< pipeline::OwnParts::text()
-  std::vector<slam::LoopReport> loops;       ///< places that were recognised, and are right now
+  std::vector<slam::LoopReport> loops;       ///< places that were recognized, and are right now
   std::vector<std::size_t> submap_of_scan;   ///< slam::Slam::submap_of_scan()
   std::vector<std::size_t> segment_of_scan;  ///< slam::Slam::segment_of_scan()
   Trajectory trajectory;  ///< T_map_sensor, the map's frame is the first scan's, turned level

@@ -56,7 +56,7 @@ class LiveSensor::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
-  bool recognise(double timeout_s);
+  bool recognize(double timeout_s);
   void start(int columns);
   std::optional<LiveScan> next(double timeout_s);
 
@@ -89,9 +89,9 @@ class LiveSensor::Impl {
   std::optional<UdpSocket> imu_socket_;  ///< of an Ouster
   PacketRecorder recorder_;
   std::int64_t seen_ = 0;
-  bool recognised_ = false;
+  bool recognized_ = false;
   Clock::time_point heard_;  ///< when the sensor's last packet came
-  Packet first_;             ///< that is decoded: the one by which the sensor was recognised
+  Packet first_;             ///< that is decoded: the one by which the sensor was recognized
   std::vector<std::uint8_t> first_payload_;
 
   std::unique_ptr<ScanAssembler> assembler_;
@@ -107,9 +107,9 @@ class LiveSensor::Impl {
   std::exception_ptr failure_;
 };
 
-bool LiveSensor::Impl::recognise(double timeout_s) {
+bool LiveSensor::Impl::recognize(double timeout_s) {
   const auto end = Clock::now() + std::chrono::duration<double>(timeout_s);
-  while (!recognised_) {
+  while (!recognized_) {
     const auto left_ms = std::chrono::duration<double, std::milli>(end - Clock::now()).count();
     if (left_ms <= 0.0) return false;
     const auto packet =
@@ -117,8 +117,8 @@ bool LiveSensor::Impl::recognise(double timeout_s) {
     if (!packet) continue;
     ++seen_;
     recorder_.keep(*packet);
-    recognised_ = stream_.recognise(*packet);
-    if (!recognised_) continue;
+    recognized_ = stream_.recognize(*packet);
+    if (!recognized_) continue;
     first_ = *packet;
     first_payload_.assign(packet->payload.begin(), packet->payload.end());
     first_.payload = first_payload_;
@@ -273,7 +273,7 @@ NamedSensor named_sensor(const std::string& sensor) {
 LiveSensor::LiveSensor(const LiveOptions& options) : impl_(std::make_unique<Impl>(options)) {}
 LiveSensor::~LiveSensor() = default;
 std::uint16_t LiveSensor::port() const { return impl_->port(); }
-bool LiveSensor::recognise(double timeout_s) { return impl_->recognise(timeout_s); }
+bool LiveSensor::recognize(double timeout_s) { return impl_->recognize(timeout_s); }
 std::int64_t LiveSensor::packets_seen() const { return impl_->packets_seen(); }
 std::string LiveSensor::complaint() const { return impl_->stream().complaint(); }
 const SensorModel& LiveSensor::sensor() const { return impl_->stream().sensor(); }

@@ -23,7 +23,7 @@ constexpr std::uint16_t kOusterPort = 7502;
 constexpr std::uint16_t kOusterImuPort = 7503;
 /// From firmware 2.2 on; older sensors' metadata must be given as a file.
 constexpr const char* kMetadataPath = "/api/v1/sensor/metadata";
-/// A Velodyne is recognised by half a second of packets, or this many if their clock stands still.
+/// A Velodyne is recognized by half a second of packets, or this many if their clock stands still.
 constexpr std::int64_t kProbed_us = 500'000;
 constexpr std::int64_t kMostProbedPackets = 5000;
 /// Most addresses that are distinguished; the one that sends least makes room for a new one.
@@ -92,12 +92,12 @@ bool LiveStream::understood(const Packet& packet) const {
   return serial_number_ == 0 || serial == 0 || serial == serial_number_;
 }
 
-bool LiveStream::recognise(const Packet& packet) {
+bool LiveStream::recognize(const Packet& packet) {
   Sender& sender = heard(packet);
   if (!understood(packet)) return false;
-  const bool recognised =
-      is_ouster_ ? recognise_ouster(packet, sender) : recognise_velodyne(packet, sender);
-  if (!recognised) return false;
+  const bool recognized =
+      is_ouster_ ? recognize_ouster(packet, sender) : recognize_velodyne(packet, sender);
+  if (!recognized) return false;
   sender_ = packet.endpoint;
   last_ns_ = packet.capture_time_ns;
   senders_.clear();
@@ -143,7 +143,7 @@ bool LiveStream::ask_for_metadata(const Packet& packet, Sender& sender) {
   return true;
 }
 
-bool LiveStream::recognise_ouster(const Packet& packet, Sender& sender) {
+bool LiveStream::recognize_ouster(const Packet& packet, Sender& sender) {
   if (!metadata_ && !ask_for_metadata(packet, sender)) return false;
   if (packet.payload.size() != metadata_->packet_bytes()) return false;
   sensor_ = metadata_->sensor;
@@ -159,7 +159,7 @@ bool LiveStream::recognise_ouster(const Packet& packet, Sender& sender) {
   return true;
 }
 
-bool LiveStream::recognise_velodyne(const Packet& packet, Sender& sender) {
+bool LiveStream::recognize_velodyne(const Packet& packet, Sender& sender) {
   sender.probe.add(packet);
   const std::int64_t now_us = little_endian<std::uint32_t>(packet.payload, kTimeAt);
   // The sensor's hour may be over.

@@ -22,18 +22,18 @@ class LiveStream {
 
   /// The port to which such a sensor sends by default.
   std::uint16_t usual_port() const;
-  /// The port of inertial data, once the sensor is recognised; 0: none.
+  /// The port of inertial data, once the sensor is recognized; 0: none.
   std::uint16_t imu_port() const;
   /// Whether the packet is one of the sensor's inertial data.
   bool is_imu(const recordings::Packet& packet) const;
   NamedSensor named() const { return {named_, !is_ouster_ || metadata_, metadata_.has_value()}; }
-  /// Takes the next packet; returns whether its sender is now recognised as the sensor. May request
+  /// Takes the next packet; returns whether its sender is now recognized as the sensor. May request
   /// an Ouster's metadata from the sender.
-  bool recognise(const recordings::Packet& packet);
+  bool recognize(const recordings::Packet& packet);
   /// As LiveSensor::complaint().
   std::string complaint() const;
 
-  /// The sensor's present address, once it is recognised.
+  /// The sensor's present address, once it is recognized.
   const recordings::Endpoint& sender() const { return *sender_; }
   /// Whether the packet is the sensor's. Where the sensor is silent it may send on from another
   /// address: then sender() changes.
@@ -60,8 +60,8 @@ class LiveStream {
   };
   Sender& heard(const recordings::Packet& packet);
   bool understood(const recordings::Packet& packet) const;
-  bool recognise_ouster(const recordings::Packet& packet, Sender& sender);
-  bool recognise_velodyne(const recordings::Packet& packet, Sender& sender);
+  bool recognize_ouster(const recordings::Packet& packet, Sender& sender);
+  bool recognize_velodyne(const recordings::Packet& packet, Sender& sender);
   bool ask_for_metadata(const recordings::Packet& packet, Sender& sender);
 
   LiveOptions options_;

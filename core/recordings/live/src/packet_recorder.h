@@ -19,7 +19,7 @@ class PacketRecorder {
 
   /// Keeps a packet until it is known whether its sender is the sensor; the oldest make room.
   void keep(const recordings::Packet& packet);
-  /// The sensor is recognised: records its packets so far, after its metadata, without which they
+  /// The sensor is recognized: records its packets so far, after its metadata, without which they
   /// cannot be read.
   void begin(const LiveStream& stream);
   void add(const recordings::Packet& packet);

@@ -26,9 +26,9 @@ struct Fixture {
     write_file(options.sensor, text);
   }
 
-  void recognise(LiveSensor& sensor) const {
+  void recognize(LiveSensor& sensor) const {
     LoopbackSender(options.port).send(ouster_turn(kProfile, 2)[0].payload);
-    REQUIRE(sensor.recognise(kPatience_s));
+    REQUIRE(sensor.recognize(kPatience_s));
     sensor.start();
   }
   /// A turn, and what was measured when it began.
@@ -47,7 +47,7 @@ TEST_CASE("inertial data that come over UDP come with their scan, and are record
   fixture.options.record = fixture.folder.file("kept.pcap");
   {
     LiveSensor sensor(fixture.options);
-    fixture.recognise(sensor);
+    fixture.recognize(sensor);
     LoopbackSender(fixture.imu_port).send(Payload(47));
     LoopbackSender(fixture.imu_port, 9).send(ouster_imu_packet(5'000'000'000));  // a stranger's
     fixture.send_turn(3);
@@ -69,7 +69,7 @@ TEST_CASE("inertial data of a scan that is dropped come with the next one") {
   Fixture fixture;
   fixture.options.most_waiting = 1;
   LiveSensor sensor(fixture.options);
-  fixture.recognise(sensor);
+  fixture.recognize(sensor);
   for (std::uint32_t id = 3; id < 8; ++id) fixture.send_turn(id);
   wait_until([&] { return sensor.counts().scans >= 6; });
   const auto scan = sensor.next(kPatience_s);
@@ -85,7 +85,7 @@ TEST_CASE("a port of inertial data that is in use is said, and scans come all th
   const Fixture fixture;
   const UdpSocket other(fixture.imu_port);
   LiveSensor sensor(fixture.options);
-  fixture.recognise(sensor);
+  fixture.recognize(sensor);
   CHECK(sensor.counts().imu_failure.find(std::to_string(fixture.imu_port)) != std::string::npos);
   fixture.send_turn(3);
   REQUIRE(sensor.next(kPatience_s));

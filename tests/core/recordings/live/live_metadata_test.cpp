@@ -101,7 +101,7 @@ TEST_CASE("an Ouster that is only named is asked for its metadata where its pack
   const LiveOptions options = named(server);
   LiveSensor sensor(options);
   send_packet(options);
-  REQUIRE(sensor.recognise(kPatience_s));
+  REQUIRE(sensor.recognize(kPatience_s));
   server.join();
   CHECK(server.asked().starts_with("GET /api/v1/sensor/metadata HTTP/1.1\r\n"));
   CHECK(sensor.sensor().rows() == 16);
@@ -117,7 +117,7 @@ TEST_CASE("why an Ouster of another kind, or one that does not answer, is refuse
     LiveSensor sensor(options);
     send_packet(options);
     wait_until([&] {
-      CHECK_FALSE(sensor.recognise(0.05));
+      CHECK_FALSE(sensor.recognize(0.05));
       return !sensor.complaint().empty();
     });
     return sensor.complaint();
@@ -139,9 +139,9 @@ TEST_CASE("a stranger's large packet does not keep the Ouster from being found")
   const LiveOptions options = named(server);
   LiveSensor sensor(options);
   LoopbackSender(options.port, 2).send(Payload(4000));  // no server answers there: refused
-  CHECK_FALSE(sensor.recognise(0.05));
+  CHECK_FALSE(sensor.recognize(0.05));
   send_packet(options);
-  REQUIRE(sensor.recognise(kPatience_s));
+  REQUIRE(sensor.recognize(kPatience_s));
   CHECK(recordings::text(sensor.sender()).starts_with("127.0.0.1:"));
 }
 

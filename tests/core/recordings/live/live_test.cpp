@@ -29,9 +29,9 @@ void send_turn(const LoopbackSender& sender, OusterProfile profile, std::uint32_
   for (const Captured& packet : ouster_turn(profile, frame_id)) sender.send(packet.payload);
 }
 
-/// Waits until it is recognised, and begins to decode what it sends.
+/// Waits until it is recognized, and begins to decode what it sends.
 void start(LiveSensor& sensor) {
-  REQUIRE(sensor.recognise(kPatience_s));
+  REQUIRE(sensor.recognize(kPatience_s));
   sensor.start();
 }
 
@@ -73,12 +73,12 @@ TEST_CASE("scans that come over UDP are those of the capture with the same packe
   const LiveOptions options = vlp16();
   LiveSensor sensor(options);
   const std::jthread sending([&] { replay(packets, options.port, 1.0); });
-  REQUIRE(sensor.recognise(kPatience_s));
+  REQUIRE(sensor.recognize(kPatience_s));
   CHECK(sensor.sensor() == recorded.sensor());
   CHECK(sensor.format() == "Velodyne packets, single return");
   CHECK(text(sensor.sender()) == fmt::format("127.0.0.1:{}", options.port));
   sensor.start();
-  // Half a second of 1.5 s was for recognising; what is left has eight or nine whole turns.
+  // Half a second of 1.5 s was for recognizing; what is left has eight or nine whole turns.
   const auto scans = all_scans(sensor, 8);
   REQUIRE(scans.size() == 8);
   for (const LiveScan& scan : scans) {
@@ -111,7 +111,7 @@ TEST_CASE("memory does not grow with what was received, whether scans are taken 
   {
     const std::jthread sending(
         [&] { replay(velodyne_capture({.duration_s = 2.0}), options.port, 0.0); });
-    REQUIRE(sensor.recognise(kPatience_s));
+    REQUIRE(sensor.recognize(kPatience_s));
   }
   sensor.start();
   const auto packets = velodyne_capture({.duration_s = 10.0});
@@ -137,7 +137,7 @@ TEST_CASE("an Ouster's turn is complete with its last packet, whatever its metad
   const auto first = ouster_turn(profile, 7);
   sender.send(Payload(48));  // inertial data
   sender.send(first[0].payload);
-  REQUIRE(sensor.recognise(kPatience_s));
+  REQUIRE(sensor.recognize(kPatience_s));
   CHECK(sensor.sensor().rows() == 8);
   CHECK(sensor.format() == "Ouster packets, RNG19_RFL8_SIG16_NIR16");
   sensor.start();
@@ -173,11 +173,11 @@ TEST_CASE(
   CHECK(sensor.complaint().empty());
   const LoopbackSender stranger(options.port, 2);
   for (int i = 0; i < 300; ++i) stranger.send(Payload(900));
-  CHECK_FALSE(sensor.recognise(0.3));
+  CHECK_FALSE(sensor.recognize(0.3));
   CHECK(one_line_with(sensor.complaint(), "900 bytes", "127.0.0.2", "vlp-16"));
   const std::jthread sending(
       [&] { replay(velodyne_capture({.duration_s = 0.7}), options.port, 1.0); });
-  CHECK(sensor.recognise(kPatience_s));
+  CHECK(sensor.recognize(kPatience_s));
   CHECK(text(sensor.sender()) == fmt::format("127.0.0.1:{}", options.port));
 }
 
@@ -191,7 +191,7 @@ TEST_CASE("a stranger's packet that looks like the sensor's does not make its se
     const LoopbackSender stranger(options.port, 2);
     stranger.send(packets[100].payload);
     const std::jthread sending([&] { replay(packets, options.port, 1.0); });
-    REQUIRE(sensor.recognise(kPatience_s));
+    REQUIRE(sensor.recognize(kPatience_s));
     CHECK(text(sensor.sender()) == fmt::format("127.0.0.1:{}", options.port));
     sensor.start();
     stranger.send(packets[200].payload);

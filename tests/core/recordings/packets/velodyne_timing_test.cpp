@@ -194,7 +194,7 @@ TEST_CASE("two returns of a VLS-128: one firing a packet, a pair of blocks for e
   }
 }
 
-TEST_CASE("a capture of a VLS-128 with two returns is recognised and has all its points") {
+TEST_CASE("a capture of a VLS-128 with two returns is recognized and has all its points") {
   std::vector<Captured> packets;
   VelodyneProbe probe;
   for (int i = 0; i < 6567; ++i) {  // 0.35 s

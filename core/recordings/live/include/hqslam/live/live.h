@@ -65,7 +65,7 @@ struct LiveScan {
 ///
 /// Memory is bounded: scans that are not taken in time are dropped whole and counted. The sensor
 /// must send to this computer already; it is not configured. Of all senders the sensor is the first
-/// whose packets can be read for long enough (see recognise). Packets of others are left out; where
+/// whose packets can be read for long enough (see recognize). Packets of others are left out; where
 /// the sensor is silent for a second and such packets come from another address for half a second,
 /// that is its new address. To be used by one thread at a time.
 class LiveSensor {
@@ -81,13 +81,13 @@ class LiveSensor {
   /// Reads packets, for at most timeout_s, until those of one sender are the sensor's: half a
   /// second of the sensor's time for a Velodyne, a packet and the metadata for an Ouster. Returns
   /// whether they are. Requesting metadata from a sender may take 3 s more.
-  bool recognise(double timeout_s);
-  /// How many packets recognise() has seen.
+  bool recognize(double timeout_s);
+  /// How many packets recognize() has seen.
   std::int64_t packets_seen() const;
   /// Why the most frequent sender is not the sensor: "" without any sender, or a line.
   std::string complaint() const;
 
-  /// This function and all below: once recognise() has returned true.
+  /// This function and all below: once recognize() has returned true.
   const SensorModel& sensor() const;
   recordings::Endpoint sender() const;
   /// "Velodyne packets, single return", ...
