@@ -208,7 +208,9 @@ void declare(CLI::App& app, InspectOptions& options) {
       "motion is determined.");
   declare_input(command, options, "Recording (as for hqslam upsample)");
   declare_imu(command, options);
-  command.option("--weights", &options.weights, fmt::format("Network: {}", weights_help()))
+  command
+      .option("--weights", &options.weights, fmt::format("Network: {}", weights_help()),
+              {.given = Given::kFile, .one_of = pipeline::installed_weights_names()})
       .option("--slam", &options.slam,
               "Show every stage of SLAM on the scan, after all scans before it; with --weights the "
               "scans are upsampled first")
@@ -227,7 +229,7 @@ void declare(CLI::App& app, InspectOptions& options) {
               {.delimiter = ',', .values = 2, .excludes = {"--slam"}})
       .option("--what-if", &options.what_if,
               "Also upsample with a changed loop: b=NUMBER, layers=N, y=zero, q=z, "
-              "no-q, literal, or several with commas (may be repeated)",
+              "angle=DEGREES, pixels=N, no-q, literal, or several with commas (may be repeated)",
               {.excludes = {"--slam"}})
       .option("--npz", &options.npz, "File for all inner tensors by their names, for numpy",
               {.excludes = {"--slam", "--list"}})

@@ -14,6 +14,7 @@
 #include "hqslam/nn/network.h"
 #include "hqslam/nn/network_json.h"
 #include "hqslam/nn/weights_file.h"
+#include "hqslam/pipeline/upsampler.h"
 #include "product.h"
 #include "terminal/command_options.h"
 #include "terminal/terminal.h"
@@ -126,7 +127,17 @@ void print_arrays(const nn::Weights& weights) {
   }
 }
 
-int show(const std::string& path) {
+/// A file, or the one that is installed under a name.
+std::string file_of(const std::string& given) {
+  if (!pipeline::is_weights_name(given)) return given;
+  const std::vector<std::string> files = pipeline::installed_weights_files(given);
+  if (files.size() == 1) return files.front();
+  throw Error("{}: expected the name of one file, found several; give one of {}", given,
+              fmt::join(files, ", "));
+}
+
+int show(const std::string& given) {
+  const std::string path = file_of(given);
   const nn::Weights weights = nn::read_weights(path);
   const nn::NetworkDescription& d = weights.description;
   const auto network = network_with(weights);
@@ -151,7 +162,9 @@ void declare(CLI::App& app, WeightsOptions& options) {
       add_command(app, "weights", "Show a weights file, or make one from another program's arrays");
   const OptionRules read = {.required = true, .given = Given::kFile};
   command.subcommand("show", "What a weights file holds")
-      .option("weights", &options.show, "Weights file", read);
+      .option(
+          "weights", &options.show, "Weights file, or the name of one that is installed",
+          {.required = true, .given = Given::kFile, .one_of = pipeline::installed_weights_names()});
   Command packed = command.subcommand(
       "pack", "Make a weights file of arrays that another program has trained",
       "Names and shapes of the arrays: nn/README.md, or hqslam weights show. If the arrays\n"
