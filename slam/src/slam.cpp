@@ -197,6 +197,7 @@ void Slam::Implementation::collect_loops(Notes& notes) {
 /// tracking continues in the corrected map.
 void Slam::Implementation::apply(const LoopResult& found) {
   path.join(found.submap_of_segment);
+  if (found.gravity_contradicts) inertial_check.contradict_gravity();
   Reference* reference = reference_of(state);
   if (found.drift && reference != nullptr) apply(*found.drift, reference->state.T_map_sensor);
   if (!found.corrections.empty() && reference != nullptr) {

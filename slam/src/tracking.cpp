@@ -127,7 +127,7 @@ State Slam::Implementation::tracked(Tracking last, const Registered& found, cons
   if (place_recognition) {
     drift.move(motion);
   } else {
-    const bool is_by_gravity = found.inertial && inertial_check.is_proven();
+    const bool is_by_gravity = found.inertial && inertial_check.can_level();
     const bool is_held = found.has_ground || rooms.is_in_room();
     drift.grow(motion, found.state,
                is_by_gravity ? Drift::Level::kByGravity
@@ -222,7 +222,7 @@ void Slam::Implementation::add_keyframe(const Scan& scan, const Twist& velocity,
     keyframe.view = {scan.cloud, scan.map_features, velocity,
                      begins_segment ? mapping.clear_window() : mapping.slide_window()};
     gravity_window.end(keyframe.scan, imu, mounting.turn_to_level());
-    if (inertial_check.is_proven()) keyframe.gravity = gravity_window.take();
+    if (inertial_check.can_level()) keyframe.gravity = gravity_window.take();
   }
   mapping.insert(scan.map_features, report.T_map_sensor, velocity);
   report.keyframe = true;

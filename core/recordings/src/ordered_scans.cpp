@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <deque>
 #include <exception>
 #include <string>
@@ -106,18 +107,30 @@ class OrderedScans : public ScanSource {
   }
 
   void set_stamp(RecordedScan& scan) {
-    if (last_s_ && !(stamp_s(scan) > *last_s_)) {
-      const bool is_late =
-          !ahead_.empty() && ahead_.front().scan && stamp_s(*ahead_.front().scan) > *last_s_;
-      if (is_late) {
-        throw ScanError(fmt::format("{}: stamped {:.6f} s, not after the scan before ({:.6f} s)",
-                                    scan.name, scan.stamp_s, *last_s_ - counted_on_s_));
-      }
-      if (counted_on_++ == 0) first_counted_on_ = scan.name;
-      counted_on_s_ += *last_s_ + sensor().scan_period_s - stamp_s(scan);
-    }
+    const double own_s = scan.stamp_s;
+    if (last_s_ && own_s > *last_s_) counted_on_s_ = 0.0;  // the clock has caught up
+    if (last_s_ && !(stamp_s(scan) > *last_s_)) count_on(scan);
     scan.stamp_s = stamp_s(scan);
     last_s_ = scan.stamp_s;
+    last_own_s_ = own_s;
+  }
+
+  /// A stamp that does not rise. Where the next one does, one that stands is counted on by half of
+  /// the step up to it at most, as at the end of a second of whole seconds.
+  void count_on(const RecordedScan& scan) {
+    const RecordedScan* next =
+        !ahead_.empty() && ahead_.front().scan ? &*ahead_.front().scan : nullptr;
+    const bool stands = scan.stamp_s == last_own_s_;
+    if (!stands && next != nullptr && stamp_s(*next) > *last_s_) {
+      throw ScanError(fmt::format("{}: stamped {:.6f} s, not after the scan before ({:.6f} s)",
+                                  scan.name, scan.stamp_s, *last_s_ - counted_on_s_));
+    }
+    double step_s = sensor().scan_period_s;
+    if (stands && next != nullptr && next->stamp_s > *last_s_) {
+      step_s = std::min(step_s, (next->stamp_s - *last_s_) / 2.0);
+    }
+    if (counted_on_++ == 0) first_counted_on_ = scan.name;
+    counted_on_s_ += *last_s_ + step_s - stamp_s(scan);
   }
 
   std::unique_ptr<ScanSource> source_;
@@ -127,6 +140,7 @@ class OrderedScans : public ScanSource {
   std::exception_ptr broken_;  ///< why the source cannot be read on
   std::optional<double> last_s_;
   std::vector<float> last_range_m_;
+  double last_own_s_ = 0.0;    ///< that of the source
   double counted_on_s_ = 0.0;  ///< what is added to the source's stamps
   std::int64_t counted_on_ = 0;
   std::string first_counted_on_;

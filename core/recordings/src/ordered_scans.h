@@ -16,8 +16,9 @@ enum class Repeats { kLeftOut, kKept };
 ///   driver stood still, is left out (ScanError).
 /// - Two scans that change places, as in a bag that was written out of order, change back.
 /// - A single scan that is stamped before the one before is late, and left out (ScanError).
-/// - Stamps that stand, or fall and stay behind, are of a clock that was not set or set back: they
-///   are counted on by the sensor's period, with a warning.
+/// - Stamps that stand, or fall and stay behind, are of a clock that is coarse, was not set or set
+///   back: they are counted on by the sensor's period until the clock has caught up, with a
+///   warning.
 std::unique_ptr<ScanSource> ordered(std::unique_ptr<ScanSource> source,
                                     Repeats repeats = Repeats::kLeftOut);
 

@@ -53,7 +53,8 @@ constexpr std::array<Unit, 4> kFractions = {
     {{1.0, "seconds"}, {1e-9, "nanoseconds"}, {1e-6, "microseconds"}, {1e-3, "milliseconds"}}};
 constexpr std::array<Unit, 4> kWholeNumbers = {
     {{1e-9, "nanoseconds"}, {1e-6, "microseconds"}, {1e-3, "milliseconds"}, {1.0, "seconds"}}};
-constexpr double kShortestInTurns = 0.01;
+/// Less, and a leap of a clock by a second would pass for a turn in milliseconds.
+constexpr double kShortestInTurns = 0.05;
 constexpr double kLongestInTurns = 1.25;
 /// Times of a scan's own count from near 0. Larger ones are a clock's even in a single scan.
 constexpr double kSmallestClock_s = 1e6;

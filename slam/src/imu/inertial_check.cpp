@@ -177,6 +177,11 @@ void InertialCheck::add_innovation(double innovation) {
   if (mean_innovation_ > kMostMeanInnovation) refute();
 }
 
+void InertialCheck::contradict_gravity() {
+  gravity_contradicts_ = true;
+  complaint_ = "its forces contradict the path of the scans; did it move on the vehicle?";
+}
+
 void InertialCheck::add_gain() { is_proven_ = ++gains_ >= kProvingGains; }
 
 std::optional<InertialCheck::Bias> InertialCheck::compare_turns(const Turn& turn) {

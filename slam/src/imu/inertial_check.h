@@ -24,6 +24,8 @@ class InertialCheck {
   /// Until then a registration without the sensor is taken unless one with it fits clearly better:
   /// wrong turns of a vehicle tilt the map before any fit tells.
   bool is_proven() const { return is_proven_; }
+  /// Whether the path can be levelled by its gravity.
+  bool can_level() const { return is_proven_ && !gravity_contradicts_; }
   /// A scan was predicted by the sensor. innovation: normalized_innovation(), or kMostInnovation if
   /// the scan fitted better without the sensor.
   void add_innovation(double innovation);
@@ -52,6 +54,9 @@ class InertialCheck {
   /// Sets the complaint for a mean specific force that is not is_gravity().
   void complain_about_force(const Eigen::Vector3d& specific_force_mps2);
 
+  /// No path of the scans explains the gravity that was measured along it.
+  void contradict_gravity();
+
   /// What disagrees and what would agree, for a user: "turns disagree with the scans 57-fold;
   /// degrees per second?". Empty as long as nothing did.
   const std::string& complaint() const { return complaint_; }
@@ -62,6 +67,7 @@ class InertialCheck {
 
   bool agrees_ = true;
   bool is_proven_ = false;
+  bool gravity_contradicts_ = false;
   int gains_ = 0;
   double mean_innovation_ = 0.0;  ///< of about 20 scans
   std::deque<Turn> turns_;

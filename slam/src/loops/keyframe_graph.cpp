@@ -83,7 +83,7 @@ void KeyframeGraph::add_loops(const std::vector<PoseGraphEdge>& loops) {
 }
 
 bool KeyframeGraph::level() {
-  if (gravity_.empty() || path_m_ < next_levelled_m_) return false;
+  if (gravity_contradicts_ || gravity_.empty() || path_m_ < next_levelled_m_) return false;
   next_levelled_m_ = kLevelledEvery_m + (1.0 + kLevelledEveryShare) * path_m_;
   std::vector<Pose> T_first_node{Pose::Identity()};
   const std::size_t first_edge =
@@ -91,10 +91,13 @@ bool KeyframeGraph::level() {
   for (std::size_t i = first_edge; i < graph_.odometry.size(); ++i) {
     T_first_node.push_back(orthonormalized(T_first_node.back() * T_node_next_[i]));
   }
-  const std::vector<Pose> upright = levelled(T_first_node, gravity_);
+  const std::optional<std::vector<Pose>> upright = levelled(T_first_node, gravity_);
   for (std::size_t i = first_edge; i < graph_.odometry.size(); ++i) {
-    graph_.odometry[i].T_from_to = upright[i - first_edge].inverse() * upright[i + 1 - first_edge];
+    const std::size_t from = i - first_edge;
+    graph_.odometry[i].T_from_to =
+        upright ? (*upright)[from].inverse() * (*upright)[from + 1] : T_node_next_[i];
   }
+  gravity_contradicts_ = !upright;
   return true;
 }
 

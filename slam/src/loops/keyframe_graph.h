@@ -61,9 +61,11 @@ class KeyframeGraph {
   /// The last keyframe, which has a view, becomes a node.
   void add_node(const LoopKeyframe& keyframe);
   void add_loops(const std::vector<PoseGraphEdge>& loops);
-  /// Levels the odometry edges of the last segment by the gravity measured along it. Returns
-  /// whether it did: only after the path has grown by a hundredth and 10 m since the last time.
+  /// Levels the odometry edges of the last segment by the gravity measured along it, or, where that
+  /// contradicts the path, makes them what they were registered as, for good. Returns whether it
+  /// did: only after the path has grown by a hundredth and 10 m since the last time.
   bool level();
+  bool gravity_contradicts() const { return gravity_contradicts_; }
   /// A loop was accepted: the node with the larger covariance gets that of the other plus the
   /// loop's. They are not combined, since the estimates share most of their errors. To be called
   /// before move() and join().
@@ -136,6 +138,7 @@ class KeyframeGraph {
   std::vector<Pose> T_node_next_;  ///< of odometry edges, before levelling
   std::vector<double> edge_drift_m_;
   std::vector<GravityAtNode> gravity_;  ///< of the last segment, nodes counted from its first
+  bool gravity_contradicts_ = false;    ///< the path; none is used any more
   double next_levelled_m_ = 0.0;        ///< position along the path of the next levelling
   RecentFeatures recent_{kRecentNodes};
 };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "hqslam/core/pose.h"
@@ -35,8 +36,9 @@ struct GravityAtNode {
 /// In: poses of nodes along a path, each registered relative to the one before, and gravity at some
 /// (rising). Out: the levelled poses, the first unchanged: each turned by its lean (interpolated
 /// along the path between measurements, after the last by d), with the translations in the sensors'
-/// frames unchanged.
-std::vector<Pose> levelled(const std::vector<Pose>& T_first_node,
-                           const std::vector<GravityAtNode>& gravity);
+/// frames unchanged. Nothing where no path explains what was measured: the inertial sensor moved on
+/// the vehicle, or its bias jumped.
+std::optional<std::vector<Pose>> levelled(const std::vector<Pose>& T_first_node,
+                                          const std::vector<GravityAtNode>& gravity);
 
 }  // namespace hqslam::slam

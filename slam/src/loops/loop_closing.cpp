@@ -55,6 +55,7 @@ LoopResult LoopClosing::process(std::vector<LoopKeyframe> keyframes) {
   if (searches_ && !graph_.empty() && graph_.path_m() >= next_search_m_) result = search();
   if (is_levelled && result.corrections.empty()) stand_upright(result);
   result.submap_of_segment = graph_.submap_of_segment();
+  result.gravity_contradicts = graph_.gravity_contradicts();
   return result;
 }
 

@@ -17,6 +17,7 @@ struct LoopResult {
   MapPoints restored;                          ///< points that return to the sliding window
   std::vector<std::size_t> submap_of_segment;  ///< KeyframeGraph::submap_of_segment()
   std::optional<LoopedDrift> drift;            ///< if loops were accepted
+  bool gravity_contradicts = false;            ///< KeyframeGraph::gravity_contradicts()
 };
 
 /// Recognizes places passed before and corrects the path.

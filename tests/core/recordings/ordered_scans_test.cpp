@@ -73,3 +73,10 @@ TEST_CASE("stamps that fall back and stay there, or stand, are counted on and ri
   REQUIRE(standing.warnings.size() == 1);
   CHECK(standing.warnings[0].find("3 scans") != std::string::npos);
 }
+
+TEST_CASE("stamps in whole seconds are counted on within each second, and no scan is lost") {
+  const ReadScans result = read({7.0, 7.0, 7.0, 7.0, 7.0, 7.0, 7.0, 7.0, 7.0, 7.0, 8.0, 8.0, 9.0});
+  CHECK(result.stamps_s == Stamps{7.0, 7.1, 7.2, 7.3, 7.4, 7.5, 7.6, 7.7, 7.8, 7.9, 8.0, 8.1, 9.0});
+  CHECK(result.left_out.scans == 0);
+  CHECK(read({0.1, 0.1, 0.2, 0.3}).stamps_s == Stamps{0.1, 0.15, 0.2, 0.3});
+}

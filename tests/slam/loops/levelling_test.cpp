@@ -55,7 +55,7 @@ TEST_CASE("a path that leans by a little more with every metre is put upright") 
   constexpr double kLean_rad = 5e-4;  // a degree in 140 m
   for (const bool has_corners : {false, true}) {
     const Path path(has_corners, kLean_rad, Eigen::Vector3d::Zero());
-    const std::vector<Pose> upright = slam::levelled(path.registered, path.gravity);
+    const std::vector<Pose> upright = slam::levelled(path.registered, path.gravity).value();
     REQUIRE(upright.size() == path.truth.size());
     CHECK(upright.front().isApprox(path.registered.front()));
     CHECK(worst_lean_rad(upright) < 0.1 * worst_lean_rad(path.registered));
@@ -67,24 +67,34 @@ TEST_CASE("a path that leans by a little more with every metre is put upright") 
 TEST_CASE("an accelerometer's bias is not taken for a lean, whether the sensor turns or not") {
   for (const auto& [has_corners, most_rad] : {std::pair(true, 1e-3), {false, 1e-6}}) {
     const Path path(has_corners, 0.0, test::kBias_mps2);
-    CHECK(worst_lean_rad(slam::levelled(path.registered, path.gravity)) < most_rad);
+    CHECK(worst_lean_rad(*slam::levelled(path.registered, path.gravity)) < most_rad);
   }
 }
 
 TEST_CASE("a clock that is set back does no harm") {
   Path path(true, 5e-4, Eigen::Vector3d::Zero());
   for (std::size_t i = 20; i < path.gravity.size(); ++i) path.gravity[i].felt.stamp_s -= 1000.0;
-  const std::vector<Pose> upright = slam::levelled(path.registered, path.gravity);
+  const std::vector<Pose> upright = slam::levelled(path.registered, path.gravity).value();
   CHECK(worst_lean_rad(upright) < 0.1 * worst_lean_rad(path.registered));
 }
 
 TEST_CASE("motions in the sensor's frame stay as they were, and so does a path without gravity") {
   const Path path(true, 5e-4, test::kBias_mps2);
-  const std::vector<Pose> upright = slam::levelled(path.registered, path.gravity);
+  const std::vector<Pose> upright = slam::levelled(path.registered, path.gravity).value();
   for (std::size_t i = 1; i < upright.size(); ++i) {
     const Pose motion = upright[i - 1].inverse() * upright[i];
     CHECK((motion.translation() - Eigen::Vector3d(kNode_m, 0, 0)).norm() < 1e-9);
   }
-  const std::vector<Pose> same = slam::levelled(path.registered, {});
+  const std::vector<Pose> same = slam::levelled(path.registered, {}).value();
   CHECK(same.back().matrix() == path.registered.back().matrix());
+}
+
+TEST_CASE("an inertial sensor that moves on the vehicle levels nothing") {
+  Path path(true, 5e-4, Eigen::Vector3d::Zero());
+  REQUIRE(slam::levelled(path.registered, path.gravity));
+  const Eigen::Matrix3d bent = turned({0, 0.035, 0}).linear();  // by two degrees
+  for (std::size_t i = 15; i < path.gravity.size(); ++i) {
+    path.gravity[i].felt.gravity_mps2 = bent * path.gravity[i].felt.gravity_mps2;
+  }
+  CHECK_FALSE(slam::levelled(path.registered, path.gravity));
 }

@@ -35,7 +35,8 @@ struct Estimate {
 
 slam::FeltGravity felt_gravity(std::size_t keyframe, const Pose& T_level_sensor) {
   slam::FeltGravity felt;
-  felt.stamp_s = 0.5 * static_cast<double>(keyframe);
+  // So slowly that gravity may have changed by the errors of these paths between two keyframes.
+  felt.stamp_s = 50.0 * static_cast<double>(keyframe);
   felt.gravity_mps2 = T_level_sensor.linear().transpose() * test::kGravity;
   felt.of_bias.setIdentity();
   felt.scan = keyframe;
