@@ -220,6 +220,7 @@ Recording::Recording(std::string path, OpenOptions options, bool with_points)
     source_ = std::move(stream);
   } else {
     source_ = open_files(path_, options_, stated_);
+    if (stated_) stated_->columns = source_->sensor().columns;
   }
   const bool is_packets = stream_ != nullptr && stream_->has_packets();
   source_ = ordered(std::move(source_), is_packets ? Repeats::kKept : Repeats::kLeftOut);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <utility>
@@ -23,6 +24,9 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kScansToTry = 10;
 constexpr std::size_t kScansToLearnFrom = 5;
+/// mean_column_step() of clouds that were thinned out so far that single points look like fog.
+/// Every second point does no harm.
+constexpr double kThinned = 2.9;
 
 class FileScanSource : public ScanSource {
  public:
@@ -45,6 +49,7 @@ class FileScanSource : public ScanSource {
     }
     azimuth_times_ = AzimuthTimes(sensor_.scan_period_s);
     look_at_first_scans();
+    fit_columns();
   }
 
   const SensorModel& sensor() const override { return sensor_; }
@@ -60,7 +65,7 @@ class FileScanSource : public ScanSource {
     const std::size_t index = next_++;
     try {
       RecordedScan result = recorded(index);
-      if (!std::exchange(any_used_, true)) {
+      if (!std::exchange(any_used_, true) && !is_thinned_) {
         if (std::string text = fit_warning(result, sensor_); !text.empty()) {
           warnings_.push_back(std::move(text));
         }
@@ -120,6 +125,27 @@ class FileScanSource : public ScanSource {
     ring_numbers_ = ring_numbers(with_rings, sensor_);
   }
 
+  /// Clouds that were thinned out get as few columns as they have points: single ones in an image
+  /// of the sensor's columns look like fog, and no network was trained for such gaps.
+  void fit_columns() {
+    const std::optional<RawPoints> first = first_points_[0];
+    if (!first) return;
+    try {
+      const double step = mean_column_step(recorded(0).cloud);
+      is_thinned_ = step > kThinned;
+      if (is_thinned_) {
+        sensor_.columns /= static_cast<int>(std::lround(step));
+        warnings_.push_back(fmt::format(
+            "{}: the points of a row are {:.1f} columns apart: thinned out, and read with {} "
+            "columns",
+            paths_.front(), step, sensor_.columns));
+      }
+    } catch (const Error&) {
+      // Reported when its turn comes.
+    }
+    first_points_[0] = first;
+  }
+
   RawPoints points_of(std::size_t index) {
     const bool is_kept = index < first_points_.size() && first_points_[index].has_value();
     RawPoints points = is_kept ? std::move(*first_points_[index]) : read_point_file(paths_[index]);
@@ -170,6 +196,7 @@ class FileScanSource : public ScanSource {
   std::size_t next_ = 0;
   bool any_used_ = false;
   bool is_warned_ = false;
+  bool is_thinned_ = false;
 };
 
 }  // namespace

@@ -129,3 +129,18 @@ TEST_CASE("a recording whose first scans all are of something else is refused") 
   write_scans(directory, 12, [](int) { return "no scan\n"; });
   CHECK(is_given_up_at_tenth(*open_vlp16(directory)));
 }
+
+TEST_CASE(
+    "clouds that were thinned out get as few columns as they have points, whole ones do not") {
+  // Half a degree from firing to firing.
+  for (const auto& [columns, read_with] : {std::pair(720, 720), {1440, 1440}, {2160, 720}}) {
+    const TemporaryDirectory folder;
+    write_scans(folder, 2, [](int) { return firing_order(0.0, 180.0); });
+    SensorModel sensor = sensor_preset("vlp-16");
+    sensor.columns = columns;
+    const auto source = open_vlp16(folder, CaptureTime::kRolling, sensor);
+    CHECK(source->sensor().columns == read_with);
+    CHECK(source->next()->cloud.columns == read_with);
+    CHECK(source->warnings().size() == (columns == read_with ? 0 : 1));
+  }
+}
