@@ -1,10 +1,8 @@
 #pragma once
 
-#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <set>
-#include <string>
 #include <vector>
 
 #include "temporary_directory.h"

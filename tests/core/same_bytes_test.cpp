@@ -1,7 +1,6 @@
 #include "hash.h"
 #include "hqslam/core/connected_components.h"
 #include "hqslam/core/projection.h"
-#include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
 #include "made_images.h"
 #include "testing.h"

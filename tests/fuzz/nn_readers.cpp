@@ -1,9 +1,6 @@
-#include <string>
-#include <vector>
 
 #include "checkpoint_arrays.h"
 #include "hqslam/core/error.h"
-#include "hqslam/core/npz.h"
 #include "hqslam/nn/network.h"
 #include "hqslam/nn/network_json.h"
 #include "hqslam/nn/training/checkpoint.h"
@@ -11,7 +8,6 @@
 #include "hqslam/nn/weights_file.h"
 #include "input_file.h"
 #include "made_images.h"
-#include "readers.h"
 #include "replaced_array.h"
 #include "weights_arrays.h"
 

@@ -1,5 +1,3 @@
-#include <string>
-#include <vector>
 
 #include "captures.h"
 #include "hqslam/core/error.h"
@@ -12,7 +10,6 @@
 #include "packets/robosense_decoder.h"
 #include "packets/velodyne_decoder.h"
 #include "packets/velodyne_tables.h"
-#include "readers.h"
 
 namespace hqslam::fuzz {
 

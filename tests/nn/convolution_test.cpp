@@ -1,7 +1,6 @@
 #include "golden.h"
 #include "graph/layer_backward.h"
 #include "random_values.h"
-#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

@@ -1,4 +1,3 @@
-#include "hqs/hqs_backward.h"
 #include "hqs/hqs_network.h"
 #include "small_network.h"
 #include "testing.h"

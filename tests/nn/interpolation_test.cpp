@@ -54,14 +54,6 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("inverse interpolation is exact where 1 / range is linear over the rows") {
-  const auto range_m = [](int row) { return 1.0F / (0.02F + 0.01F * static_cast<float>(row)); };
-  const Ranges inverse =
-      filled({range_m(0), range_m(4), range_m(8)}, {0, 4}, 9, Interpolation::kInverse);
-  for (int row = 0; row < 9; ++row)
-    CHECK(inverse[row] == doctest::Approx(range_m(row)).epsilon(1e-6));
-}
-
 TEST_CASE("inverse interpolation follows the elevations of the beams, the others count rows") {
   // A wall 10 m away, and beams whose steps grow from a fifth of a degree to two degrees.
   const std::vector<double> elevation_rad = {0.050, 0.0465, 0.040, 0.028, 0.0};

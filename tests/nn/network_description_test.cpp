@@ -1,7 +1,6 @@
 #include "hqslam/nn/network_description.h"
 
 #include "hqslam/nn/network_json.h"
-#include "made_images.h"
 #include "small_network.h"
 #include "testing.h"
 
@@ -83,6 +82,9 @@ TEST_CASE("descriptions that describe no network are refused with the field and 
       {du_or, [](HqsPlan& d) { d.u_shaped.tile.rows = d.u_shaped.tile.columns = 1 << 20; }},
       {small_simple_du(), [](HqsPlan& d) { d.plain.features = 2'000'000'000; }},
       {small_simple_du(), [](HqsPlan& d) { d.plain.convolutions = 2'000'000'000; }},
+      {du_or, [](HqsPlan& d) { d.last_filter.support_share = 1.0F; }, "support_share is 1"},
+      {small_simple_du(), [](HqsPlan& d) { d.last_filter.min_pixels = -1; }, "min_pixels is -1"},
+      {du_or, [](HqsPlan& d) { d.filter.min_angle_rad = 0.0; }, "min_angle_rad is 0"},
   });
   const std::vector<std::pair<RowSelection, const char*>> no_rows = {
       {{16, 4}, "rows 16 + n 4 of 16 are no selection"},
@@ -95,14 +97,6 @@ TEST_CASE("descriptions that describe no network are refused with the field and 
     plan.measured_rows = rows;
     CHECK(test::one_line_with(message(plan), said));
   }
-}
-
-TEST_CASE("filters that cannot be are refused with the description, not when weights are loaded") {
-  check_refused({
-      {small_du_or(), [](HqsPlan& d) { d.last_filter.support_share = 1.0F; }, "support_share is 1"},
-      {small_simple_du(), [](HqsPlan& d) { d.last_filter.min_pixels = -1; }, "min_pixels is -1"},
-      {small_du_or(), [](HqsPlan& d) { d.filter.min_angle_rad = 0.0; }, "min_angle_rad is 0"},
-  });
 }
 
 TEST_CASE("the choices of the loop are written as they are read, and refused otherwise") {

@@ -4,12 +4,8 @@
 #include <cstdint>
 #include <numbers>
 #include <random>
-#include <vector>
 
-#include "hqslam/core/angles.h"
 #include "hqslam/core/connected_components.h"
-#include "hqslam/core/range_image.h"
-#include "hqslam/core/sensor_model.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
 #include "made_images.h"
 

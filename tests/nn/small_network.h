@@ -3,16 +3,13 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "hqs/hqs_backward.h"
 #include "hqs/hqs_loop.h"
 #include "hqs/plain_prior.h"
 #include "hqs/two_modes_prior.h"
 #include "hqs/u_shaped_prior.h"
-#include "hqslam/core/range_image.h"
 #include "hqslam/nn/network.h"
 #include "hqslam/nn/training/trainable_network.h"
 #include "hqslam/nn/weights_file.h"

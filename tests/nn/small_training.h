@@ -1,7 +1,5 @@
 #pragma once
 
-#include <memory>
-
 #include "hqslam/nn/training/trainer.h"
 #include "small_network.h"
 #include "testing.h"

@@ -2,7 +2,6 @@
 
 #include "golden.h"
 #include "random_values.h"
-#include "testing.h"
 #include "tiles.h"
 
 namespace hqslam::nn {

@@ -1,7 +1,5 @@
 #include "golden.h"
-#include "made_images.h"
 #include "small_network.h"
-#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

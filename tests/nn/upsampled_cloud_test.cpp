@@ -1,6 +1,5 @@
 #include "hqslam/nn/upsampled_cloud.h"
 
-#include "hqslam/core/angles.h"
 #include "hqslam/core/projection.h"
 #include "made_images.h"
 #include "testing.h"

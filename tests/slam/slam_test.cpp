@@ -4,7 +4,6 @@
 
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/saved_map.h"
-#include "slam/poses.h"
 #include "slam/steady_drive.h"
 #include "slam/village.h"
 #include "slam/yard_drive.h"

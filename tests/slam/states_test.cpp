@@ -3,13 +3,11 @@
 #include <Eigen/Cholesky>
 #include <string_view>
 
-#include "hqslam/core/angles.h"
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/saved_map.h"
 #include "hqslam/slam/scan_trace.h"
 #include "hqslam/slam/slam.h"
 #include "slam/village.h"
-#include "slam/yard.h"
 #include "testing.h"
 
 using namespace hqslam;

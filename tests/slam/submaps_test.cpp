@@ -3,7 +3,6 @@
 
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/slam.h"
-#include "slam/poses.h"
 #include "slam/village.h"
 #include "slam/yard_drive.h"
 #include "testing.h"

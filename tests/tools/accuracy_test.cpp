@@ -1,9 +1,5 @@
 // Whole drives against known trajectories, from file or simulator to pose.
 
-#include <cstdlib>
-#include <functional>
-#include <iterator>
-
 #include "hqslam/core/angles.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/evaluation/trajectory_error.h"

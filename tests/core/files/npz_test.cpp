@@ -1,7 +1,5 @@
 #include "hqslam/core/npz.h"
 
-#include <cstdlib>
-
 #include "golden_folder.h"
 #include "testing.h"
 #include "zip_by_hand.h"

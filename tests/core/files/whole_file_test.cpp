@@ -2,8 +2,6 @@
 
 #include <sys/stat.h>
 
-#include <stdexcept>
-
 #include "hqslam/core/npy.h"
 #include "testing.h"
 

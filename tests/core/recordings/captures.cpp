@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hqslam/recordings/velodyne.h"
-
 namespace hqslam::test {
 
 namespace {

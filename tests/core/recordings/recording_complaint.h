@@ -1,10 +1,7 @@
 #pragma once
 
-#include <string>
-
 #include "error_message.h"
 #include "files/scan_files.h"
-#include "hqslam/core/error.h"
 
 namespace hqslam::test {
 

@@ -1,10 +1,6 @@
 #include "hqslam/recordings/recording.h"
 
-#include <chrono>
-#include <sstream>
-
 #include "bags.h"
-#include "captures.h"
 #include "core/real_data.h"
 #include "made_images.h"
 #include "testing.h"

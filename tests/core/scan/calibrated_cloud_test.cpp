@@ -1,6 +1,5 @@
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/projection.h"
-#include "hqslam/core/sensor_model.h"
 #include "made_images.h"
 #include "testing.h"
 

@@ -1,8 +1,5 @@
 #include "hqslam/core/connected_components.h"
 
-#include <numeric>
-
-#include "hqslam/core/angles.h"
 #include "made_images.h"
 #include "testing.h"
 

@@ -3,7 +3,6 @@
 #include "golden.h"
 #include "parameters.h"
 #include "small_network.h"
-#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

@@ -1,6 +1,5 @@
 #include <omp.h>
 
-#include "made_images.h"
 #include "small_training.h"
 
 namespace hqslam::nn {

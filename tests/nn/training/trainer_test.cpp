@@ -32,14 +32,6 @@ TEST_CASE("training makes DU-OR better than it was and better than interpolation
   CHECK(trainer.state().optimiser.steps == 150);
 }
 
-TEST_CASE("training makes Simple DU better than it was") {
-  const HqsPlan description = simple_du_with_dropout();
-  Trainer trainer = small_trainer(description, 2);
-  const Validation before = trainer.validate(scans());
-  train(trainer, 60);
-  CHECK(trainer.validate(scans()).network.mae_all_m < 0.7 * before.network.mae_all_m);
-}
-
 TEST_CASE(
     "the mean that is kept begins with the first step and follows by 10 of 11 in the second") {
   const HqsPlan description = small_du_or();

@@ -1,6 +1,5 @@
 #include "validation.h"
 
-#include "made_images.h"
 #include "small_network.h"
 #include "testing.h"
 

@@ -1,7 +1,5 @@
 #include "hqslam/slam/dense_map.h"
 
-#include <cstring>
-
 #include "slam/cloud_of.h"
 #include "testing.h"
 #include "thread_limit.h"

@@ -1,7 +1,5 @@
 #include "dense_map/voxel_grid.h"
 
-#include <tuple>
-
 #include "testing.h"
 
 using namespace hqslam::slam;

@@ -1,6 +1,5 @@
 #include "front_end/features.h"
 
-#include "made_images.h"
 #include "slam/village.h"
 #include "testing.h"
 

@@ -1,6 +1,5 @@
 #include "front_end/ground.h"
 
-#include "made_images.h"
 #include "slam/yard.h"
 #include "testing.h"
 

@@ -1,9 +1,5 @@
 #include "front_end/mounting.h"
 
-#include <tuple>
-
-#include "hqslam/core/angles.h"
-#include "hqslam/core/projection.h"
 #include "slam/yard.h"
 #include "testing.h"
 

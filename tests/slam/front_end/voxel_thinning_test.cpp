@@ -1,7 +1,5 @@
 #include "front_end/voxel_thinning.h"
 
-#include <tuple>
-
 #include "testing.h"
 
 using hqslam::slam::FeaturePoint;

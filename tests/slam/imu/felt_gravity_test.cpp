@@ -1,6 +1,5 @@
 #include "imu/felt_gravity.h"
 
-#include "hqslam/core/imu_sample.h"
 #include "slam/imu/accelerometer.h"
 #include "slam/steady_drive.h"
 #include "testing.h"

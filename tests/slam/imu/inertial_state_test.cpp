@@ -1,7 +1,6 @@
 #include "imu/inertial_state.h"
 
 #include "alignment/scan_information.h"
-#include "hqslam/core/imu_sample.h"
 #include "slam/imu/accelerometer.h"
 #include "slam/steady_drive.h"
 #include "testing.h"

@@ -1,6 +1,5 @@
 #include "segmentation.h"
 
-#include "hqslam/core/projection.h"
 #include "hqslam/lego_loam/lego_loam.h"
 #include "slam/village.h"
 #include "testing.h"

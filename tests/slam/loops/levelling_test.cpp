@@ -1,6 +1,5 @@
 #include "loops/levelling.h"
 
-#include "hqslam/core/imu_sample.h"
 #include "slam/imu/accelerometer.h"
 #include "slam/poses.h"
 #include "testing.h"

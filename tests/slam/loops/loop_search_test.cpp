@@ -1,9 +1,6 @@
 #include "loops/loop_search.h"
 
-#include <numeric>
-
 #include "slam/village.h"
-#include "slam/yard.h"
 #include "testing.h"
 
 using namespace hqslam;

@@ -1,7 +1,5 @@
 #include "loops/place_search.h"
 
-#include <tuple>
-
 #include "testing.h"
 
 using namespace hqslam;

@@ -1,6 +1,5 @@
 #include "map/recent_features.h"
 
-#include "hqslam/core/pose.h"
 #include "slam/poses.h"
 #include "testing.h"
 

@@ -1,6 +1,5 @@
 #include "hqslam/slam/occupancy_grid.h"
 
-#include "hqslam/core/angles.h"
 #include "slam/yard_drive.h"
 #include "testing.h"
 

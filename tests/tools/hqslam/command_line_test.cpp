@@ -1,7 +1,5 @@
 #include "product.h"
-#include "testing.h"
 #include "tools/command_line/parsed_options.h"
-#include "tools/parts_of_text.h"
 
 namespace hqslam::tools {
 

@@ -1,6 +1,5 @@
 #include "hqslam/pipeline/beam_check.h"
 
-#include "hqslam/core/angles.h"
 #include "slam/yard_drive.h"
 #include "testing.h"
 

@@ -1,6 +1,5 @@
 #include "hqslam/pipeline/pipeline.h"
 
-#include "hqslam/core/projection.h"
 #include "hqslam/slam/scan_trace.h"
 #include "slam/yard_drive.h"
 #include "testing.h"

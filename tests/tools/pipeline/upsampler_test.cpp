@@ -1,8 +1,6 @@
 #include "hqslam/pipeline/upsampler.h"
 
-#include "hqslam/core/angles.h"
 #include "hqslam/core/projection.h"
-#include "made_images.h"
 #include "testing.h"
 #include "tools/program/untrained_weights.h"
 

@@ -1,4 +1,3 @@
-#include <cstdlib>
 
 #include "hqslam/nn/instruction_set.h"
 #include "tools/program/program.h"

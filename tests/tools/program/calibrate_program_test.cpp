@@ -1,5 +1,3 @@
-#include "hqslam/core/npy.h"
-#include "hqslam/core/sensor_model.h"
 #include "made_images.h"
 #include "tools/program/program.h"
 

@@ -3,9 +3,6 @@
 #include <signal.h>
 #include <unistd.h>
 
-#include <chrono>
-#include <thread>
-
 #include "tools/program/program.h"
 
 namespace hqslam::test {

@@ -1,6 +1,4 @@
-#include <sstream>
 
-#include "hqslam/core/cloud_file.h"
 #include "hqslam/core/trajectory.h"
 #include "made_images.h"
 #include "points_file.h"

@@ -5,8 +5,6 @@
 #include <unistd.h>
 
 #include "hqslam/core/cloud_file.h"
-#include "hqslam/core/npz.h"
-#include "hqslam/nn/weights_file.h"
 #include "tools/program/commands.h"
 
 // What goes wrong around every command: disks that are full, programs that are killed, what is in

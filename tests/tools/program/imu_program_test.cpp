@@ -1,4 +1,3 @@
-#include <sstream>
 
 #include "hqslam/core/trajectory.h"
 #include "tools/program/program.h"

@@ -1,21 +1,10 @@
 #include <fmt/ranges.h>
-#include <signal.h>
 
-#include <chrono>
-#include <cmath>
-#include <thread>
-
-#include "core/recordings/captures.h"
 #include "core/recordings/live/loopback.h"
-#include "hqslam/core/angles.h"
 #include "hqslam/core/cloud_file.h"
-#include "hqslam/core/npy.h"
-#include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
-#include "hqslam/recordings/ouster.h"
 #include "http_get.h"
 #include "tools/program/child.h"
-#include "tools/program/program.h"
 #include "tools/program/untrained_weights.h"
 #include "udp_socket.h"
 

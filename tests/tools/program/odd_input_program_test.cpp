@@ -1,5 +1,4 @@
 #include "tools/program/arguments.h"
-#include "tools/program/program.h"
 #include "tools/program/untrained_weights.h"
 
 // Input that users hand over by mistake: results among the input, contents that steer a

@@ -2,7 +2,6 @@
 
 #include <sys/wait.h>
 
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "testing.h"

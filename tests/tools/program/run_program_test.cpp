@@ -1,4 +1,3 @@
-#include <signal.h>
 
 #include "golden_folder.h"
 #include "hqslam/core/cloud_file.h"
@@ -7,7 +6,6 @@
 #include "hqslam/nn/instruction_set.h"
 #include "tools/page_data.h"
 #include "tools/program/child.h"
-#include "tools/program/program.h"
 
 namespace hqslam::test {
 namespace {

@@ -1,9 +1,7 @@
-#include <signal.h>
 
 #include "golden_folder.h"
 #include "hqslam/core/trajectory.h"
 #include "tools/program/child.h"
-#include "tools/program/program.h"
 
 namespace hqslam::test {
 namespace {

@@ -1,10 +1,6 @@
-#include <iterator>
-#include <sstream>
 
-#include "hqslam/nn/network_json.h"
 #include "hqslam/nn/super_resolver.h"
 #include "hqslam/recordings/recording.h"
-#include "made_images.h"
 #include "tools/program/program.h"
 #include "tools/program/untrained_weights.h"
 

@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <map>
-#include <string>
 
-#include "hqslam/core/sensor_model.h"
 #include "hqslam/nn/network.h"
 #include "hqslam/nn/network_json.h"
 #include "hqslam/nn/weights_file.h"

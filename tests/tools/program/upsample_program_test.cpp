@@ -1,4 +1,3 @@
-#include "hqslam/core/npy.h"
 #include "hqslam/core/point_fields.h"
 #include "hqslam/core/trajectory.h"
 #include "hqslam/recordings/recording.h"

@@ -1,5 +1,4 @@
 #include "tools/page_data.h"
-#include "tools/parts_of_text.h"
 #include "tools/program/arguments.h"
 
 namespace hqslam::test {

@@ -1,6 +1,5 @@
 #include <nlohmann/json.hpp>
 
-#include "hqslam/nn/network_json.h"
 #include "hqslam/nn/super_resolver.h"
 #include "hqslam/nn/trace.h"
 #include "inspect/what_if.h"

@@ -1,7 +1,6 @@
 #include <ctime>
 
 #include "made_bags.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

@@ -4,7 +4,6 @@
 
 #include "made_bags.h"
 #include "streams/stream_reader.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

@@ -1,4 +1,3 @@
-#include "files/scan_files.h"
 #include "hqslam/core/trajectory.h"
 #include "hqslam/recordings/recording.h"
 #include "made_images.h"

@@ -1,7 +1,5 @@
-#include "files/scan_files.h"
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/point_fields.h"
-#include "testing.h"
 #include "vlp16_files.h"
 
 using namespace hqslam;

@@ -1,6 +1,5 @@
 #include <sys/stat.h>
 
-#include "files/scan_files.h"
 #include "hqslam/core/kitti_bin.h"
 #include "made_images.h"
 #include "points_file.h"

@@ -1,4 +1,3 @@
-#include "core/recordings/captures.h"
 #include "hqslam/live/live.h"
 #include "hqslam/recordings/recording.h"
 #include "loopback.h"

@@ -2,10 +2,6 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
-#include <thread>
-
-#include "core/recordings/captures.h"
-#include "hqslam/core/file_descriptor.h"
 #include "hqslam/live/live.h"
 #include "http_get.h"
 #include "loopback.h"

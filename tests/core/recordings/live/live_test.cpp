@@ -1,9 +1,5 @@
 #include "hqslam/live/live.h"
 
-#include <sstream>
-#include <thread>
-
-#include "core/recordings/captures.h"
 #include "hqslam/recordings/recording.h"
 #include "loopback.h"
 #include "testing.h"

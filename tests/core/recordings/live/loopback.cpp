@@ -4,10 +4,7 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
-#include <chrono>
 #include <stdexcept>
-#include <string>
-#include <thread>
 
 #include "udp_socket.h"
 

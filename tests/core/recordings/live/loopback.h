@@ -2,9 +2,7 @@
 
 #include <array>
 #include <chrono>
-#include <cstdint>
 #include <thread>
-#include <vector>
 
 #include "core/recordings/captures.h"
 #include "hqslam/core/file_descriptor.h"

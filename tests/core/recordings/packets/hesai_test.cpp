@@ -1,5 +1,4 @@
 #include "bags.h"
-#include "captures.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/recordings/recording.h"
 #include "packets/hesai_decoder.h"

@@ -1,5 +1,4 @@
 #include "bags.h"
-#include "captures.h"
 #include "files/scan_files.h"
 #include "hqslam/recordings/recording.h"
 #include "imu_queue.h"

@@ -1,4 +1,3 @@
-#include <tuple>
 
 #include "captures.h"
 #include "core/real_data.h"

@@ -1,5 +1,4 @@
 #include "captures.h"
-#include "hqslam/recordings/packet.h"
 #include "packets/ip_datagram.h"
 #include "testing.h"
 

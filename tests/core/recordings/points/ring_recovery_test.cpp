@@ -5,7 +5,6 @@
 #include "core/real_data.h"
 #include "hqslam/core/kitti_bin.h"
 #include "known_scans.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

@@ -1,7 +1,5 @@
 #include "pages/point_blocks.h"
 
-#include <tuple>
-
 #include "testing.h"
 
 namespace hqslam::tools {

@@ -1,7 +1,6 @@
 #include "recording/reading.h"
 
 #include <csignal>
-#include <functional>
 
 #include "made_scans.h"
 #include "testing.h"

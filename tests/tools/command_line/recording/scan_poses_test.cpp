@@ -1,7 +1,5 @@
 #include "recording/scan_poses.h"
 
-#include <memory>
-
 #include "made_scans.h"
 #include "testing.h"
 

@@ -1,8 +1,5 @@
 #include "terminal/command_options.h"
 
-#include <CLI/CLI.hpp>
-
-#include "testing.h"
 #include "tools/command_line/parsed_options.h"
 
 using namespace hqslam;

@@ -4,9 +4,6 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
-#include <chrono>
-#include <nlohmann/json.hpp>
-
 #include "live/live_run.h"
 #include "live/view_server.h"
 #include "testing.h"

@@ -1,6 +1,5 @@
 #include "run/report_page.h"
 
-#include <nlohmann/json.hpp>
 #include <regex>
 
 #include "program/invocation.h"

@@ -1,7 +1,6 @@
 #include "run/run_output.h"
 
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "testing.h"
 #include "tools/example_run.h"

@@ -1,7 +1,6 @@
 #include "lidar.h"
 
 #include "hqslam/core/projection.h"
-#include "hqslam/core/sensor_model.h"
 #include "small_city.h"
 #include "testing.h"
 

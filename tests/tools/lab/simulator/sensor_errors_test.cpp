@@ -1,7 +1,6 @@
 #include "hqslam/sim/sensor_errors.h"
 
 #include <nlohmann/json.hpp>
-#include <numeric>
 
 #include "hqslam/core/angles.h"
 #include "hqslam/sim/write_drive.h"

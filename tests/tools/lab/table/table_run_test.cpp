@@ -1,7 +1,5 @@
 #include "table/table_run.h"
 
-#include <functional>
-
 #include "made_images.h"
 #include "testing.h"
 

@@ -3,7 +3,6 @@
 #include <csignal>
 
 #include "files/result_files.h"
-#include "hqslam/core/npy.h"
 #include "hqslam/sim/drive.h"
 #include "made_images.h"
 #include "testing.h"

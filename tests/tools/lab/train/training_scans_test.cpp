@@ -1,7 +1,5 @@
 #include "train/training_scans.h"
 
-#include <thread>
-
 #include "hqslam/core/projection.h"
 #include "hqslam/nn/network_json.h"
 #include "hqslam/nn/training/drawn_beams.h"
