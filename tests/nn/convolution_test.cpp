@@ -166,8 +166,7 @@ void check_against_reference(bool transposed) {
 
 }  // namespace
 
-TEST_CASE(
-    "convolutions, transposed too, their gradients and skips equal the reference everywhere") {
+TEST_CASE("convolutions, also transposed, their gradients and skips equal the reference") {
   check_against_reference(false);
   check_against_reference(true);
 }

@@ -121,8 +121,7 @@ void check_network(const GradientProblem& p, int each) {
 }  // namespace
 
 // With a loss on the last layer alone the networks are held against PyTorch in hqs_loop_test.cpp.
-TEST_CASE(
-    "DU-OR, Simple DU and their gradients equal the reference, with a loss on several layers") {
+TEST_CASE("DU-OR, Simple DU and their gradients equal the reference, with losses of layers") {
   HqsPlan three_levels = small_du_or();  // with other tiles
   three_levels.layers = 2;
   three_levels.u_shaped = {
@@ -156,8 +155,7 @@ TEST_CASE("the same holds for every choice that a recipe has of the loop") {
   check_network(problem(of_z, 32, 31, 2), 2);
 }
 
-TEST_CASE(
-    "with neighbours from H penalties have gradients, but for the first, whose Z and Y are L") {
+TEST_CASE("with neighbours from H penalties, except the first (Z and Y are L), have gradients") {
   HqsPlan plan = small_du_or();
   plan.u_shaped.neighbours_of_h = true;
   const EngineResult result = engine(problem(plan, 64, 32, 3));

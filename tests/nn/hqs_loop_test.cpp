@@ -89,8 +89,7 @@ void check_against_pytorch(const HqsPlan& plan, const std::string& file, bool re
 
 }  // namespace
 
-TEST_CASE(
-    "DU-OR, with one layer's weights and the filter inside too, and Simple DU equal PyTorch") {
+TEST_CASE("DU-OR, also with shared weights and the filter inside, and Simple DU equal PyTorch") {
   check_against_pytorch(small_du_or(), "du_or");
   HqsPlan shared = filtered(small_du_or());
   shared.u_shaped.negative_slope = 0.125F;

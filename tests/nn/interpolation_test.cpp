@@ -39,9 +39,7 @@ TEST_CASE("between 4 m and 12 m the three interpolations are what a hand compute
   CHECK(inverse[5] == 12.0F);
 }
 
-TEST_CASE(
-    "where one of two rows has no return the nearer one decides, and rows beyond the outermost "
-    "measured ones repeat them") {
+TEST_CASE("where one of two rows is empty the nearer decides; rows outside repeat the outermost") {
   for (const Interpolation any :
        {Interpolation::kNearest, Interpolation::kLinear, Interpolation::kInverse}) {
     CHECK(filled({8, 0}, {0, 4}, 5, any) == Ranges{8, 8, 0, 0, 0});

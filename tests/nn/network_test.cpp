@@ -76,8 +76,7 @@ TEST_CASE("images may have any number of columns that the strides divide, down t
   }
 }
 
-TEST_CASE(
-    "columns, threads, instruction sets and parameters that a network cannot have are refused") {
+TEST_CASE("columns, threads, instruction sets and parameters that cannot be are refused") {
   for (const NetworkDescription& description : every_kind()) {
     const auto refuses = [&](int columns, int instruction_set, int threads, const auto&... parts) {
       CHECK(test::refused_with(

@@ -99,9 +99,7 @@ double share_within_m(const Recalled& r, float limit_m) {
 
 }  // namespace
 
-TEST_CASE(
-    "what earlier scans measured is recalled where a later one would measure it, wherever in the "
-    "turn they begin") {
+TEST_CASE("earlier returns are recalled where a later scan would measure, wherever turns begin") {
   for (const int shift : {0, 37}) {
     CAPTURE(shift);
     const Recalled r = after_ten_scans({0.0, 0.0, 0.0}, true, shift);

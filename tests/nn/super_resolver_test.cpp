@@ -13,8 +13,7 @@ Weights weights_of(HqsPlan plan) {
 
 }  // namespace
 
-TEST_CASE(
-    "a range that the sensor cannot have measured is no return, and empties nothing beside it") {
+TEST_CASE("a range that the sensor cannot measure is no return, and empties nothing beside it") {
   for (const Weights& weights : {weights_of(small_du_or()), small_weights(small_du_mix())}) {
     SuperResolver resolver(weights, {});
     RangeImage scene = select_rows(small_scene(), weights.description.measured_rows);

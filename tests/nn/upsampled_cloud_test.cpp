@@ -37,8 +37,7 @@ Eigen::Vector3f point_at(const SensorModel& sensor, int row, int column, double 
 
 }  // namespace
 
-TEST_CASE(
-    "what was measured is sure, also where a network takes it for too far, the rest as it says") {
+TEST_CASE("what was measured is sure, also where a network takes it for too far") {
   const SensorModel sensor = six_row_sensor();
   RangeImage upsampled = flat(10.0F);
   upsampled.at(1, 3) = 0.0F;

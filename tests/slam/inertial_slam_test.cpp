@@ -74,9 +74,7 @@ double worst_inertial_error_m(double period_s, int scans, Imu imu,
 
 }  // namespace
 
-TEST_CASE(
-    "with an inertial sensor a hand that turns 200 degrees a second is followed closely, also with "
-    "two scans a second") {
+TEST_CASE("an inertial sensor helps to follow 200 degrees a second, also at two scans a second") {
   struct Case {
     double period_s;
     int scans;
@@ -94,8 +92,7 @@ TEST_CASE("an inertial sensor upside down with the LiDAR gives the same path") {
   CHECK(worst_inertial_error_m(0.1, 30, Imu::kAll, {M_PI, 0.1, false}) < 0.05);
 }
 
-TEST_CASE(
-    "a gap of the inertial data, or of their clock that is set back, is bridged without them") {
+TEST_CASE("a gap of the inertial data, or a clock of theirs that is set back, is bridged") {
   CHECK(worst_inertial_error_m(0.1, 40, Imu::kWithGap, {}) < 0.05);
   CHECK(worst_inertial_error_m(0.1, 60, Imu::kClockSetBack, {}) < 0.05);
 }

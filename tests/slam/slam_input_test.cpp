@@ -102,8 +102,7 @@ TEST_CASE("capture times that are no offsets from the middle of the scan in seco
   CHECK_NOTHROW(slam.process(cloud, 0.3));
 }
 
-TEST_CASE(
-    "scans of another shape or without a part of a pixel are refused, as is an empty sensor") {
+TEST_CASE("scans of another shape, incomplete ones and an empty sensor are refused") {
   const std::pair<const char*, void (*)(OrganizedCloud&)> faults[] = {
       {"another shape", [](OrganizedCloud& cloud) { cloud = OrganizedCloud(64, 512); }},
       {"a point too few", [](OrganizedCloud& cloud) { cloud.points_m.pop_back(); }},

@@ -89,9 +89,7 @@ TEST_CASE("up to five scans that miss the map are bridged, blind or of another p
   }
 }
 
-TEST_CASE(
-    "with the sixth missed scan tracking is lost: a segment begins with the next scan that has "
-    "features") {
+TEST_CASE("the sixth missed scan ends tracking: the next one with features begins a segment") {
   StreetDrive drive;
   drive.states("ssssss");
   CHECK(drive.states("eeeee") == "lllll");
@@ -105,8 +103,7 @@ TEST_CASE(
   CHECK(blind.slam().segment_of_scan().back() == 0);
 }
 
-TEST_CASE(
-    "in a given map a sensor is searched until it is found, and again after tracking was lost") {
+TEST_CASE("in a given map a sensor is searched until found, and again after tracking is lost") {
   StreetDrive mapped;
   mapped.states(std::string(120, 's'));
   mapped.slam().finish();
@@ -153,8 +150,7 @@ TEST_CASE("a sensor that stands keeps its pose when the place changes around it"
   CHECK(farthest_m < 0.05);
 }
 
-TEST_CASE(
-    "a sensor that stands makes a keyframe of a place that has changed around it, and no other") {
+TEST_CASE("a sensor that stands makes a keyframe where the place has changed, and no other") {
   const SensorModel sensor = narrow_sensor();
   slam::Slam slam(sensor);
   const Pose standing = test::yard_pose(0.0, 0.0, 0.0);
@@ -227,9 +223,7 @@ TEST_CASE("a hand that turns by 30 degrees a scan and jerks back by 60 is follow
   CHECK(rotation_angle_rad(error) < 0.01);
 }
 
-TEST_CASE(
-    "a hand in another room, which half fits, is not said to be where it was found, and in a given "
-    "map it is not located") {
+TEST_CASE("a hand in a room that half fits is of uncertain place, and not located in a given map") {
   SensorModel sensor = test::small_sensor(32, 512);
   sensor.scan_period_s = 0.5;
   const test::Yard room{.half_length_m = 10.0, .half_width_m = 6.0};

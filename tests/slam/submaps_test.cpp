@@ -59,9 +59,7 @@ Driven drive(const test::Village& village, const std::vector<Pose>& path,
 
 }  // namespace
 
-TEST_CASE(
-    "a sensor carried to a place passed before, in either direction, is joined with the path "
-    "there") {
+TEST_CASE("a sensor carried to a place passed before, either way, is joined with the path there") {
   const test::Village village = test::street(31);
   for (const bool up : {true, false}) {
     CAPTURE(up);

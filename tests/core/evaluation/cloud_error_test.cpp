@@ -70,8 +70,7 @@ TEST_CASE("errors of a small image are those done by hand") {
   CHECK(error.right_share == doctest::Approx(1.0 / 3.0));     // the 5 m of 12, 3 and 5
 }
 
-TEST_CASE(
-    "images without a common return have no error of valid pixels; other shapes are refused") {
+TEST_CASE("images without common returns have no error of valid pixels; shapes must be equal") {
   RangeImage image(1, 2);
   RangeImage true_image(1, 2);
   image.range_m = {4, 0};

@@ -90,8 +90,7 @@ TEST_CASE("jumps whose windows do not touch are slips of their own, nearer ones 
   CHECK(count(200) == 2);
 }
 
-TEST_CASE(
-    "an estimate lost for a whole drive has one slip, a slow drift none; rates are per 100 km") {
+TEST_CASE("an estimate lost for a drive has one slip, a slow drift none; rates are per 100 km") {
   const std::vector<Slip> lost = slips(scaled(straight_drive(), 1.04), straight_drive());
   REQUIRE(lost.size() == 1);  // 0.4 m in ten metres
   CHECK(lost[0].first == 0);

@@ -122,8 +122,7 @@ TEST_CASE("a start tilts the map within the first metres, by the spacing of the 
   CHECK(aside_m < 19.0 * tilt_rad);
 }
 
-TEST_CASE(
-    "a start in a hand that turns unevenly is uncertain along the axes, too, without a path") {
+TEST_CASE("a start in a hand that turns unevenly is uncertain along the axes without a path") {
   const auto sigma_m = [](double turn_rad_per_s) {
     slam::Drift drift = sixteen_rows();
     Twist velocity;
@@ -140,8 +139,7 @@ TEST_CASE(
   CHECK(sigma_m(0.0) == 0.0);
 }
 
-TEST_CASE(
-    "beam errors make it lean by the root of the path, less with gravity, more without ground") {
+TEST_CASE("beam errors make it lean by the path's root, less with gravity, more without ground") {
   using enum slam::Drift::Level;
   const auto sigma_after = [](int steps_m, slam::Drift::Level level, int at) {
     slam::Drift drift = sixteen_rows();
@@ -215,8 +213,7 @@ TEST_CASE("unmeasured motion stays uncertain until a loop removes that, but not 
   }
 }
 
-TEST_CASE(
-    "what a motion adds to a covariance is never negative, whatever the velocity's errors undo") {
+TEST_CASE("what a motion adds to a covariance is never negative") {
   const Matrix6 before = 4.0 * Matrix6::Identity();
   Matrix6 expected = before;
   expected(0, 0) = 1.0;

@@ -97,8 +97,7 @@ TEST_CASE("in a scan with computed rows the measured ones have features, the sam
   CHECK(features.ground.size() > 100);
 }
 
-TEST_CASE(
-    "the tip of a wedge is the sharpest edge, also at a section's end, but none in the ground") {
+TEST_CASE("the tip of a wedge is the sharpest edge, also at a section's end, not in the ground") {
   // Sections of 60 points: 119 is the last of the second.
   for (const int tip : {100, 119}) {
     OneRow row(wedge_at(tip));

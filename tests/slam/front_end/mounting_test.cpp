@@ -75,8 +75,7 @@ TEST_CASE("a covariance turns with the sensor, and an infinite one stays") {
   CHECK(mounting.of_sensor(unknown).diagonal() == unknown.diagonal());
 }
 
-TEST_CASE(
-    "the tilt of a sensor, upright or not, follows from the ground of one scan, to 0.05 degrees") {
+TEST_CASE("a sensor's tilt, upright or not, follows from one scan's ground to 0.05 degrees") {
   for (const char* name : {"vlp-16", "os1-16", "os1-64"}) {
     const SensorModel sensor = sensor_preset(name);
     for (const auto& [mounted_roll_deg, roll_deg, pitch_deg] :

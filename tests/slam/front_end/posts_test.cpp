@@ -65,8 +65,7 @@ TEST_CASE("a post is a little behind the mean of its points, at the time of the 
   CHECK(posts[0].row == 0);
 }
 
-TEST_CASE(
-    "of a trunk the middle is found, whatever the distance of columns and the trunk's width") {
+TEST_CASE("the middle of a trunk is found, at any distance of columns and width of trunk") {
   for (const int columns : {512, 1024, 2048}) {
     for (const double radius_m : {0.15, 0.3}) {
       double error_m = 0.0;

@@ -65,8 +65,7 @@ TEST_CASE("a place is found from far away, and the pose with it") {
   CHECK(!street.search(50.0).loop);
 }
 
-TEST_CASE(
-    "a return in the other direction and lane is recognized, by the context of that lane alone") {
+TEST_CASE("a return in the other direction and lane is recognized by that lane's context alone") {
   const Pose truth = test::yard_pose(21.0, 3.8, std::numbers::pi);
   auto street = drive(test::street(31, -60.0, 200.0), test::yard_pose(35.0, 40.0, 3.0), truth);
   const auto result = street.search(100.0);

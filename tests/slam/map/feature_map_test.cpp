@@ -59,8 +59,7 @@ TEST_CASE("neighbours are those of a search through all points of the map, also 
   check_neighbours(emptied, random_points_m(200, 13.0F, 8));
 }
 
-TEST_CASE(
-    "points kept by a search give the neighbours of places beside, as far as they are known") {
+TEST_CASE("points kept by a search give neighbours of places beside, as far as they are known") {
   FeatureMap map(0.4, 1.0);
   map.insert(random_points_m(20000, 15.0F, 3));
   int known = 0;
@@ -171,9 +170,7 @@ TEST_CASE("a correction by the identity leaves the same bytes") {
   CHECK(map.points_m() == before);
 }
 
-TEST_CASE(
-    "points without recent observations are taken out, and later ones there become points of their "
-    "own") {
+TEST_CASE("points not observed recently are taken out; later ones there are points of their own") {
   FeatureMap map(0.4, 1.0);
   map.insert({{0.1F, 0.1F, 0.1F}, {1.1F, 0.1F, 0.1F}}, 0);
   map.insert({{1.15F, 0.1F, 0.1F}}, 5);

@@ -31,8 +31,7 @@ std::vector<MapRow> rows_of(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE(
-    "an upsampled drive's dense map is more complete than a measured one's, and nearly as true") {
+TEST_CASE("an upsampled drive's dense map is more complete than a measured one's, nearly as true") {
   const TemporaryDirectory out;
   const std::string folder = out.path().string();
   const auto run = [&](const char* options, const char* name) {
@@ -94,8 +93,7 @@ TEST_CASE("scans whose poses a TUM file does not have are left out of the map, a
   CHECK(missing(first.out, {"of 2 scans", "3 scans without a pose left out"}) == "");
 }
 
-TEST_CASE(
-    "poses of a survey, a thousand kilometres from its origin, make no map, and that is said") {
+TEST_CASE("poses of a survey, thousands of kilometres from its origin, make no map") {
   const TemporaryDirectory out;
   Trajectory truth = read_tum(simulated_drive() + "/truth.tum");
   for (StampedPose& pose : truth) pose.T_map_sensor.translation() += Eigen::Vector3d(5e5, 5.4e6, 0);

@@ -183,8 +183,7 @@ TEST_CASE("no command replaces what it did not write") {
   }
 }
 
-TEST_CASE(
-    "nothing that is no regular file is written over, not even among a command's own results") {
+TEST_CASE("only regular files are written over, also among a command's own results") {
   for (const Command& command : commands()) {
     if (!command.writes()) continue;
     CAPTURE(command.arguments);

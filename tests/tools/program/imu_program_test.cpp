@@ -18,8 +18,7 @@ double error_m(const std::string& results, const std::string& drive) {
 
 }  // namespace
 
-TEST_CASE(
-    "a simulated drive's inertial data are used, and another file of them where one is given") {
+TEST_CASE("a simulated drive's inertial data are used, or another file of them that is given") {
   const TemporaryDirectory folder;
   const std::string drive = folder.file("drive");
   succeeds("simulate --drive handheld-turning --sensor os1-16 --scans 40 --seed 3 --imu --out '{}'",

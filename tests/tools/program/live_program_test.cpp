@@ -177,8 +177,7 @@ TEST_CASE("live makes the maps that run makes of its capture, and one to be loca
   CHECK((end_m(again) - end_m(first)).norm() < 0.1);
 }
 
-TEST_CASE(
-    "killed while it records, live leaves a capture to run on, which it does not write over") {
+TEST_CASE("killed while recording, live leaves a capture to run on and does not overwrite it") {
   LiveProgram live("--record '{0}/kept.pcap'");
   const std::string kept = live.path("kept.pcap");
   live.send_drive();

@@ -23,8 +23,7 @@ void make_long_recording(const fs::path& folder, int count) {
 
 }  // namespace
 
-TEST_CASE(
-    "a sensor upside down is followed once it is known, and a user who does not say so is asked") {
+TEST_CASE("a sensor upside down is followed once it is known; a user who does not say is asked") {
   const TemporaryDirectory folder;
   const std::string drive = folder.file("drive");
   succeeds("simulate --drive block --sensor os1-16 --scans 12 --mount 180,4 --out '{}'", drive);

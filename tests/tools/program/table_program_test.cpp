@@ -186,8 +186,7 @@ TEST_CASE("over seeds drives too short for any figure are refused, not passed ov
   CHECK(holds(result.error, "--scans"));
 }
 
-TEST_CASE(
-    "scans that cannot be understood are left out of a table, which says how many they were") {
+TEST_CASE("scans that cannot be understood are left out of a table, which says how many") {
   const TemporaryDirectory folder;
   const std::string bins = folder.file("bin");
   fs::copy(simulated_drive("--sensor os1-64 --scans 6") + "/bin", bins);

@@ -61,8 +61,7 @@ TEST_CASE("training leaves weights that load, a checkpoint and a learning curve"
   CHECK(holds(other.error, "another training configuration"));
 }
 
-TEST_CASE(
-    "a training is validated with a stack that names the network's own sensor, and no other") {
+TEST_CASE("a training is validated with a stack of the network's own sensor, and no other") {
   const TemporaryDirectory folder;
   const std::string stack =
       R"({"stack": ")" + simulated_drive("--sensor os1-64 --scans 1 --seed 9") + "\"";

@@ -80,8 +80,7 @@ TEST_CASE("upsampling and then running is running with --upsample") {
   }
 }
 
-TEST_CASE(
-    "corrections of a calibration are applied to ranges once, and computed rows are between") {
+TEST_CASE("a calibration corrects ranges once; computed rows have corrections in between") {
   const Material& files = material();
   const TemporaryDirectory folder;
   SensorModel sensor = sensor_preset("os1-64");

@@ -162,8 +162,7 @@ TEST_CASE("a port in use, an unknown sensor and packets of another one are refus
   CHECK(refused_with([&] { LiveSensor sensor(options); }, "vlp-17"));
 }
 
-TEST_CASE(
-    "packets of another sensor are named while one waits, and the sensor is found after them") {
+TEST_CASE("packets of another sensor are named while waiting, and the sensor is found after them") {
   const LiveOptions options = vlp16();
   LiveSensor sensor(options);
   CHECK(sensor.complaint().empty());

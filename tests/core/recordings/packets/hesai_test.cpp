@@ -147,9 +147,7 @@ TEST_CASE("a capture and a bag of Hesai packets give the same scans, by the angl
   CHECK(inspect(folder.file("a.pcap")).format == "Hesai XT16 packets, dual return");
 }
 
-TEST_CASE(
-    "without an angle file the manual's angles are taken, with a warning, as of another sensor's "
-    "angles; a wrong file is refused") {
+TEST_CASE("without a fitting angle file the manual's serve, with a warning; a wrong one fails") {
   const TemporaryDirectory folder;
   const std::string capture = folder.file("a.pcap");
   write_file(capture, pcap_bytes(hesai_capture(32, 0.15)));

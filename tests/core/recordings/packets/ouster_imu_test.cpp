@@ -122,8 +122,7 @@ TEST_CASE("scans are the same with inertial data beside them, on the lidar's por
   }
 }
 
-TEST_CASE(
-    "inertial data of another sender are not the Ouster's, of two ports the nearer one's are") {
+TEST_CASE("inertial data of another sender are not the Ouster's, those of the nearer port are") {
   const TemporaryDirectory folder;
   auto packets = turns_with_imu();
   for (Captured packet : turns_with_imu(7510)) {

@@ -136,8 +136,7 @@ TEST_CASE("a pixel's point is that of the documented formula") {
         doctest::Approx(1600000005.15 + 0.05 * 255.5 / 512).scale(0).epsilon(1e-15));
 }
 
-TEST_CASE(
-    "lost packets leave empty columns and are counted, doubled and overtaken ones are left out") {
+TEST_CASE("lost packets are counted and leave empty columns; doubled and late ones are left out") {
   const OusterProfile profile = OusterProfile::kRng15;
   auto packets = ouster_turns(profile, {10, 11, 12, 15});
   packets.erase(packets.begin() + 32 + 4);            // of turn 11: columns 64 to 79

@@ -125,8 +125,7 @@ TEST_CASE("a fragment that reaches beyond the largest datagram is damage") {
   }
 }
 
-TEST_CASE(
-    "a length in the IP header beyond the frame is no damage where UDP's own length is whole") {
+TEST_CASE("an IP length beyond the frame is no damage where UDP's own length is whole") {
   Captured positions{1'600'000'000'000'000'000, 8308, Payload(512, 3)};
   Payload frame = ethernet_frames(positions).front();
   frame[16] = 1234 >> 8;

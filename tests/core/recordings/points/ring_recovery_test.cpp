@@ -210,8 +210,7 @@ TEST_CASE("an empty scan and a scan of one point have rings too") {
   CHECK(recover_rings(scan, sensor).empty_rings == 15);
 }
 
-TEST_CASE(
-    "points stored column after column, at random or to and fro are no rings and are refused") {
+TEST_CASE("points stored by columns, at random or to and fro are no rings and are refused") {
   const SensorModel sensor = sensor_preset("os1-64");
   const KnownScan known = a_square(sensor, {});
   std::vector<std::size_t> order(known.row.size());

@@ -42,8 +42,7 @@ TEST_CASE("the report says how it was made and when") {
                          std::regex(R"(20\d\d-\d\d-\d\d \d\d:\d\d UTC)")));
 }
 
-TEST_CASE(
-    "every pose has its status; where the motion to the next is unknown is a gap and no path") {
+TEST_CASE("every pose has its status; where the next motion is unknown is a gap and no path") {
   SlamRun run = example_run(30);
   const auto gaps = [&] {
     const std::vector<float> gap = numbers_of(report_json(run)["trajectory"]["gap"]);

@@ -60,8 +60,7 @@ TEST_CASE("a shorter drive is the beginning of a longer one") {
   }
 }
 
-TEST_CASE(
-    "stamps are the middles of scans, the truth starts at the identity and fits the columns") {
+TEST_CASE("stamps are the middles of scans; the truth starts at the identity and fits columns") {
   const auto scans = drive(short_drive("block", 30));
   const SensorModel sensor = small_sensor();
   CHECK(scans[0].T_map_sensor.matrix() == Pose::Identity().matrix());

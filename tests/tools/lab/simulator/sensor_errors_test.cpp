@@ -107,8 +107,7 @@ TEST_CASE("of the echoes at an edge a share is between the surfaces, if these ar
   CHECK(share_between(12.5) == 0.0);
 }
 
-TEST_CASE(
-    "before a wall every beam is off by what was drawn for it, and as bright as its gain says") {
+TEST_CASE("before a wall each beam is off by what was drawn for it, as bright as its gain says") {
   constexpr int kScans = 60;
   const BeforeWall bad;
   std::vector<RangeImage> images;
