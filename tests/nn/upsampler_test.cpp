@@ -1,6 +1,5 @@
 #include "hqslam/nn/upsampler.h"
 
-#include "hqslam/nn/interpolation.h"
 #include "small_network.h"
 #include "testing.h"
 

@@ -81,17 +81,6 @@ TEST_CASE("a sensor that leans, or hangs, is followed if it is known, in a map t
   }
 }
 
-TEST_CASE("the mounting is estimated from the first scan if the option is set") {
-  const slam::MountingOptions leans{0.05, 0.15, false};
-  const MountedDrive drive = driven(leans, {0.0, 0.0, true});
-  CHECK(drive.located == kMountedScans);
-  const slam::MountingOptions found = drive.slam.mounting();
-  CHECK(found.estimated);
-  CHECK(std::abs(found.roll_rad - leans.roll_rad) < 2e-3);
-  CHECK(std::abs(found.pitch_rad - leans.pitch_rad) < 2e-3);
-  CHECK(worst_pose_error(drive.slam.trajectory(), level_from_sensor(found)) < 0.04);
-}
-
 TEST_CASE("a sensor that leans without being stated is followed, in a map that is level") {
   const slam::MountingOptions leans{-0.1, 0.3, false};
   const MountedDrive drive = driven(leans, {});

@@ -6,7 +6,6 @@
 #include <zstd.h>
 
 #include <filesystem>
-#include <map>
 #include <stdexcept>
 
 namespace hqslam::test {

@@ -9,27 +9,6 @@ using namespace hqslam;
 using namespace hqslam::recordings;
 using namespace hqslam::test;
 
-TEST_CASE("a capture of a VLP-16 opens without any option") {
-  const TemporaryDirectory directory;
-  const std::string path = directory.file("a.pcap");
-  write_file(path, pcap_bytes(velodyne_capture({.rate_hz = 20.0, .duration_s = 0.26})));
-  auto source = Recording::open(path);
-  CHECK(source.sensor().name == "vlp-16");
-  CHECK(source.sensor().columns == 900);  // half of those at ten turns a second
-  CHECK(source.sensor().scan_period_s == doctest::Approx(0.05).scale(0).epsilon(0.002));
-  CHECK(source.warnings().empty());
-  const auto scans = all_scans(source);
-  REQUIRE(scans.size() == 5);
-  CHECK(scans[2].stamp_s - scans[1].stamp_s == doctest::Approx(0.05).scale(0).epsilon(0.02));
-  CHECK(scans[1].counts.kept > 14000);
-  const RecordingInfo info = inspect(path);
-  CHECK(info.scans == 5);
-  CHECK(info.format == "Velodyne packets, single return");
-  CHECK(info.duration_s == doctest::Approx(0.25).scale(0).epsilon(0.05));
-  CHECK(info.streams.size() == 1);
-  CHECK(info.stream == "192.168.1.201:2368");
-}
-
 TEST_CASE("the stamps of a capture whose computer's clock was set back rise, with a warning") {
   const TemporaryDirectory directory;
   const std::string path = directory.file("a.pcap");

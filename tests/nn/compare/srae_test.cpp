@@ -1,7 +1,6 @@
 #include "srae.h"
 
 #include "golden.h"
-#include "parameters.h"
 #include "small_network.h"
 
 namespace hqslam::nn {

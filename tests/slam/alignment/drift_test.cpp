@@ -1,6 +1,5 @@
 #include "alignment/drift.h"
 
-#include "hqslam/core/sensor_model.h"
 #include "slam/poses.h"
 #include "testing.h"
 

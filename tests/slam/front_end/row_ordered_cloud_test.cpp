@@ -2,9 +2,7 @@
 
 #include "testing.h"
 
-using hqslam::slam::FeaturePoint;
-using hqslam::slam::RowOrderedCloud;
-using hqslam::slam::RowQuery;
+using namespace hqslam::slam;
 
 namespace {
 

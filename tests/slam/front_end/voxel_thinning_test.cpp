@@ -2,8 +2,7 @@
 
 #include "testing.h"
 
-using hqslam::slam::FeaturePoint;
-using hqslam::slam::thin;
+using namespace hqslam::slam;
 
 namespace {
 

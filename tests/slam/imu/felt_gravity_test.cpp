@@ -5,8 +5,7 @@
 #include "testing.h"
 
 using namespace hqslam;
-using slam::ImuErrors;
-using slam::ImuStep;
+using namespace hqslam::slam;
 
 namespace {
 

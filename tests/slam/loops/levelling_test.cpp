@@ -5,8 +5,7 @@
 #include "testing.h"
 
 using namespace hqslam;
-using slam::FeltGravity;
-using slam::GravityAtNode;
+using namespace hqslam::slam;
 
 namespace {
 

@@ -6,8 +6,7 @@
 #include "testing.h"
 
 using namespace hqslam;
-using slam::LoopStatus;
-using slam::Status;
+using namespace hqslam::slam;
 
 namespace {
 

@@ -4,8 +4,7 @@
 #include "testing.h"
 
 using namespace hqslam;
-using slam::optimized;
-using slam::PoseGraph;
+using namespace hqslam::slam;
 
 namespace {
 

@@ -5,9 +5,7 @@
 #include "testing.h"
 
 using namespace hqslam;
-using slam::compare;
-using slam::scan_context;
-using slam::ScanContext;
+using namespace hqslam::slam;
 
 namespace {
 

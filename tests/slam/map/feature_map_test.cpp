@@ -3,11 +3,7 @@
 #include "testing.h"
 
 using hqslam::Pose;
-using hqslam::slam::FeatureMap;
-using hqslam::slam::MapPoint;
-using hqslam::slam::NearbyPoints;
-using hqslam::slam::Neighbours;
-using hqslam::slam::Surroundings;
+using namespace hqslam::slam;
 
 namespace {
 

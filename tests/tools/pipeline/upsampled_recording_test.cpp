@@ -1,6 +1,5 @@
 #include "hqslam/pipeline/upsampled_recording.h"
 
-#include "hqslam/core/projection.h"
 #include "points_file.h"
 #include "testing.h"
 #include "tools/program/untrained_weights.h"

@@ -1,7 +1,6 @@
 #include "bags/imu_stream.h"
 
 #include "bags.h"
-#include "hqslam/recordings/recording.h"
 #include "near.h"
 #include "testing.h"
 

@@ -3,8 +3,7 @@
 #include "tools/command_line/parsed_options.h"
 
 using namespace hqslam;
-using tools::Given;
-using tools::OptionRules;
+using namespace hqslam::tools;
 
 namespace {
 

@@ -1,6 +1,5 @@
 #include "echo.h"
 
-#include "random.h"
 #include "sample_statistics.h"
 #include "small_city.h"
 #include "testing.h"

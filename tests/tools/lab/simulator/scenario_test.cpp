@@ -2,7 +2,6 @@
 
 #include "ray_scene.h"
 #include "testing.h"
-#include "traffic.h"
 
 using namespace hqslam;
 using namespace hqslam::sim;

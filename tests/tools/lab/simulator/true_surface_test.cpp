@@ -1,7 +1,6 @@
 #include "true_surface.h"
 
 #include "echo.h"
-#include "random.h"
 #include "small_city.h"
 #include "testing.h"
 

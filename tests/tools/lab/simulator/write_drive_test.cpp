@@ -2,7 +2,6 @@
 
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/kitti_bin.h"
-#include "hqslam/core/npy.h"
 #include "hqslam/core/trajectory.h"
 #include "hqslam/recordings/recording.h"
 #include "small_city.h"

@@ -7,10 +7,7 @@
 namespace hqslam::tools {
 namespace {
 
-using test::example_drives;
-using test::example_plan;
-using test::finished_drive;
-using test::straight_drive;
+using namespace hqslam::test;
 
 /// All drives over seeds.
 TableSample sample_of(const std::vector<FinishedDrive>& drives) {

@@ -3,7 +3,6 @@
 #include "hqslam/core/projection.h"
 #include "hqslam/nn/network_json.h"
 #include "hqslam/nn/training/drawn_beams.h"
-#include "hqslam/sim/drive.h"
 #include "made_images.h"
 #include "points_file.h"
 #include "testing.h"
