@@ -1,4 +1,3 @@
-
 #include "hqslam/slam/occupancy_grid.h"
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/saved_map.h"

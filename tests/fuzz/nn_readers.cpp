@@ -1,4 +1,3 @@
-
 #include "checkpoint_arrays.h"
 #include "hqslam/core/error.h"
 #include "hqslam/nn/network.h"

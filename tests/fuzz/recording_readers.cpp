@@ -1,4 +1,3 @@
-
 #include "captures.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/projection.h"

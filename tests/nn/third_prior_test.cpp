@@ -1,4 +1,3 @@
-
 #include "hqs/hqs_architecture.h"
 #include "hqs/prior_backward.h"
 #include "hqslam/nn/network_json.h"

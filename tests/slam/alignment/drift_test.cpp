@@ -27,13 +27,6 @@ Matrix6 covariance_of(const slam::Drift& drift, const MotionState& state,
   return drift.covariance(motion, drift.against_map(state));
 }
 
-/// One whose heading nothing measured since, to 0.1 rad.
-slam::Drift with_heading_lost() {
-  slam::Drift drift = sixteen_rows();
-  drift.lose(0.1 * 0.1 * Vector6::Unit(5).asDiagonal().toDenseMatrix(), false);
-  return drift;
-}
-
 }  // namespace
 
 TEST_CASE("drift grows with the path, not with the number of scans") {
@@ -158,7 +151,8 @@ TEST_CASE("beam errors make it lean by the path's root, less with gravity, more 
 }
 
 TEST_CASE("the covariance of the last scan is carried to this one") {
-  slam::Drift drift = with_heading_lost();
+  slam::Drift drift = sixteen_rows();  // whose heading is lost, to 0.1 rad
+  drift.lose(0.1 * 0.1 * Vector6::Unit(5).asDiagonal().toDenseMatrix(), false);
   CHECK(covariance_of(drift, kExact, test::at_x(20.0))(1, 1) == doctest::Approx(4.0));
   slam::Drift moved = drift;
   moved.move(test::at_x(20.0));

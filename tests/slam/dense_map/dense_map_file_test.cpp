@@ -1,4 +1,3 @@
-
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/point_fields.h"
 #include "hqslam/slam/dense_map.h"

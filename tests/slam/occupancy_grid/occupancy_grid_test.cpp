@@ -11,14 +11,6 @@ namespace {
 
 constexpr int kScans = 30;
 
-Trajectory true_poses() {
-  Trajectory trajectory;
-  for (int i = 0; i < kScans; ++i) {
-    trajectory.push_back({i * kDrivePeriod_s, drive_pose(i * kDrivePeriod_s)});
-  }
-  return trajectory;
-}
-
 /// A box of a car's size that is in the yard during some scans.
 struct Car {
   Box box;
@@ -48,7 +40,10 @@ void put_in(const Car& car, const SensorModel& sensor, const SensorPath& path,
 OccupancyMap yard_map(const std::optional<Car>& car = std::nullopt, bool backwards = false) {
   // With a car, columns dense enough to detect that it left.
   const SensorModel sensor = small_sensor(16, car ? 1024 : 512);
-  const Trajectory trajectory = true_poses();
+  Trajectory trajectory;
+  for (int i = 0; i < kScans; ++i) {
+    trajectory.push_back({i * kDrivePeriod_s, drive_pose(i * kDrivePeriod_s)});
+  }
   OccupancyGrid grid({});
   const auto for_each_scan = [&](const auto& use) {
     for (int k = 0; k < kScans; ++k) {

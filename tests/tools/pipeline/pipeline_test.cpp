@@ -17,28 +17,23 @@ RecordedScan recorded_scan(int i) {
   return scan;
 }
 
-Pipeline driven(const PipelineOptions& options, int scans) {
-  Pipeline pipeline(kSensor, options);
-  for (int i = 0; i < scans; ++i) pipeline.process(recorded_scan(i));
-  pipeline.finish();
-  return pipeline;
-}
-
 }  // namespace
 
 TEST_CASE("without an upsampling the pipeline is SLAM, bit by bit, of a driver's points too") {
-  const Pipeline pipeline = driven({}, 8);
+  Pipeline pipeline(kSensor);
   Pipeline of_driver(kSensor);
   slam::ScanTrace trace;
   slam::Slam slam(kSensor);
   for (int i = 0; i < 8; ++i) {
     const RecordedScan scan = recorded_scan(i);
     slam.process(scan.cloud, scan.stamp_s);
+    pipeline.process(scan);
     Scan points = returns_of(scan.cloud);
     points.stamp_s = scan.stamp_s;
     of_driver.process(points, &trace);
     CHECK_FALSE(trace.features.empty());
   }
+  pipeline.finish();
   REQUIRE(pipeline.trajectory().size() == 8);
   for (std::size_t i = 0; i < 8; ++i) {
     const Pose& expected = slam.trajectory()[i].T_map_sensor;

@@ -1,4 +1,3 @@
-
 #include "hqslam/nn/instruction_set.h"
 #include "tools/program/program.h"
 #include "tools/program/untrained_weights.h"

@@ -1,4 +1,3 @@
-
 #include "hqslam/nn/super_resolver.h"
 #include "hqslam/recordings/recording.h"
 #include "tools/program/program.h"

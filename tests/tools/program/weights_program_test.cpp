@@ -1,4 +1,3 @@
-
 #include "hqslam/core/npz.h"
 #include "hqslam/nn/super_resolver.h"
 #include "tools/program/program.h"

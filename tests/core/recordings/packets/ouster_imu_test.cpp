@@ -14,11 +14,6 @@ namespace {
 
 constexpr OusterProfile kProfile = OusterProfile::kRng19;
 
-/// Metadata with these fields more.
-std::string metadata_text(const std::string& fields) {
-  return replaced_in(ouster_metadata_text(kProfile), "\"prod_sn\"", fields + ", \"prod_sn\"");
-}
-
 /// Turns 2 to 5, 50 ms each, and inertial data every 10 ms by the same clock, from when turn 2
 /// begins on. Both come 2 ms after they were measured.
 std::vector<Captured> turns_with_imu(std::uint16_t imu_port = 7503) {
@@ -59,8 +54,10 @@ TEST_CASE("an Ouster's inertial packet says what Ouster's own decoder reads, in 
 }
 
 TEST_CASE("inertial data are turned into the frame of the scans by the metadata's transforms") {
-  const auto R_of = [](const std::string& fields) {
-    return ouster_metadata_from_json(metadata_text(fields), "a test").R_sensor_imu;
+  const auto R_of = [](const std::string& more_fields) {
+    const std::string text = ouster_metadata_text(kProfile);
+    const std::string with = replaced_in(text, "\"prod_sn\"", more_fields + ", \"prod_sn\"");
+    return ouster_metadata_from_json(with, "a test").R_sensor_imu;
   };
   const std::string usual =
       R"("lidar_to_sensor_transform": [-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 36, 0, 0, 0, 1])";

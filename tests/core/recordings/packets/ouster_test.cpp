@@ -1,4 +1,3 @@
-
 #include "captures.h"
 #include "core/real_data.h"
 #include "hash.h"
