@@ -45,6 +45,5 @@ TEST_CASE("points, images, components and trajectories have the same bytes on ev
   }
   const test::TemporaryDirectory directory;
   write_tum(trajectory, directory.file("trajectory.tum"));
-  const std::string text = test::file_contents(directory.file("trajectory.tum"));
-  CHECK(hash_of(text) == 14911819237509355218U);
+  CHECK(hash_of(test::file_contents(directory.file("trajectory.tum"))) == 14911819237509355218U);
 }

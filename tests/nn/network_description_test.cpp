@@ -32,8 +32,7 @@ void check_refused(const std::vector<Spoilt>& all) {
 }  // namespace
 
 TEST_CASE("each layer has its own arrays unless weights are shared, penalties come last") {
-  HqsPlan description = small_du_or();
-  std::vector<ParameterShape> shapes = parameter_shapes(description);
+  std::vector<ParameterShape> shapes = parameter_shapes(small_du_or());
   CHECK(shapes.front().name == "layers.0.encoder.0.weight");
   CHECK(shapes.size() == 3 * 10 + 1);
   CHECK(shapes[10].name == "layers.1.encoder.0.weight");

@@ -46,10 +46,8 @@ TEST_CASE("inside a parallel region of the caller's each object works as it does
     std::array<Trace, kCallers> traces;
 #pragma omp parallel for num_threads(kCallers) schedule(static, 1)
     for (int i = 0; i < kCallers; ++i) {
-      complaints[i] = test::error_message([&] {
-        SuperResolver own = SuperResolver::load(path, {.threads = 2});
-        upsampled[i] = own.run(scene, &traces[i]);
-      });
+      complaints[i] = test::error_message(
+          [&] { upsampled[i] = SuperResolver::load(path, {.threads = 2}).run(scene, &traces[i]); });
     }
     for (int i = 0; i < kCallers; ++i) {
       CHECK(complaints[i] == "no Error");

@@ -129,8 +129,7 @@ TEST_CASE("a sensor sees half a beam spacing beyond its outermost beams") {
 
 TEST_CASE("rows that count from the lowest beam, or points with other axes, are refused") {
   const SensorModel sensor = sensor_preset("vlp-16");
-  const OrganizedCloud cloud = unproject(random_image(sensor, 7), sensor, CaptureTime::kRolling);
-  const Scan scan = returns_of(cloud);
+  const Scan scan = returns_of(unproject(random_image(sensor, 7), sensor, CaptureTime::kRolling));
   Scan from_lowest = scan;
   for (std::uint16_t& row : from_lowest.row) row = static_cast<std::uint16_t>(15 - row);
   CHECK(refused_with([&] { project(from_lowest, sensor); }, "15 - ring"));

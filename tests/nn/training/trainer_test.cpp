@@ -12,8 +12,7 @@ std::string plan_message(const TrainingPlan& plan) {
 }  // namespace
 
 TEST_CASE("training makes DU-OR better than it was and better than interpolation") {
-  const HqsPlan description = filtered_du_or();
-  Trainer trainer = small_trainer(description, 2);
+  Trainer trainer = small_trainer(filtered_du_or(), 2);
   const Validation before = trainer.validate(scans());
   TrainingStep step;
   double first_loss = 0.0;
@@ -33,8 +32,7 @@ TEST_CASE("training makes DU-OR better than it was and better than interpolation
 }
 
 TEST_CASE("the mean begins with the first step and follows by 10 of 11 in the second") {
-  const HqsPlan description = small_du_or();
-  Trainer trainer = small_trainer(description);
+  Trainer trainer = small_trainer(small_du_or());
   trainer.step();
   const std::vector<float> first = trainer.state().parameters;
   for (std::size_t i = 0; i < first.size(); ++i) {
@@ -70,8 +68,7 @@ TEST_CASE("without a share in the loss inner layers only serve the last one") {
   std::vector<TrainingStep> steps;
   for (const float share : {0.0F, 1.0F}) {
     plan.layer_loss_share = share;
-    Trainer trainer = small_trainer(description, 1, plan);
-    steps.push_back(trainer.step());
+    steps.push_back(small_trainer(description, 1, plan).step());
   }
   CHECK(steps[0].loss == steps[1].loss);  // it is the last layer's
   CHECK(steps[0].gradient_norm < steps[1].gradient_norm);

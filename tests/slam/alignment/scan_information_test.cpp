@@ -82,8 +82,7 @@ TEST_CASE("the gradient and the information are those of the weighted squares") 
 TEST_CASE("the pose is between the expected and the measured one by their variances") {
   // A wall 0.3 m nearer than expected, known to 0.1 m; the place was expected to 0.2 m.
   const std::vector<PlaneConstraint> wall = {{{5.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, 5.3, 10.0}};
-  const MotionState expected = standing(0.2, 0.0001);
-  const MotionState found = registered(expected, wall);
+  const MotionState found = registered(standing(0.2, 0.0001), wall);
   CHECK(found.T_map_sensor.translation().x() == doctest::Approx(0.3 * 0.04 / (0.04 + 0.01)));
   CHECK(found.covariance(0, 0) == doctest::Approx(0.04 * 0.01 / (0.04 + 0.01)));
   // Without information about the side.

@@ -184,8 +184,7 @@ TEST_CASE("a circle around the sensor and the curve of a distant wall have no ed
 
 TEST_CASE("edges of a yard are on its pillars and corners") {
   const test::Yard yard;
-  const SensorModel sensor = test::small_sensor(32, 1024);
-  const auto features = yard_features(sensor, yard);
+  const auto features = yard_features(test::small_sensor(32, 1024), yard);
   CHECK(features.sharp_edges.size() > 50);
   int on_pillar_or_corner = 0;
   for (const auto& edge : features.sharp_edges) {

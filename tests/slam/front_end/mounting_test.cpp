@@ -53,9 +53,8 @@ TEST_CASE("a scan upside down becomes one of an upright sensor: rows and columns
 }
 
 TEST_CASE("the vertical of an upright sensor is up, though the real one hangs") {
-  const SensorModel sensor = small_sensor(4, 16);
   const Eigen::Vector3d up =
-      Mounting(mounted(std::numbers::pi, 0.2), sensor).up_of_upright_sensor();
+      Mounting(mounted(std::numbers::pi, 0.2), small_sensor(4, 16)).up_of_upright_sensor();
   CHECK(up.x() == doctest::Approx(-std::sin(0.2)));
   CHECK(std::abs(up.y()) < 1e-9);
   CHECK(up.z() == doctest::Approx(std::cos(0.2)));
@@ -134,9 +133,8 @@ TEST_CASE("a bank beside the road is not the ground of a sensor that leans") {
       image.at(row, column) = is_seen ? static_cast<float>(range_m) : 0.0F;
     }
   }
-  const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kMotionCorrected);
   Mounting mounting({}, sensor);
-  CHECK(mounting.correct_from_ground(cloud));
+  CHECK(mounting.correct_from_ground(unproject(image, sensor, CaptureTime::kMotionCorrected)));
   CHECK_FALSE(mounting.mounted().estimated);
 }
 

@@ -64,9 +64,8 @@ TEST_CASE("there is one point per voxel, in the order of their first points") {
 }
 
 TEST_CASE("points that are not finite, or a million voxels away, are left out") {
-  const float nan = std::nanf("");
   const std::vector<FeaturePoint> points = {{{1.0F, 2.0F, 3.0F}, 0.0F, 0},
-                                            {{nan, 0.0F, 0.0F}, 0.0F, 0},
+                                            {{std::nanf(""), 0.0F, 0.0F}, 0.0F, 0},
                                             {{0.0F, 2.1e5F, 0.0F}, 0.0F, 0},
                                             {{0.0F, 0.0F, -3e38F}, 0.0F, 0}};
   const std::vector<FeaturePoint> thinned = thin(points, 0.2);

@@ -80,9 +80,8 @@ TEST_CASE("a steady drive along a screw is integrated to its closed form") {
 TEST_CASE("every error grows into the others as it does when it is made") {
   const MotionState state = moving(pose_from_xyz_rpy({1, 2, 3}, 0.4, -0.3, 0.9), {1.2, -0.4, 0.3});
   InertialState inertial{.gravity_map_mps2 = kGravity};
-  const std::vector<ImuStep> steps = some_steps(200);
   const auto moved = [&](const InertialPrediction& from) {
-    return predicted(from.state, from.inertial, steps, Eigen::Vector3d::Zero());
+    return predicted(from.state, from.inertial, some_steps(200), Eigen::Vector3d::Zero());
   };
   const InertialPrediction exact = moved({state, inertial});
   const Matrix18 noise = exact.inertial.covariance;

@@ -83,6 +83,5 @@ TEST_CASE("motions in the sensor's frame stay as they were, and so does a path w
     const Pose motion = upright[i - 1].inverse() * upright[i];
     CHECK((motion.translation() - Eigen::Vector3d(kNode_m, 0, 0)).norm() < 1e-9);
   }
-  const std::vector<Pose> same = slam::levelled(path.registered, {});
-  CHECK(same.back().matrix() == path.registered.back().matrix());
+  CHECK(slam::levelled(path.registered, {}).back().matrix() == path.registered.back().matrix());
 }

@@ -56,8 +56,7 @@ TEST_CASE("a place that fits but could slide is refused") {
     const SensorModel sensor = small_sensor(rows, size.second);
     CAPTURE(rows);
     const Mapping map = map_of(corridor, sensor);
-    const Pose pose = yard_pose(0.5, 0.2, 0.0);
-    const auto features = features_of(corridor.scan(sensor, pose), sensor);
+    const auto features = features_of(corridor.scan(sensor, yard_pose(0.5, 0.2, 0.0)), sensor);
     const Pose start = yard_pose(0.9, 0.2, 0.0);
     CHECK(fit_of(features, map.map(), unknown_motion(start)).overlap > 0.5);
     CHECK_FALSE(verify_loop(features, map, start));

@@ -165,9 +165,8 @@ TEST_CASE("ground that fits badly on one side hardly tilts the scan") {
   const auto roll_rad = [](double trusted_residual_m) {
     slam::Mapping mapping{{.trusted_residual_m = trusted_residual_m}};
     mapping.insert(road(0.1, 0.0), Pose::Identity(), {});
-    const slam::MapFeatures scan = road(0.0, -0.12);
     const auto result =
-        mapping.register_scan(scan, expected_at(Pose::Identity()), Pose::Identity());
+        mapping.register_scan(road(0.0, -0.12), expected_at(Pose::Identity()), Pose::Identity());
     REQUIRE(result.status == Status::kOk);
     return roll_pitch_yaw_rad(result.state.T_map_sensor).x();
   };

@@ -80,9 +80,8 @@ TEST_CASE("a sensor that the weights were not made for is one line with what the
 }
 
 TEST_CASE("scans in more columns than the network's are projected into its columns") {
-  const std::string weights = test::untrained_file();
   const SensorModel fine = test::preset_with("os1-16", 2048);
-  const Upsampler upsampler(fine, {.method = weights});
+  const Upsampler upsampler(fine, {.method = test::untrained_file()});
   CHECK(upsampler.recorded().columns == 1024);
   const RangeImage image = test::flat_image(16, fine.columns, 10.0F);
   const OrganizedCloud measured = upsampler.measured(unproject(image, fine, CaptureTime::kRolling));

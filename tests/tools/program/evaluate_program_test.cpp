@@ -30,9 +30,8 @@ TEST_CASE("evaluate names the alignment, which alone takes an offset away, and c
   for (const auto& [alignment, rmse] :
        {std::pair{"none", "2.0000"}, std::pair{"first", "0.0000"}, std::pair{"se3", "0.0000"}}) {
     CAPTURE(alignment);
-    const std::string label = fmt::format("APE m (align {})", alignment);
     CHECK(holds(printed(std::string("--align ") + alignment),
-                fmt::format("{:<26}{:>10}", label, rmse)));
+                fmt::format("{:<26}{:>10}", fmt::format("APE m (align {})", alignment), rmse)));
   }
   for (int i = 150; i < 300; ++i) estimate[i].T_map_sensor.translation().y() += 0.5;
   CHECK(holds(printed(""), fmt::format("{:<26}{:>10}{:>10} per 100 km", "slips", 1, "334.4")));

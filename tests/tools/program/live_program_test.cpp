@@ -235,8 +235,7 @@ TEST_CASE("live upsamples scans, serves the page, and ends with SIGTERM as with 
   const auto port = static_cast<std::uint16_t>(at);
   CHECK(holds(live::http_get(kLoopback, port, "/"), "hqslam live"));
   live.send_drive();
-  const auto state = nlohmann::json::parse(live::http_get(kLoopback, port, "/state"));
-  CHECK(state["scans"] >= 5);
+  CHECK(nlohmann::json::parse(live::http_get(kLoopback, port, "/state"))["scans"] >= 5);
   const auto view = nlohmann::json::parse(live::http_get(kLoopback, port, "/view"));
   CHECK(view["paths"][0]["pieces"][0].size() >= 3);
   CHECK(view["clouds"][0]["points"].get<std::string>().size() > 5000);

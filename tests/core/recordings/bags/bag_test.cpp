@@ -119,8 +119,7 @@ TEST_CASE("a bag in write-ahead mode is read without a file being written beside
   std::string bytes = file_contents(path);
   bytes[18] = bytes[19] = 2;  // of SQLite's header: the versions that write and read such a file
   write_file(path, bytes);
-  auto source = Recording::open(path);
-  CHECK(all_scans(source).size() == 4);
+  CHECK(all_scans(Recording::open(path)).size() == 4);
   const std::filesystem::directory_iterator files(directory.file("."));
   CHECK(std::distance(begin(files), end(files)) == 1);
 }

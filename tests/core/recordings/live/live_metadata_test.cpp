@@ -92,8 +92,7 @@ void send_packet(const LiveOptions& options) {
 }  // namespace
 
 TEST_CASE("an Ouster that is only named is asked for its metadata where its packets come from") {
-  std::string text = ouster_metadata_text(OusterProfile::kLegacy, 16);
-  OneAnswer server(http_answer(text));
+  OneAnswer server(http_answer(ouster_metadata_text(OusterProfile::kLegacy, 16)));
   const LiveOptions options = named(server);
   LiveSensor sensor(options);
   send_packet(options);

@@ -112,8 +112,7 @@ TEST_CASE("Hesai packets that are damaged, late, lost or another's are counted")
   std::swap(packets[20], packets[21]);
   packets.erase(packets.begin() + 30, packets.begin() + 33);
   HesaiDecoder decoder(nominal_hesai(32));
-  const auto scans = decoded(decoder, packets);
-  CHECK(scans.size() == 2);
+  CHECK(decoded(decoder, packets).size() == 2);
   CHECK(decoder.counts().foreign == 4);
   CHECK(decoder.counts().late == 1);
   CHECK(decoder.counts().lost == 4 + 1 + 3);  // the late one too, as its number was missing

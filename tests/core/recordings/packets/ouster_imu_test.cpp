@@ -80,8 +80,7 @@ TEST_CASE("inertial data are turned into the frame of the scans by the metadata'
 
 TEST_CASE("a scan of an Ouster's capture carries the inertial data up to its end, by its clock") {
   const TemporaryDirectory folder;
-  auto source = Recording::open(ouster_capture(folder, turns_with_imu()));
-  const auto scans = all_scans(source);
+  const auto scans = all_scans(Recording::open(ouster_capture(folder, turns_with_imu())));
   REQUIRE(scans.size() == 4);
   std::vector<ImuSample> samples;
   for (const RecordedScan& scan : scans) {

@@ -119,8 +119,7 @@ TEST_CASE("a pixel's point is that of the documented formula") {
       const Eigen::Vector3f expected_m(static_cast<float>(-1e-3 * lidar_mm.x()),
                                        static_cast<float>(-1e-3 * lidar_mm.y()),
                                        static_cast<float>(1e-3 * lidar_mm.z()));
-      const int shift = metadata.sensor.column_shift(row);
-      const int column = (measured - shift + 512) % 512;
+      const int column = (measured - metadata.sensor.column_shift(row) + 512) % 512;
       const std::size_t pixel = scan->cloud.index(row, column);
       CHECK((scan->cloud.points_m[pixel] - expected_m).norm() < 2e-6F);
       // The pixel is the one that contains the beam's direction.
@@ -150,8 +149,7 @@ TEST_CASE("lost packets are counted and leave empty columns; doubled and late on
   CHECK(decoder.counts().foreign == 1);
   CHECK(decoder.lost_scans() == 2);
   for (std::size_t column = 0; column < 512; ++column) {
-    const bool missing = column >= 64 && column < 80;
-    CHECK((frames[1].range_mm[column] == 0) == missing);
+    CHECK((frames[1].range_mm[column] == 0) == (column >= 64 && column < 80));
     CHECK(frames[2].range_mm[column] > 0);
   }
 }

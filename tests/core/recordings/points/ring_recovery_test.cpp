@@ -139,8 +139,7 @@ TEST_CASE("rings beside a near wall, which lasers one above the other see higher
 
 TEST_CASE("rings in an alley, of a unit whose beams are off the table, are recovered") {
   const SensorModel sensor = sensor_preset("hdl-64e");
-  const KnownScan known = an_alley(sensor);
-  const RingRecovery recovery = recovered(known, sensor);
+  const RingRecovery recovery = recovered(an_alley(sensor), sensor);
   CHECK(recovery.spurious_wraps == 0);
   CHECK(recovery.off_table_share < 0.5);  // and so the scan is read
 }
@@ -182,8 +181,7 @@ TEST_CASE("a scan of another sensor does not follow the beam table") {
   const Scan scan = a_square(sensor_preset("hdl-64e"), {}).scan;
   for (const std::string name : {"os1-64", "os1-16", "vlp-16", "hdl-32e", "vls-128"}) {
     CAPTURE(name);
-    const SensorModel sensor = sensor_preset(name);
-    const RingRecovery recovery = recover_rings(scan, sensor);
+    const RingRecovery recovery = recover_rings(scan, sensor_preset(name));
     CHECK((recovery.off_table_share > 0.3 || recovery.spurious_wraps > 10));
   }
 }
@@ -256,8 +254,7 @@ TEST_CASE("the rings of real scans are those that their wraps give") {
 TEST_CASE("a real scan with one point behind its last ring has a spurious wrap") {
   const auto path = real_data("kitti_drive_0005/velodyne/000042.bin");
   if (!path) return;
-  const Scan scan = read_kitti_bin(*path);
-  const RingRecovery recovery = recover_rings(scan, sensor_preset("hdl-64e"));
+  const RingRecovery recovery = recover_rings(read_kitti_bin(*path), sensor_preset("hdl-64e"));
   CHECK(recovery.spurious_wraps == 1);
   CHECK(recovery.empty_rings == 0);
   CHECK(recovery.row.back() == 63);
