@@ -2,7 +2,6 @@
 
 #include "made_images.h"
 #include "random_values.h"
-#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

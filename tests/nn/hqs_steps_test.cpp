@@ -1,6 +1,5 @@
 #include "hqs/hqs_network.h"
 #include "small_network.h"
-#include "testing.h"
 
 // The loss and the result of the loop.
 namespace hqslam::nn {

@@ -90,9 +90,8 @@ TEST_CASE("a row is between the nearest measured rows above and below, or is one
 TEST_CASE("columns are interpolated each for itself") {
   RangeImage measured(2, 2);
   measured.range_m = {1, 10, 3, 30};
-  const RangeImage image =
-      interpolate_rows(measured, {0, 2}, even_beams(3), Interpolation::kLinear);
-  CHECK(image.range_m == Ranges{1, 10, 2, 20, 3, 30});
+  CHECK(interpolate_rows(measured, {0, 2}, even_beams(3), Interpolation::kLinear).range_m ==
+        Ranges{1, 10, 2, 20, 3, 30});
 }
 
 TEST_CASE("images that do not have the measured rows are refused") {

@@ -1,6 +1,5 @@
 #include "golden.h"
 #include "graph/graph_backward.h"
-#include "random_values.h"
 
 namespace hqslam::nn {
 namespace {

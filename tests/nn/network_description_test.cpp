@@ -2,7 +2,6 @@
 
 #include "hqslam/nn/network_json.h"
 #include "small_network.h"
-#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

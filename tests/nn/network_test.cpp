@@ -3,7 +3,6 @@
 #include "architecture.h"
 #include "hqslam/nn/network_json.h"
 #include "small_network.h"
-#include "testing.h"
 
 // What holds for every network, whatever it is.
 namespace hqslam::nn {

@@ -2,7 +2,6 @@
 
 #include "golden.h"
 #include "hqs/prior_backward.h"
-#include "random_values.h"
 
 namespace hqslam::nn {
 namespace {

@@ -1,11 +1,7 @@
 #pragma once
 
-#include <cstdint>
-#include <cstring>
-#include <random>
-#include <vector>
-
 #include "tensor.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 
@@ -36,6 +32,13 @@ inline void fill_random(std::uint32_t seed, Tensor& tensor) {
   const float* next = values.data();
   for_each_value(tensor, 0, [&](int c, int y, int x) { tensor.at(c, y, x) = *next++; });
   tensor.fill_borders();
+}
+
+/// As far as float goes, in `border` columns on either side too.
+inline void check_close(const Tensor& actual, const Tensor& expected, int border) {
+  for_each_value(expected, border, [&](int c, int y, int x) {
+    REQUIRE(actual.at(c, y, x) == doctest::Approx(expected.at(c, y, x)).epsilon(1e-5).scale(1));
+  });
 }
 
 inline bool same_bits(const Tensor& a, const Tensor& b) {

@@ -1,7 +1,6 @@
 #include "golden.h"
 #include "hqs/prior_backward.h"
 #include "hqs/u_shaped_prior.h"
-#include "random_values.h"
 
 namespace hqslam::nn {
 namespace {

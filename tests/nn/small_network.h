@@ -1,10 +1,5 @@
 #pragma once
 
-#include <cmath>
-#include <memory>
-#include <numbers>
-#include <utility>
-
 #include "hqs/hqs_backward.h"
 #include "hqs/hqs_loop.h"
 #include "hqs/plain_prior.h"

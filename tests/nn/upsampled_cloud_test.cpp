@@ -64,9 +64,8 @@ TEST_CASE("measured points and their times stay as they are, to the bit") {
     measured.points_m[i] *= 1.0F + 0.01F * static_cast<float>(i % 5);
     measured.time_offset_s[i] += 0.001F * static_cast<float>(i % 3);
   }
-  const OrganizedCloud cloud =
-      upsampled_cloud({RangeImage(6, 16), {}}, measured, kMeasuredRows, sensor);
-  const OrganizedCloud kept = select_rows(cloud, kMeasuredRows);
+  const OrganizedCloud kept = select_rows(
+      upsampled_cloud({RangeImage(6, 16), {}}, measured, kMeasuredRows, sensor), kMeasuredRows);
   CHECK(kept.points_m == measured.points_m);
   CHECK(kept.range_m == measured.range_m);
   CHECK(kept.time_offset_s == measured.time_offset_s);

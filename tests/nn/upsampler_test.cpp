@@ -1,7 +1,6 @@
 #include "hqslam/nn/upsampler.h"
 
 #include "small_network.h"
-#include "testing.h"
 
 namespace hqslam::nn {
 

@@ -6,7 +6,6 @@
 #include "hqslam/core/npz.h"
 #include "hqslam/nn/network_json.h"
 #include "small_network.h"
-#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

@@ -69,11 +69,10 @@ TEST_CASE("the times of a scan's points give where in the turn it begins") {
 }
 
 TEST_CASE("the nearest return wins a pixel, that of the beam and the azimuth, in whatever order") {
-  const SensorModel sensor = sensor_preset("vlp-16");
   Scan scan;
   const Eigen::Vector3f direction(1.0F, 0.001F, std::tan(0.0174533F));
   scan.points_m = {20.0F * direction, 5.0F * direction, 10.0F * direction};
-  const auto projected = project(scan, sensor);
+  const auto projected = project(scan, sensor_preset("vlp-16"));
   CHECK(projected.counts.kept == 1);
   CHECK(projected.counts.hidden_by_nearer == 2);
   CHECK(projected.cloud.points_m[projected.cloud.index(7, 899)].isApprox(5.0F * direction));

@@ -3,7 +3,6 @@
 #include "golden.h"
 #include "graph/graph_backward.h"
 #include "graph/layer_graph.h"
-#include "random_values.h"
 
 namespace hqslam::nn {
 namespace {

@@ -1,7 +1,6 @@
 #include "hqslam/nn/training/augmentation.h"
 
 #include "small_network.h"
-#include "testing.h"
 
 namespace hqslam::nn {
 namespace {
@@ -51,8 +50,7 @@ TEST_CASE("half of the scans are mirrored") {
     REQUIRE((step == 1 || step == 63));
     mirrored += step == 63;
     for (int column = 1; column < 64; ++column) {
-      const int next = (column_of(truth.at(4, column - 1)) + step) % 64;
-      REQUIRE(column_of(truth.at(4, column)) == next);
+      REQUIRE(column_of(truth.at(4, column)) == (column_of(truth.at(4, column - 1)) + step) % 64);
     }
   }
   CHECK(mirrored > 150);

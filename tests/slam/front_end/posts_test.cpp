@@ -16,9 +16,8 @@ struct RowWithPosts {
 
   void put(int first, int last, float range) {
     std::fill(range_m.begin() + first, range_m.begin() + last + 1, range);
-    const auto pixel_class = range > 0.0F ? slam::PixelClass::kObject : slam::PixelClass::kNoReturn;
     std::fill(segmentation.pixel_class.begin() + first, segmentation.pixel_class.begin() + last + 1,
-              pixel_class);
+              range > 0.0F ? slam::PixelClass::kObject : slam::PixelClass::kNoReturn);
   }
   OrganizedCloud cloud() const {
     RangeImage image(1, sensor.columns);

@@ -96,8 +96,7 @@ TEST_CASE("the floor of a yard is free, its walls and pillars are occupied, beyo
 
 TEST_CASE("a parked car is in the map, one that drove away is not") {
   const Car car{{{6.0, -7.0, 0.0}, {10.0, -5.2, 1.5}}};
-  const OccupancyMap standing = yard_map(car);
-  CHECK(share(standing, {6.0, -5.3}, {10.0, -5.1}, Occupancy::kOccupied) > 0.3);
+  CHECK(share(yard_map(car), {6.0, -5.3}, {10.0, -5.1}, Occupancy::kOccupied) > 0.3);
   Car leaving = car;
   leaving.to_scan = 8;
   const OccupancyMap left = yard_map(leaving);

@@ -65,9 +65,7 @@ TEST_CASE("a scan is kept for each metre of path, as far as wanted, with the tra
   int processed = 0;
   for (; processed < 100 && !beams.is_complete(); ++processed) {
     const OrganizedCloud cloud = test::drive_scan(kDriven, processed);
-    const slam::ScanReport report =
-        pipeline.process(cloud, test::kDrivePeriod_s * processed).report;
-    beams.add(cloud, report, pipeline);
+    beams.add(cloud, pipeline.process(cloud, test::kDrivePeriod_s * processed).report, pipeline);
   }
   REQUIRE(beams.is_complete());
   CHECK_FALSE(beams.is_lost());

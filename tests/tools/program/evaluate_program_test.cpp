@@ -48,10 +48,9 @@ TEST_CASE("two stacks that differ by 0.5 m in every fourth pixel have the MAE th
   }
   write_stack(folder.file("truth.npy"), {truth});
   write_stack(folder.file("image.npy"), {image});
-  const ProgramResult result =
-      evaluate(folder.file("image.npy"), folder.file("truth.npy"), "--sensor os1-16");
-  CHECK(missing(result.out, {"MAE, all pixels       0.1250 m",
-                             "MAE, valid pixels     0.2500 m (8192 pixels)", "voxel F1"}) == "");
+  CHECK(missing(evaluate(folder.file("image.npy"), folder.file("truth.npy"), "--sensor os1-16").out,
+                {"MAE, all pixels       0.1250 m", "MAE, valid pixels     0.2500 m (8192 pixels)",
+                 "voxel F1"}) == "");
 }
 
 TEST_CASE("two clouds 1 m apart are all outliers with a Chamfer distance of 2 m^2") {

@@ -62,9 +62,8 @@ TEST_CASE("inspect --list prints every tensor with its shape and unit, and write
 TEST_CASE("inspect prints the figures of layers; --npz writes every tensor that --list names") {
   const Inspected inspected;
   const std::string tensors = inspected.folder.file("tensors.npz");
-  const ProgramResult result =
-      succeeds(inspected.by(fmt::format("--npz '{}' --pixel 5,7", tensors)));
-  CHECK(missing(result.out, {"|D H - L|", "\nLayer 1 ", "\nResult ", "pixel 5,7: "}) == "");
+  CHECK(missing(succeeds(inspected.by(fmt::format("--npz '{}' --pixel 5,7", tensors))).out,
+                {"|D H - L|", "\nLayer 1 ", "\nResult ", "pixel 5,7: "}) == "");
   const NpzArrays arrays = read_npz(tensors);
   const std::string names = succeeds(inspected.by("--list")).out;
   CHECK(std::ssize(arrays) == std::ranges::count(names, '\n'));

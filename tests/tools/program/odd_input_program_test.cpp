@@ -56,9 +56,8 @@ TEST_CASE("options that would do nothing, or cannot be, are refused with what th
                           "--capture does not apply to a stack of range images");
   }
   for (const auto& [command, says] : refusals) {
-    const std::string out_of = out.file("y");
-    CHECK(
-        holds(refused(fmt::format(fmt::runtime(command), simulated_drive(), out_of)).error, says));
+    CHECK(holds(refused(fmt::format(fmt::runtime(command), simulated_drive(), out.file("y"))).error,
+                says));
   }
 }
 

@@ -39,9 +39,8 @@ TEST_CASE("a stack of 16 rows and one of 64 of which 16 are measured give the sa
     std::vector<std::string> stacks;
     for (const std::string& input : {files.measured, files.drive + "/scans.npy", files.drive}) {
       const TemporaryDirectory out;
-      const ProgramResult result =
-          succeeds("upsample '{}' {} --out '{}'", input, method, out.path().string());
-      CHECK(missing(result.out, {"4 scans, 16 rows -> 64 rows of 1024 columns", "scans/s"}) == "");
+      CHECK(missing(succeeds("upsample '{}' {} --out '{}'", input, method, out.path().string()).out,
+                    {"4 scans, 16 rows -> 64 rows of 1024 columns", "scans/s"}) == "");
       stacks.push_back(file_contents(out.file("scans.npy")));
     }
     CHECK(stacks[0].size() == 128U + std::size_t{4} * kScans * 64 * 1024);

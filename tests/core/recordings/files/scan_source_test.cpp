@@ -119,8 +119,7 @@ TEST_CASE("a simulated drive is opened with the sensor it was made with and no o
   write_sensor_json(sensor, directory.file("sensor.json"));
   write_stack(directory.file("scans.npy"), {image});
   const std::string path = directory.path().string();
-  const auto source = open_scan_files(path, sensor);
-  const auto scan = source->next();
+  const auto scan = open_scan_files(path, sensor)->next();
   CHECK(scan->cloud.range_m == image.range_m);
   CHECK_FALSE(scan->cloud.time_offset_s.empty());
   SensorModel tilted = sensor;

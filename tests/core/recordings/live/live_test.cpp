@@ -130,9 +130,8 @@ TEST_CASE("an Ouster's turn is complete with its last packet, whatever its metad
   options.record = folder.file("kept.pcap");
   LiveSensor sensor(options);
   const LoopbackSender sender(options.port);
-  const auto first = ouster_turn(profile, 7);
   sender.send(Payload(48));  // inertial data
-  sender.send(first[0].payload);
+  sender.send(ouster_turn(profile, 7)[0].payload);
   REQUIRE(sensor.recognise(kPatience_s));
   CHECK(sensor.sensor().rows() == 8);
   CHECK(sensor.format() == "Ouster packets, RNG19_RFL8_SIG16_NIR16");

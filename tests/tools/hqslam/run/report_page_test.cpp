@@ -158,10 +158,9 @@ TEST_CASE("the path ends where the relative pose is unknown, and other submaps a
 }
 
 TEST_CASE("the dense map comes first, with its confidence") {
-  const SlamRun run = example_run(3);
   DenseMapRun map;
   map.points = {{{1.0F, 2.0F, 3.0F}, 0.7F, 2}};
-  const TurningView view = view_of(run, &map);
+  const TurningView view = view_of(example_run(3), &map);
   REQUIRE(view.clouds.size() == 2);
   CHECK(view.clouds[0].confidence == std::vector<float>{0.7F});
   CHECK(view.clouds[1].points_m.size() == 3);
