@@ -1,12 +1,10 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "hqslam/core/angles.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"
+#include "testing.h"
 
 namespace hqslam::test {
 

@@ -3,7 +3,6 @@
 #include "hqslam/core/projection.h"
 #include "hqslam/core/trajectory.h"
 #include "made_images.h"
-#include "testing.h"
 
 using namespace hqslam;
 using test::hash_of;

@@ -1,11 +1,5 @@
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <memory>
-#include <stdexcept>
 
 #include "captures.h"
-#include "hqslam/core/error.h"
 #include "input_file.h"
 #include "live_stream.h"
 

@@ -1,5 +1,4 @@
 #include "checkpoint_arrays.h"
-#include "hqslam/core/error.h"
 #include "hqslam/nn/network.h"
 #include "hqslam/nn/network_json.h"
 #include "hqslam/nn/training/checkpoint.h"

@@ -1,5 +1,4 @@
 #include "captures.h"
-#include "hqslam/core/error.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/recordings/recording.h"
 #include "input_file.h"

@@ -1,11 +1,5 @@
 #include "seeds.h"
 
-#include <fmt/format.h>
-
-#include <cmath>
-#include <map>
-
-#include "file_contents.h"
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/npz.h"
 #include "hqslam/core/trajectory.h"

@@ -1,10 +1,5 @@
 #pragma once
 
-#include <cmath>
-#include <cstdint>
-#include <numbers>
-#include <random>
-
 #include "hqslam/core/connected_components.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
 #include "made_images.h"

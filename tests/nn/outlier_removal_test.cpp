@@ -1,7 +1,6 @@
 #include "hqslam/nn/hqs/outlier_removal.h"
 
 #include "outlier_masks.h"
-#include "testing.h"
 
 namespace hqslam::nn {
 TEST_CASE("options that make no sense are refused") {

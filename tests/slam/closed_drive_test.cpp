@@ -2,7 +2,6 @@
 #include "hqslam/slam/slam.h"
 #include "slam/poses.h"
 #include "slam/village.h"
-#include "testing.h"
 #include "thread_limit.h"
 
 using namespace hqslam;

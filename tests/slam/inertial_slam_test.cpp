@@ -2,7 +2,6 @@
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/slam.h"
 #include "slam/yard_drive.h"
-#include "testing.h"
 
 using namespace hqslam;
 

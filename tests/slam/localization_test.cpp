@@ -3,7 +3,6 @@
 #include "hqslam/slam/slam.h"
 #include "slam/village.h"
 #include "slam/yard_drive.h"
-#include "testing.h"
 
 using namespace hqslam;
 using slam::Status;

@@ -1,7 +1,6 @@
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/slam.h"
 #include "slam/yard_drive.h"
-#include "testing.h"
 
 using namespace hqslam;
 

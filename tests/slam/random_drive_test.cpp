@@ -6,7 +6,6 @@
 #include "hqslam/slam/scan_trace.h"
 #include "hqslam/slam/slam.h"
 #include "slam/village.h"
-#include "testing.h"
 
 using namespace hqslam;
 using slam::Status;

@@ -1,6 +1,5 @@
 #include "hqslam/slam/slam.h"
 #include "slam/yard_drive.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::slam;

@@ -7,7 +7,6 @@
 #include "slam/steady_drive.h"
 #include "slam/village.h"
 #include "slam/yard_drive.h"
-#include "testing.h"
 #include "thread_limit.h"
 
 using namespace hqslam;

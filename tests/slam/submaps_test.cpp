@@ -5,7 +5,6 @@
 #include "hqslam/slam/slam.h"
 #include "slam/village.h"
 #include "slam/yard_drive.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::test;

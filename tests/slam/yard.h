@@ -1,8 +1,5 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/pose.h"
 #include "hqslam/core/projection.h"

@@ -1,12 +1,8 @@
 // What upsampling and SLAM allocate per scan once they run. Counted is operator new; Eigen goes
 // past it for some more.
 
-#include <doctest/doctest.h>
-
 #include <atomic>
 #include <cstddef>
-#include <cstdint>
-#include <cstdlib>
 #include <new>
 
 #include "golden_folder.h"

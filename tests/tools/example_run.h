@@ -2,6 +2,7 @@
 
 #include "recording/reference.h"
 #include "run/slam_run.h"
+#include "testing.h"
 
 namespace hqslam::tools {
 

@@ -5,9 +5,6 @@
 #include <sqlite3.h>
 #include <zstd.h>
 
-#include <filesystem>
-#include <stdexcept>
-
 namespace hqslam::test {
 
 namespace {

@@ -1,8 +1,5 @@
 #include "captures.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace hqslam::test {
 
 namespace {

@@ -1,14 +1,10 @@
 #pragma once
 
-#include <cstdint>
-#include <functional>
-#include <string>
-#include <vector>
-
 #include "hqslam/core/scan_source.h"
 #include "hqslam/recordings/ouster.h"
 #include "hqslam/recordings/packet.h"
 #include "hqslam/recordings/velodyne.h"
+#include "testing.h"
 
 namespace hqslam::test {
 

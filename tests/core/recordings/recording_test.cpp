@@ -3,7 +3,6 @@
 #include "bags.h"
 #include "core/real_data.h"
 #include "made_images.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

@@ -1,7 +1,6 @@
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/projection.h"
 #include "made_images.h"
-#include "testing.h"
 
 namespace hqslam {
 namespace {

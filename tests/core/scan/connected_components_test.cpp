@@ -1,7 +1,6 @@
 #include "hqslam/core/connected_components.h"
 
 #include "made_images.h"
-#include "testing.h"
 
 using namespace hqslam;
 

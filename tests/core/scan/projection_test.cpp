@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 
 #include "made_images.h"
-#include "testing.h"
 
 using namespace hqslam;
 using hqslam::test::refused_with;

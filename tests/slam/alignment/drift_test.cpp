@@ -1,7 +1,6 @@
 #include "alignment/drift.h"
 
 #include "slam/poses.h"
-#include "testing.h"
 
 using namespace hqslam;
 using slam::Matrix6;

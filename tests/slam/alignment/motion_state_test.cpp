@@ -1,7 +1,6 @@
 #include "alignment/motion_state.h"
 
 #include "slam/steady_drive.h"
-#include "testing.h"
 
 using namespace hqslam;
 using slam::Matrix6;

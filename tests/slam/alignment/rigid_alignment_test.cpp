@@ -1,7 +1,6 @@
 #include "alignment/rigid_alignment.h"
 
 #include "slam/alignment/random_unit.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::test;

@@ -2,7 +2,6 @@
 #include "alignment/velocity_information.h"
 
 #include "slam/alignment/random_unit.h"
-#include "testing.h"
 
 using namespace hqslam;
 using slam::PlaneConstraint;

@@ -1,7 +1,6 @@
 #include "hqslam/slam/beam_calibration.h"
 
 #include "slam/yard.h"
-#include "testing.h"
 #include "thread_limit.h"
 
 namespace hqslam {

@@ -1,7 +1,6 @@
 #include "hqslam/slam/dense_map.h"
 
 #include "slam/cloud_of.h"
-#include "testing.h"
 #include "thread_limit.h"
 
 using namespace hqslam;

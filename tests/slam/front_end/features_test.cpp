@@ -1,7 +1,6 @@
 #include "front_end/features.h"
 
 #include "slam/village.h"
-#include "testing.h"
 
 using namespace hqslam;
 

@@ -1,7 +1,6 @@
 #include "front_end/ground.h"
 
 #include "slam/yard.h"
-#include "testing.h"
 
 using namespace hqslam;
 

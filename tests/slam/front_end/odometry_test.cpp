@@ -1,7 +1,6 @@
 #include "front_end/odometry.h"
 
 #include "slam/village.h"
-#include "testing.h"
 
 using namespace hqslam;
 using slam::Status;

@@ -2,7 +2,6 @@
 
 #include "slam/imu/accelerometer.h"
 #include "slam/steady_drive.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::slam;

@@ -3,7 +3,6 @@
 #include "alignment/scan_information.h"
 #include "slam/imu/accelerometer.h"
 #include "slam/steady_drive.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::test;

@@ -2,7 +2,6 @@
 
 #include "hqslam/evaluation/trajectory_error.h"
 #include "slam/yard_drive.h"
-#include "testing.h"
 
 using namespace hqslam;
 using lego_loam::LegoLoam;

@@ -2,7 +2,6 @@
 
 #include "hqslam/lego_loam/lego_loam.h"
 #include "slam/village.h"
-#include "testing.h"
 
 using namespace hqslam;
 using lego_loam::ScanTrace;

@@ -2,7 +2,6 @@
 
 #include "slam/poses.h"
 #include "slam/village.h"
-#include "testing.h"
 
 using namespace hqslam;
 using slam::PoseGraph;

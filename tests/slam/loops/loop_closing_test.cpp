@@ -3,7 +3,6 @@
 #include "slam/imu/accelerometer.h"
 #include "slam/poses.h"
 #include "slam/village.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::slam;

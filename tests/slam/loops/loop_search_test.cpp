@@ -1,7 +1,6 @@
 #include "loops/loop_search.h"
 
 #include "slam/village.h"
-#include "testing.h"
 
 using namespace hqslam;
 using slam::LoopStatus;

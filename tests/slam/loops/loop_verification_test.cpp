@@ -1,7 +1,6 @@
 #include "loops/loop_verification.h"
 
 #include "slam/village.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::slam;

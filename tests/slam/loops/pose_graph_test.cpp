@@ -1,7 +1,6 @@
 #include "loops/pose_graph.h"
 
 #include "slam/poses.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::slam;

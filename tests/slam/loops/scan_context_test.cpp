@@ -2,7 +2,6 @@
 
 #include "slam/cloud_of.h"
 #include "slam/village.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::slam;

@@ -2,7 +2,6 @@
 
 #include "map/rooms.h"
 #include "slam/village.h"
-#include "testing.h"
 
 using namespace hqslam;
 using slam::Status;

@@ -1,7 +1,6 @@
 #include "map/recent_features.h"
 
 #include "slam/poses.h"
-#include "testing.h"
 
 using namespace hqslam;
 

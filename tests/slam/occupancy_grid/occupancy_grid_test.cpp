@@ -1,7 +1,6 @@
 #include "hqslam/slam/occupancy_grid.h"
 
 #include "slam/yard_drive.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::slam;

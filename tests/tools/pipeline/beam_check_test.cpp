@@ -1,7 +1,6 @@
 #include "hqslam/pipeline/beam_check.h"
 
 #include "slam/yard_drive.h"
-#include "testing.h"
 
 namespace hqslam::pipeline {
 namespace {

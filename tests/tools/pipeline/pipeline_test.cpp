@@ -2,7 +2,6 @@
 
 #include "hqslam/slam/scan_trace.h"
 #include "slam/yard_drive.h"
-#include "testing.h"
 #include "tools/program/untrained_weights.h"
 
 namespace hqslam::pipeline {

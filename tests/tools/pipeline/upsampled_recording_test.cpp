@@ -1,7 +1,6 @@
 #include "hqslam/pipeline/upsampled_recording.h"
 
 #include "points_file.h"
-#include "testing.h"
 #include "tools/program/untrained_weights.h"
 
 namespace hqslam::pipeline {

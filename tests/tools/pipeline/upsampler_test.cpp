@@ -1,7 +1,6 @@
 #include "hqslam/pipeline/upsampler.h"
 
 #include "hqslam/core/projection.h"
-#include "testing.h"
 #include "tools/program/untrained_weights.h"
 
 namespace hqslam::pipeline {

@@ -3,7 +3,6 @@
 #include "hqslam/nn/super_resolver.h"
 #include "hqslam/nn/trace.h"
 #include "inspect/what_if.h"
-#include "testing.h"
 #include "tools/program/untrained_weights.h"
 
 extern "C" {

@@ -2,7 +2,6 @@
 
 #include "bags.h"
 #include "near.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

@@ -2,7 +2,6 @@
 #include "hqslam/recordings/recording.h"
 #include "made_images.h"
 #include "recording_complaint.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

@@ -4,7 +4,6 @@
 #include "made_images.h"
 #include "points_file.h"
 #include "recording_complaint.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

@@ -1,7 +1,6 @@
 #include "hqslam/live/live.h"
 #include "hqslam/recordings/recording.h"
 #include "loopback.h"
-#include "testing.h"
 #include "udp_socket.h"
 
 using namespace hqslam;

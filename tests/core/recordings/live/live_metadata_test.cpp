@@ -5,7 +5,6 @@
 #include "hqslam/live/live.h"
 #include "http_get.h"
 #include "loopback.h"
-#include "testing.h"
 #include "udp_socket.h"
 
 // The metadata of an Ouster that is only named, asked for over HTTP.

@@ -2,7 +2,6 @@
 
 #include "hqslam/recordings/recording.h"
 #include "loopback.h"
-#include "testing.h"
 #include "udp_socket.h"
 
 using namespace hqslam;

@@ -4,8 +4,6 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
-#include <stdexcept>
-
 #include "udp_socket.h"
 
 namespace hqslam::test {

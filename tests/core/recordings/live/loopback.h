@@ -1,9 +1,5 @@
 #pragma once
 
-#include <array>
-#include <chrono>
-#include <thread>
-
 #include "core/recordings/captures.h"
 #include "hqslam/core/file_descriptor.h"
 

@@ -1,7 +1,6 @@
 #include "pcap_writer.h"
 
 #include "core/recordings/captures.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::live;

@@ -4,7 +4,6 @@
 #include "imu_queue.h"
 #include "near.h"
 #include "packets/ouster_decoder.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

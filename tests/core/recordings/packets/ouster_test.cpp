@@ -2,7 +2,6 @@
 #include "core/real_data.h"
 #include "hash.h"
 #include "packets/ouster_decoder.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

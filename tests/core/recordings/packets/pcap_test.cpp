@@ -1,6 +1,5 @@
 #include "captures.h"
 #include "packets/ip_datagram.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

@@ -3,7 +3,6 @@
 #include "hqslam/recordings/recording.h"
 #include "packets/velodyne_decoder.h"
 #include "packets/velodyne_tables.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

@@ -1,7 +1,6 @@
 #include "captures.h"
 #include "hqslam/core/angles.h"
 #include "packets/velodyne_decoder.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

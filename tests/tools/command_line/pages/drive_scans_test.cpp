@@ -1,6 +1,5 @@
 #include "pages/drive_scans.h"
 
-#include "testing.h"
 #include "tools/page_data.h"
 
 namespace hqslam::tools {

@@ -3,7 +3,6 @@
 #include <csignal>
 
 #include "made_scans.h"
-#include "testing.h"
 
 namespace hqslam::tools {
 namespace {

@@ -1,6 +1,5 @@
 #include "inspect/layers_page.h"
 
-#include "testing.h"
 #include "tools/page_data.h"
 #include "tools/parts_of_text.h"
 

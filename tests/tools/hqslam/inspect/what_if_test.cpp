@@ -2,7 +2,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "testing.h"
 #include "tools/program/untrained_weights.h"
 
 namespace hqslam::tools {

@@ -5,7 +5,6 @@
 #include <sys/socket.h>
 
 #include "live/live_run.h"
-#include "testing.h"
 #include "tools/page_data.h"
 #include "tools/parts_of_text.h"
 

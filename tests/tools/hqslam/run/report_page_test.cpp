@@ -3,7 +3,6 @@
 #include <regex>
 
 #include "program/invocation.h"
-#include "testing.h"
 #include "tools/example_run.h"
 #include "tools/page_data.h"
 #include "tools/parts_of_text.h"

@@ -2,7 +2,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "testing.h"
 #include "tools/example_run.h"
 
 namespace hqslam::tools {

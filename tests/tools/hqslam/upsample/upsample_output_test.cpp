@@ -4,7 +4,6 @@
 #include "hqslam/core/projection.h"
 #include "hqslam/recordings/recording.h"
 #include "made_images.h"
-#include "testing.h"
 #include "tools/parts_of_text.h"
 
 namespace hqslam::tools {

@@ -1,7 +1,6 @@
 #include "hqslam/sim/drive.h"
 #include "hqslam/sim/write_drive.h"
 #include "small_city.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::sim;

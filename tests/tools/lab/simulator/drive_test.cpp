@@ -2,7 +2,6 @@
 
 #include "hash.h"
 #include "small_city.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::sim;

@@ -4,7 +4,6 @@
 #include "sample_statistics.h"
 #include "scenario.h"
 #include "small_city.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::sim;

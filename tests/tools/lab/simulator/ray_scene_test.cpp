@@ -1,7 +1,6 @@
 #include "ray_scene.h"
 
 #include "small_city.h"
-#include "testing.h"
 
 using namespace hqslam::sim;
 using namespace hqslam::test;

@@ -7,7 +7,6 @@
 #include "lidar.h"
 #include "sample_statistics.h"
 #include "small_city.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::sim;

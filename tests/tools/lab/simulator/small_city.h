@@ -1,10 +1,9 @@
 #pragma once
 
-#include <numbers>
-
 #include "city.h"
 #include "hqslam/core/sensor_model.h"
 #include "style.h"
+#include "testing.h"
 
 namespace hqslam::test {
 

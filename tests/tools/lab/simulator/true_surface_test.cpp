@@ -2,7 +2,6 @@
 
 #include "echo.h"
 #include "small_city.h"
-#include "testing.h"
 
 using namespace hqslam::sim;
 using namespace hqslam::test;

@@ -5,7 +5,6 @@
 #include "hqslam/core/trajectory.h"
 #include "hqslam/recordings/recording.h"
 #include "small_city.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::sim;

@@ -1,6 +1,5 @@
 #include "table/table_parts.h"
 
-#include "testing.h"
 #include "tools/lab/table/example_drives.h"
 
 namespace hqslam::tools {

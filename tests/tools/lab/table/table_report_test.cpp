@@ -1,6 +1,5 @@
 #include "table/table_report.h"
 
-#include "testing.h"
 #include "tools/lab/table/example_drives.h"
 #include "tools/parts_of_text.h"
 

@@ -1,7 +1,6 @@
 #include "table/table_run.h"
 
 #include "made_images.h"
-#include "testing.h"
 
 namespace hqslam::tools {
 namespace {

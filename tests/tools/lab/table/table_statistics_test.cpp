@@ -1,7 +1,6 @@
 #include "table/table_statistics.h"
 
 #include "table/table_parts.h"
-#include "testing.h"
 #include "tools/lab/table/example_drives.h"
 
 namespace hqslam::tools {

@@ -4,7 +4,6 @@
 
 #include "files/result_files.h"
 #include "made_images.h"
-#include "testing.h"
 
 namespace hqslam::tools {
 namespace {

@@ -5,7 +5,6 @@
 #include "hqslam/nn/training/drawn_beams.h"
 #include "made_images.h"
 #include "points_file.h"
-#include "testing.h"
 
 namespace hqslam::tools {
 namespace {
