@@ -33,15 +33,6 @@ std::vector<Case> cases() {
   return all;
 }
 
-Tensor narrow_tensor(const ConvolutionShape& s, const Case& c, int channels) {
-  const int columns =
-      c.padding == ColumnPadding::kCircular
-          ? c.columns / s.column_stride()
-          : convolved_size(c.columns, s.kernel_columns, s.column_stride(), s.padding_columns);
-  return {channels, convolved_size(c.rows, s.kernel_rows, s.stride, s.padding_rows), columns,
-          c.padding, 4};
-}
-
 void check_close(const std::vector<float>& actual, const std::vector<float>& expected) {
   for (std::size_t i = 0; i < expected.size(); ++i) {
     REQUIRE(actual[i] == doctest::Approx(expected[i]).epsilon(1e-5).scale(10));
@@ -80,7 +71,13 @@ struct ConvolutionProblem {
 };
 
 ConvolutionProblem problem(const Case& c, bool transposed) {
-  Tensor narrow = narrow_tensor(c.shape, c, c.shape.output_channels);
+  const ConvolutionShape& s = c.shape;
+  const int columns =
+      c.padding == ColumnPadding::kCircular
+          ? c.columns / s.column_stride()
+          : convolved_size(c.columns, s.kernel_columns, s.column_stride(), s.padding_columns);
+  const int rows = convolved_size(c.rows, s.kernel_rows, s.stride, s.padding_rows);
+  Tensor narrow(s.output_channels, rows, columns, c.padding, 4);
   Tensor wide(c.shape.input_channels, c.rows, c.columns, c.padding, 4);
   ConvolutionProblem p{c.shape, wide, narrow, narrow, {}};
   if (transposed) {

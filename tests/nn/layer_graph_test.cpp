@@ -2,10 +2,12 @@
 #include "graph/graph_backward.h"
 
 namespace hqslam::nn {
-namespace {
+namespace {}  // namespace
 
-/// With dropout, skips (one of them from the layer's own input), a stride and back, a row bias.
-LayerGraph small_graph() {
+TEST_CASE("a graph's gradients are what small changes of input and parameters do") {
+  constexpr float kStep = 1.0F / 16384.0F;  // few ReLUs turn within it
+  constexpr std::uint64_t kSeed = 5;
+  // With dropout, skips (one of them from the layer's own input), a stride and back, a row bias.
   LayerGraph graph({3, 4, 32}, {chosen_instruction_set(), 1});
   ConvolutionOptions first = three_by_three(5, 0.0F);
   first.row_bias = true;
@@ -20,15 +22,6 @@ LayerGraph small_graph() {
                               .negative_slope = 0.125F},
                              {residual, wide});
   graph.add("head", {.channels = 2}, {back});
-  return graph;
-}
-
-}  // namespace
-
-TEST_CASE("a graph's gradients are what small changes of input and parameters do") {
-  constexpr float kStep = 1.0F / 16384.0F;  // few ReLUs turn within it
-  constexpr std::uint64_t kSeed = 5;
-  LayerGraph graph = small_graph();
   GraphBackward backward(graph);
   std::vector<float> parameters = graph.initial_parameters(3);
   for (float& parameter : parameters) parameter *= 2.0F;

@@ -17,17 +17,6 @@ struct Spoilt {
   const char* said = "";
 };
 
-void check_refused(const std::vector<Spoilt>& all) {
-  for (const Spoilt& each : all) {
-    CAPTURE(each.said);
-    HqsPlan plan = each.plan;
-    CHECK(message(plan) == "no Error");
-    each.spoil(plan);
-    CHECK(message(plan) != "no Error");
-    CHECK(test::one_line_with(message(plan), each.said));
-  }
-}
-
 }  // namespace
 
 TEST_CASE("each layer has its own arrays unless weights are shared, penalties come last") {
@@ -55,7 +44,7 @@ TEST_CASE("layers start differently, also from another seed, and penalties at 0.
 
 TEST_CASE("descriptions that describe no network are refused with the field and the value") {
   const HqsPlan du_or = small_du_or();
-  check_refused({
+  const std::vector<Spoilt> all = {
       {du_or, [](HqsPlan& d) { d.layers = 0; }, "layers is 0"},
       {du_or, [](HqsPlan& d) { d.layers = 21; }, "layers is 21"},
       {du_or, [](HqsPlan& d) { d.range_scale_m = 0.0F; }, "range_scale_m is 0"},
@@ -83,7 +72,15 @@ TEST_CASE("descriptions that describe no network are refused with the field and 
       {du_or, [](HqsPlan& d) { d.last_filter.support_share = 1.0F; }, "support_share is 1"},
       {small_simple_du(), [](HqsPlan& d) { d.last_filter.min_pixels = -1; }, "min_pixels is -1"},
       {du_or, [](HqsPlan& d) { d.filter.min_angle_rad = 0.0; }, "min_angle_rad is 0"},
-  });
+  };
+  for (const Spoilt& each : all) {
+    CAPTURE(each.said);
+    HqsPlan plan = each.plan;
+    CHECK(message(plan) == "no Error");
+    each.spoil(plan);
+    CHECK(message(plan) != "no Error");
+    CHECK(test::one_line_with(message(plan), each.said));
+  }
   const std::vector<std::pair<RowSelection, const char*>> no_rows = {
       {{16, 4}, "rows 16 + n 4 of 16 are no selection"},
       {{0, 2'000'000'000}, "no selection"},

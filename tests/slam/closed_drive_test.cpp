@@ -30,21 +30,6 @@ struct ClosedDrive {
   std::vector<Eigen::Vector3f> map_points_m;
 };
 
-ClosedDrive drive_around(const SensorModel& sensor, const std::vector<OrganizedCloud>& scans) {
-  slam::SlamOptions options;
-  options.mapping.recent_path_m = 50.0;
-  slam::Slam slam(sensor, options);
-  ClosedDrive result;
-  for (const OrganizedCloud& scan : scans) {
-    result.reports.push_back(
-        slam.process(scan, kPeriod_s * static_cast<double>(result.reports.size())));
-  }
-  slam.finish();
-  result.T_map_sensor = test::poses_of(slam.trajectory());
-  result.map_points_m = slam.map_points_m();
-  return result;
-}
-
 }  // namespace
 
 TEST_CASE("a drive that drifts by metres is closed, smoothly, the same whatever the threads") {
@@ -57,7 +42,15 @@ TEST_CASE("a drive that drifts by metres is closed, smoothly, the same whatever 
   std::vector<ClosedDrive> closed;
   for (const int threads : {1, 2}) {
     const slam::ThreadLimit limit(threads);
-    closed.push_back(drive_around(sensor, scans));
+    slam::SlamOptions options;
+    options.mapping.recent_path_m = 50.0;
+    slam::Slam slam(sensor, options);
+    std::vector<slam::ScanReport> reports;
+    for (const OrganizedCloud& scan : scans) {
+      reports.push_back(slam.process(scan, kPeriod_s * static_cast<double>(reports.size())));
+    }
+    slam.finish();
+    closed.push_back({test::poses_of(slam.trajectory()), reports, slam.map_points_m()});
   }
 
   const std::vector<slam::ScanReport>& reports = closed[0].reports;

@@ -152,7 +152,7 @@ TEST_CASE("a steady drive with roll and pitch is tracked from its first scan on"
 }
 
 TEST_CASE("a fast sensor that was covered and stands elsewhere then is followed there at once") {
-  const Village street = street(31, -40.0, 240.0);
+  const Village village = street(31, -40.0, 240.0);
   const SensorModel sensor = street_sensor();
   Slam slam(sensor);
   int scans = 0;
@@ -163,7 +163,7 @@ TEST_CASE("a fast sensor that was covered and stands elsewhere then is followed 
   double x_m = 0.0;
   for (int i = 0; i < 20; ++i) {
     x_m += std::min(0.5 * i, 8.0);
-    process(street.scan(yard_pose(x_m, 0.0, 0.0)));
+    process(village.scan(yard_pose(x_m, 0.0, 0.0)));
   }
   CHECK(slam.trajectory().back().T_map_sensor.translation().x() ==
         doctest::Approx(x_m).epsilon(0.01));

@@ -12,7 +12,6 @@
 using namespace hqslam;
 using namespace hqslam::slam;
 using namespace hqslam::test;
-using Status;
 
 namespace {
 
@@ -155,11 +154,11 @@ TEST_CASE("a sensor that stands makes a keyframe where the place has changed, an
   const SensorModel sensor = narrow_sensor();
   Slam slam(sensor);
   const Pose standing = yard_pose(0.0, 0.0, 0.0);
-  Village street = street(31);
-  const OrganizedCloud before = street.scan(sensor, standing);
-  street.add_box({-2.0, 2.0}, {3.0, 2.5}, 3.0);  // lorries on both sides
-  street.add_box({-2.0, -2.5}, {3.0, -2.0}, 3.0);
-  const OrganizedCloud after = street.scan(sensor, standing);
+  Village place = street(31);
+  const OrganizedCloud before = place.scan(sensor, standing);
+  place.add_box({-2.0, 2.0}, {3.0, 2.5}, 3.0);  // lorries on both sides
+  place.add_box({-2.0, -2.5}, {3.0, -2.0}, 3.0);
+  const OrganizedCloud after = place.scan(sensor, standing);
   std::string keyframes;
   for (int i = 0; i < 30; ++i) {
     keyframes += slam.process(i < 15 ? before : after, 0.1 * i).keyframe ? 'k' : '.';

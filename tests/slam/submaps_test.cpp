@@ -206,14 +206,14 @@ TEST_CASE("scans on a continued map stay with it when tracking is lost after the
 
 TEST_CASE("unmeasured motion is not counted twice where a submap begins") {
   const SensorModel sensor = street_sensor();
-  const Village street = street(31);
+  const Village village = street(31);
   Slam slam(sensor);
   double before_m2 = 0.0;
   int scan = 0;
   for (const Pose& pose : steps(0.0, 0.0, 80, true)) {
     const bool blind = scan >= 40 && scan < 70;
     const ScanReport report = slam.process(
-        blind ? OrganizedCloud(sensor.rows(), sensor.columns) : street.scan(pose), 0.1 * scan++);
+        blind ? OrganizedCloud(sensor.rows(), sensor.columns) : village.scan(pose), 0.1 * scan++);
     const double now_m2 = report.covariance.topLeftCorner<3, 3>().trace();
     if (scan == 71) CHECK(report.keyframe);
     if (scan == 71) CHECK(now_m2 < 1.3 * before_m2);

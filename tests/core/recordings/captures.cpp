@@ -56,12 +56,19 @@ std::string pcap_bytes(const std::vector<Captured>& packets, std::size_t fragmen
   return bytes;
 }
 
+std::string pcapng_interface(std::uint16_t link_type) {
+  using Word = std::uint32_t;
+  std::string bytes;
+  append(bytes, Word{1}, Word{32}, Word{link_type}, Word{0}, std::uint16_t{9}, std::uint16_t{1},
+         Word{9}, Word{0}, Word{32});  // if_tsresol 9: nanoseconds
+  return bytes;
+}
+
 std::string pcapng_bytes(const std::vector<Captured>& packets) {
   using Word = std::uint32_t;
   std::string bytes;
   append(bytes, Word{0x0A0D0D0A}, Word{28}, Word{0x1A2B3C4D}, Word{1}, ~std::uint64_t{0}, Word{28});
-  append(bytes, Word{1}, Word{32}, Word{1}, Word{0}, std::uint16_t{9}, std::uint16_t{1}, Word{9},
-         Word{0}, Word{32});  // of Ethernet; if_tsresol 9: nanoseconds
+  append(bytes, pcapng_interface(1));
   for (const Captured& captured : packets) {
     const Payload frame = ethernet_frames(captured).front();
     const auto length = static_cast<Word>(frame.size());

@@ -12,19 +12,15 @@ SensorModel two_beams() {
   return sensor;
 }
 
-OrganizedCloud measured(const SensorModel& sensor) {
-  RangeImage image(2, 16);
-  image.at(0, 3) = 10.0F;
-  image.at(1, 3) = 20.0F;
-  image.at(1, 4) = 0.2F;
-  return unproject(image, sensor, CaptureTime::kRolling);
-}
-
 }  // namespace
 
 TEST_CASE("a cloud's points are along corrected beams at corrected ranges") {
   const SensorModel sensor = two_beams();
-  const OrganizedCloud cloud = measured(sensor);
+  RangeImage image(2, 16);
+  image.at(0, 3) = 10.0F;
+  image.at(1, 3) = 20.0F;
+  image.at(1, 4) = 0.2F;
+  const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kRolling);
   const OrganizedCloud moved = calibrated(cloud, sensor);
   SensorModel corrected = sensor;
   corrected.beam_elevation_rad = {0.11, -0.22};

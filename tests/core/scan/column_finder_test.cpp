@@ -1,6 +1,6 @@
 #include "scan/column_finder.h"
 
-#include "testing.h"
+#include "made_images.h"
 
 namespace hqslam {
 namespace {
@@ -19,22 +19,17 @@ Eigen::Vector3f at_edge(const SensorModel& sensor, int row, int column, int unit
   return point_m;
 }
 
-std::vector<SensorModel> sensors() {
-  std::vector<SensorModel> all;
-  for (const std::string& name : sensor_preset_names()) all.push_back(sensor_preset(name));
-  for (const int columns : {16, 1023, 16384}) {
-    all.push_back(sensor_preset("vls-128"));
-    all.back().columns = columns;
-  }
-  return all;
-}
-
 }  // namespace
 
 TEST_CASE("the column that is found quickly is the sensor's own, also at all columns' edges") {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> coordinate_m(-80.0F, 80.0F);
-  for (const SensorModel& sensor : sensors()) {
+  std::vector<SensorModel> sensors;
+  for (const std::string& name : sensor_preset_names()) sensors.push_back(sensor_preset(name));
+  for (const int columns : {16, 1023, 16384}) {
+    sensors.push_back(test::preset_with("vls-128", columns));
+  }
+  for (const SensorModel& sensor : sensors) {
     CAPTURE(sensor.name);
     CAPTURE(sensor.columns);
     const ColumnFinder finder(sensor);

@@ -27,15 +27,6 @@ Scan as_scan(const RangeImage& image, const SensorModel& sensor) {
   return scan;
 }
 
-double largest_difference_m(const OrganizedCloud& cloud, const RangeImage& image) {
-  REQUIRE(cloud.range_m.size() == image.range_m.size());
-  double difference_m = 0.0;
-  for (std::size_t i = 0; i < image.range_m.size(); ++i) {
-    difference_m = std::max<double>(difference_m, std::abs(cloud.range_m[i] - image.range_m[i]));
-  }
-  return difference_m;
-}
-
 }  // namespace
 
 TEST_CASE("a folder of KITTI files gives the images that they were made from, in natural order") {
@@ -55,7 +46,8 @@ TEST_CASE("a folder of KITTI files gives the images that they were made from, in
       REQUIRE(scan);
       CHECK(scan->name == directory.file(std::to_string(8 + i) + ".bin"));
       CHECK(scan->stamp_s == doctest::Approx(0.1 * i));
-      CHECK(largest_difference_m(scan->cloud, an_image(sensor, 8 + i)) < 1e-3);
+      CHECK(std::ranges::equal(scan->cloud.range_m, an_image(sensor, 8 + i).range_m,
+                               [](float a, float b) { return std::abs(a - b) < 1e-3F; }));
       CHECK(scan->cloud.time_offset_s.empty());
     }
     CHECK_FALSE(source->next());
