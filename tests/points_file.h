@@ -1,7 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
-
 #include "hqslam/core/cloud_file.h"
 #include "testing.h"
 

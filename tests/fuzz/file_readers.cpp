@@ -1,7 +1,6 @@
 #include "files/scan_files.h"
 #include "input_file.h"
 #include "made_images.h"
-#include "points/sensor_finder.h"
 
 namespace hqslam::fuzz {
 

@@ -1,6 +1,4 @@
 #include "hqslam/slam/occupancy_grid.h"
-#include "hqslam/slam/options.h"
-#include "hqslam/slam/saved_map.h"
 #include "input_file.h"
 #include "map/feature_maps.h"
 #include "replaced_array.h"

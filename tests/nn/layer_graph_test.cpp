@@ -2,7 +2,6 @@
 #include "graph/graph_backward.h"
 
 namespace hqslam::nn {
-namespace {}  // namespace
 
 TEST_CASE("a graph's gradients are what small changes of input and parameters do") {
   constexpr float kStep = 1.0F / 16384.0F;  // few ReLUs turn within it

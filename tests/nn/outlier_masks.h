@@ -77,8 +77,7 @@ inline RangeImage random_image(Kind kind, int rows, int columns, std::mt19937& g
 }
 
 /// Calls visit(image) with an image of every kind.
-template <typename Visit>
-void for_each_kind(int rows, int columns, std::mt19937& generator, const Visit& visit) {
+void for_each_kind(int rows, int columns, std::mt19937& generator, const auto& visit) {
   for (int kind = 0; kind < static_cast<int>(Kind::kCount); ++kind) {
     visit(random_image(static_cast<Kind>(kind), rows, columns, generator));
   }

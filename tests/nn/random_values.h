@@ -16,8 +16,7 @@ inline std::vector<float> random_values(std::uint32_t seed, std::int64_t count) 
 }
 
 /// Calls visit(channel, row, column) for every value, `border` columns on either side too.
-template <typename Visit>
-void for_each_value(const Tensor& tensor, int border, const Visit& visit) {
+void for_each_value(const Tensor& tensor, int border, const auto& visit) {
   for (int c = 0; c < tensor.channels(); ++c) {
     for (int y = 0; y < tensor.rows(); ++y) {
       for (int x = -border; x < tensor.columns() + border; ++x) visit(c, y, x);

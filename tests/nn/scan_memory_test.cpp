@@ -96,6 +96,18 @@ double share_within_m(const Recalled& r, float limit_m) {
   return static_cast<double>(near) / recalled;
 }
 
+/// A scan with one point, at a range straight ahead in row 31 of 64.
+OrganizedCloud one_point(const SensorModel& sensor, float range_m) {
+  RangeImage image(16, sensor.columns);
+  image.at(7, sensor.columns / 2) = range_m;  // row 3 + 7 * 4 = 31
+  return unproject(image, select_rows(sensor, *sensor.measured_rows),
+                   CaptureTime::kMotionCorrected);
+}
+
+const ColumnPoses kHere = {Pose::Identity()};
+
+ColumnPoses ahead(double x_m) { return {pose_from_xyz_rpy({x_m, 0.0, 0.0}, 0.0, 0.0, 0.0)}; }
+
 }  // namespace
 
 TEST_CASE("earlier returns are recalled where a later scan would measure, wherever turns begin") {
@@ -151,22 +163,6 @@ TEST_CASE("a point that a measured beam passes has moved and is forgotten") {
     }
   }
 }
-
-namespace {
-
-/// A scan with one point, at a range straight ahead in row 31 of 64.
-OrganizedCloud one_point(const SensorModel& sensor, float range_m) {
-  RangeImage image(16, sensor.columns);
-  image.at(7, sensor.columns / 2) = range_m;  // row 3 + 7 * 4 = 31
-  return unproject(image, select_rows(sensor, *sensor.measured_rows),
-                   CaptureTime::kMotionCorrected);
-}
-
-const ColumnPoses kHere = {Pose::Identity()};
-
-ColumnPoses ahead(double x_m) { return {pose_from_xyz_rpy({x_m, 0.0, 0.0}, 0.0, 0.0, 0.0)}; }
-
-}  // namespace
 
 TEST_CASE("one point is recalled in its pixel, with its range and the weight of one") {
   const SensorModel sensor = sensor_with_memory();

@@ -25,15 +25,6 @@ double elevation_rad(const Eigen::Vector3f& point_m) {
   return std::asin(static_cast<double>(point_m.z()) / point_m.cast<double>().norm());
 }
 
-/// A point of the same azimuth as the pixel's centre, at this elevation.
-Eigen::Vector3f point_at(const SensorModel& sensor, int row, int column, double range_m,
-                         double elevation) {
-  const double azimuth = sensor.azimuth_rad(row, column);
-  return (range_m * Eigen::Vector3d(std::cos(elevation) * std::cos(azimuth),
-                                    std::cos(elevation) * std::sin(azimuth), std::sin(elevation)))
-      .cast<float>();
-}
-
 }  // namespace
 
 TEST_CASE("what was measured is sure, also where a network takes it for too far") {
@@ -119,8 +110,9 @@ TEST_CASE("a computed point deviates from its beam as the measured ones above an
     const int row = kMeasuredRows.offset + measured_row * kMeasuredRows.stride;
     const std::size_t pixel = measured.index(measured_row, column);
     measured.range_m[pixel] = 10.0F;
-    measured.points_m[pixel] = point_at(
-        sensor, row, column, 10.0, sensor.beam_elevation_rad[row] + deviation_deg * kDegree_rad);
+    const double elevation = sensor.beam_elevation_rad[row] + deviation_deg * kDegree_rad;
+    measured.points_m[pixel] =
+        (10.0 * direction_of(sensor.azimuth_rad(row, column), elevation)).cast<float>();
   };
   measure(0, 4, 0.2);
   measure(1, 4, 0.4);   // row 2 of column 4 is in the middle between the two

@@ -1,4 +1,3 @@
-#include "hqslam/core/imu_sample.h"
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/slam.h"
 #include "slam/yard_drive.h"

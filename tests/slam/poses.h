@@ -1,6 +1,5 @@
 #pragma once
 
-#include "hqslam/core/pose.h"
 #include "hqslam/core/trajectory.h"
 #include "testing.h"
 

@@ -1,7 +1,6 @@
 // Drives of which anything may happen to the sensor, drawn at random.
 
 #include <Eigen/Cholesky>
-#include <string_view>
 
 #include "hqslam/slam/scan_trace.h"
 #include "hqslam/slam/slam.h"

@@ -1,7 +1,5 @@
 #include "hqslam/slam/slam.h"
 
-#include <omp.h>
-
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/saved_map.h"
 #include "slam/steady_drive.h"

@@ -1,7 +1,6 @@
 // The states from scan to scan: starting, tracking, lost, searching.
 
 #include <Eigen/Cholesky>
-#include <string_view>
 
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/saved_map.h"

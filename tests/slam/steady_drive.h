@@ -1,7 +1,5 @@
 #pragma once
 
-#include <Eigen/Geometry>
-
 #include "hqslam/core/pose.h"
 #include "testing.h"
 

@@ -1,7 +1,5 @@
 #pragma once
 
-#include "front_end/features.h"
-#include "front_end/segmentation.h"
 #include "map/mapping.h"
 #include "slam/yard.h"
 

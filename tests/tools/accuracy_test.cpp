@@ -1,7 +1,6 @@
 // Whole drives against known trajectories, from file or simulator to pose.
 
 #include "hqslam/core/angles.h"
-#include "hqslam/core/projection.h"
 #include "hqslam/evaluation/trajectory_error.h"
 #include "hqslam/recordings/recording.h"
 #include "hqslam/sim/drive.h"

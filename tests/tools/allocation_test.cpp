@@ -2,7 +2,6 @@
 // past it for some more.
 
 #include <atomic>
-#include <cstddef>
 #include <new>
 
 #include "golden_folder.h"
@@ -53,8 +52,7 @@ struct Allocations {
   std::int64_t bytes = 0;
 };
 
-template <typename Call>
-Allocations allocations_of(const Call& call) {
+Allocations allocations_of(const auto& call) {
   g_count = g_bytes = 0;
   g_counting = true;
   call();

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "recording/reference.h"
 #include "run/slam_run.h"
 #include "testing.h"
 

@@ -6,8 +6,7 @@
 namespace hqslam::test {
 
 /// Whether a recording, read to its end, is refused in one line with these parts.
-template <typename... Parts>
-bool recording_refused(const std::string& path, const SensorModel& sensor, const Parts&... parts) {
+bool recording_refused(const std::string& path, const SensorModel& sensor, const auto&... parts) {
   const auto read = [&] {
     const auto source = recordings::open_scan_files(path, sensor);
     while (source->next()) continue;

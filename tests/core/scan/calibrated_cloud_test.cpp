@@ -1,4 +1,3 @@
-#include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/projection.h"
 #include "made_images.h"
 

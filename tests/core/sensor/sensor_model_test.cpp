@@ -4,7 +4,6 @@
 
 #include "hqslam/core/angles.h"
 #include "hqslam/core/organized_cloud.h"
-#include "hqslam/core/range_image.h"
 #include "testing.h"
 
 using namespace hqslam;

@@ -2,7 +2,6 @@
 
 #include "golden.h"
 #include "graph/graph_backward.h"
-#include "graph/layer_graph.h"
 
 namespace hqslam::nn {
 namespace {

@@ -11,8 +11,7 @@ namespace {
 const SensorModel kSensor = small_sensor(16, 512);
 
 /// The map of a place from poses along a street through it.
-template <typename Scene>
-Mapping map_of(const Scene& scene, const SensorModel& sensor = kSensor) {
+Mapping map_of(const auto& scene, const SensorModel& sensor = kSensor) {
   Mapping mapping{MappingOptions{}};
   for (double x_m = -12.0; x_m <= 12.0; x_m += 2.0) {
     const Pose pose = yard_pose(x_m, 0.0, 0.0);

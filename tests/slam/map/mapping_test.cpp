@@ -47,8 +47,7 @@ void add(double x, double y, double z, std::vector<slam::FeaturePoint>& to, int 
 
 /// A road and two walls, measured from 1.7 m above the road, from `offset_m` on.
 /// rise_m(y): of the ground.
-template <typename Rise>
-slam::MapFeatures road_with(double offset_m, double spacing_m, const Rise& rise_m) {
+slam::MapFeatures road_with(double offset_m, double spacing_m, const auto& rise_m) {
   slam::MapFeatures result;
   for (double along = -10.0 + offset_m; along < 10.0; along += spacing_m) {
     for (double y = -6.0 + offset_m; y < 6.0; y += spacing_m) {

@@ -62,9 +62,7 @@ TEST_CASE("the stored fit of a moving feature is that of a new search") {
 TEST_CASE("a fit of the nearest point alone is stored likewise") {
   std::mt19937 generator(3);
   const FeatureMap map = random_map(generator);
-  const auto first = [](const Neighbours& near) {
-    return std::optional<Eigen::Vector3f>(near.points_m[0]);
-  };
+  const auto first = [](const Neighbours& near) { return std::optional(near.points_m[0]); };
   int found = 0;
   for (int feature = 0; feature < 300; ++feature) {
     NearbyFit<Eigen::Vector3f, 1> nearby;

@@ -7,24 +7,20 @@ namespace {
 
 const SensorModel kDriven = sensor_preset("os1-16");
 
-slam::BeamCalibration calibration(int beams) {
-  slam::BeamCalibration found;
-  for (int beam = 0; beam < beams; ++beam) {
-    found.beams.push_back({.elevation_rad = 0.001 * (beam + 1),
-                           .range_m = -0.01 * (beam + 1),
-                           .before = {},
-                           .after = {}});
-  }
-  return found;
-}
-
 }  // namespace
 
 TEST_CASE("each row is corrected by its beam, one that was not used by the nearest that was") {
   SensorModel sensor = sensor_preset("os1-64");
   sensor.elevation_correction_rad.assign(64, 0.5);
   sensor.range_correction_m.assign(64, 0.25);
-  const SensorModel result = corrected(sensor, RowSelection{3, 4}, calibration(16));
+  slam::BeamCalibration found;
+  for (int beam = 0; beam < 16; ++beam) {
+    found.beams.push_back({.elevation_rad = 0.001 * (beam + 1),
+                           .range_m = -0.01 * (beam + 1),
+                           .before = {},
+                           .after = {}});
+  }
+  const SensorModel result = corrected(sensor, RowSelection{3, 4}, found);
   const auto check = [&](std::size_t row, int beam) {
     CAPTURE(row);
     CHECK(result.elevation_correction_rad[row] == doctest::Approx(0.5 + 0.001 * (beam + 1)));

@@ -9,8 +9,7 @@ namespace {
 using test::refused_with;
 
 /// Whether these options for a drive of this sensor are refused with these parts.
-template <typename... Parts>
-bool refused(const SensorModel& sensor, const UpsamplingOptions& options, const Parts&... parts) {
+bool refused(const SensorModel& sensor, const UpsamplingOptions& options, const auto&... parts) {
   return test::refused_with([&] { Upsampler(sensor, options, "drive"); }, parts...);
 }
 

@@ -1,4 +1,3 @@
-#include "hqslam/core/trajectory.h"
 #include "made_images.h"
 #include "points_file.h"
 #include "tools/program/program.h"
@@ -103,8 +102,7 @@ TEST_CASE("poses of a survey, thousands of kilometres from its origin, make no m
 }
 
 /// What `map` says of a drive's true poses after a change.
-template <typename Change>
-std::string said_of_poses(const std::string& drive, const Change& change) {
+std::string said_of_poses(const std::string& drive, const auto& change) {
   const TemporaryDirectory folder;
   const std::string poses = folder.file("poses.tum");
   Trajectory trajectory = read_tum(drive + "/truth.tum");

@@ -1,4 +1,3 @@
-#include "hqslam/core/trajectory.h"
 #include "made_images.h"
 #include "points_file.h"
 #include "tools/program/program.h"

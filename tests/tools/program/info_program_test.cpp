@@ -1,5 +1,4 @@
 #include "core/recordings/captures.h"
-#include "hqslam/core/trajectory.h"
 #include "made_images.h"
 #include "tools/program/program.h"
 

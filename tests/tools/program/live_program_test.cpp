@@ -2,7 +2,6 @@
 
 #include "core/recordings/live/loopback.h"
 #include "hqslam/core/cloud_file.h"
-#include "hqslam/core/trajectory.h"
 #include "http_get.h"
 #include "tools/program/child.h"
 #include "tools/program/untrained_weights.h"
@@ -19,25 +18,23 @@ struct OusterDrive {
   std::vector<Captured> packets;
 };
 
-std::string metadata_of(const SensorModel& sensor) {
-  std::vector<double> altitude_deg;
-  std::vector<double> azimuth_deg;
-  for (int row = 0; row < sensor.rows(); ++row) {
-    altitude_deg.push_back(degrees(sensor.beam_elevation_rad[row]));
-    // Clockwise, and from the left edge of a pixel.
-    azimuth_deg.push_back(
-        -degrees(sensor.beam_azimuth_offset_rad[row] - sensor.column_step_rad() / 2.0));
-  }
-  return fmt::format(
-      R"({{"beam_altitude_angles": [{}], "beam_azimuth_angles": [{}], "lidar_mode": "{}x10",
- "lidar_origin_to_beam_origin_mm": 0.0, "prod_line": "OS-1-{}"}})",
-      fmt::join(altitude_deg, ", "), fmt::join(azimuth_deg, ", "), sensor.columns, sensor.rows());
-}
-
 /// folder: written by `hqslam-lab simulate` for an os1-16 or os1-64.
 OusterDrive ouster_drive(const std::string& folder) {
+  const SensorModel simulated = read_sensor_json(folder + "/sensor.json");
+  std::vector<double> altitude_deg;
+  std::vector<double> azimuth_deg;
+  for (int row = 0; row < simulated.rows(); ++row) {
+    altitude_deg.push_back(degrees(simulated.beam_elevation_rad[row]));
+    // Clockwise, and from the left edge of a pixel.
+    azimuth_deg.push_back(
+        -degrees(simulated.beam_azimuth_offset_rad[row] - simulated.column_step_rad() / 2.0));
+  }
   OusterDrive drive;
-  drive.metadata = metadata_of(read_sensor_json(folder + "/sensor.json"));
+  drive.metadata = fmt::format(
+      R"({{"beam_altitude_angles": [{}], "beam_azimuth_angles": [{}], "lidar_mode": "{}x10",
+ "lidar_origin_to_beam_origin_mm": 0.0, "prod_line": "OS-1-{}"}})",
+      fmt::join(altitude_deg, ", "), fmt::join(azimuth_deg, ", "), simulated.columns,
+      simulated.rows());
   const auto metadata = recordings::ouster_metadata_from_json(drive.metadata, folder);
   const SensorModel& sensor = metadata.sensor;
   NpyStackReader images(folder + "/scans.npy");

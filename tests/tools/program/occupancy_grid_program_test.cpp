@@ -1,4 +1,3 @@
-#include "hqslam/core/trajectory.h"
 #include "hqslam/slam/occupancy_grid.h"
 #include "tools/program/program.h"
 

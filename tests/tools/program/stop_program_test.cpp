@@ -1,4 +1,3 @@
-#include "hqslam/core/trajectory.h"
 #include "tools/program/child.h"
 #include "tools/program/commands.h"
 

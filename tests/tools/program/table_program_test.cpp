@@ -1,5 +1,4 @@
 #include "golden_folder.h"
-#include "hqslam/core/trajectory.h"
 #include "tools/program/child.h"
 
 namespace hqslam::test {

@@ -1,5 +1,4 @@
 #include "hqslam/core/point_fields.h"
-#include "hqslam/core/trajectory.h"
 #include "hqslam/recordings/recording.h"
 #include "tools/program/program.h"
 #include "tools/program/untrained_weights.h"

@@ -1,7 +1,5 @@
 #include "bags.h"
 #include "files/scan_files.h"
-#include "hqslam/recordings/recording.h"
-#include "imu_queue.h"
 #include "near.h"
 #include "packets/ouster_decoder.h"
 

@@ -2,7 +2,6 @@
 #include "hqslam/core/angles.h"
 #include "hqslam/recordings/recording.h"
 #include "packets/velodyne_decoder.h"
-#include "packets/velodyne_tables.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

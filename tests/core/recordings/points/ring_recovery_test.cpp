@@ -12,8 +12,7 @@ using namespace hqslam::test;
 
 namespace {
 
-template <typename Keep>
-KnownScan only(const KnownScan& known, const Keep& keep) {
+KnownScan only(const KnownScan& known, const auto& keep) {
   KnownScan result;
   for (std::size_t i = 0; i < known.row.size(); ++i) {
     if (keep(known.row[i], known.angle_rad[i])) {

@@ -1,7 +1,6 @@
 #include "upsample/upsample_output.h"
 
 #include "hqslam/core/cloud_file.h"
-#include "hqslam/core/projection.h"
 #include "hqslam/recordings/recording.h"
 #include "made_images.h"
 #include "tools/parts_of_text.h"

@@ -2,7 +2,6 @@
 
 #include "city.h"
 #include "hqslam/core/sensor_model.h"
-#include "style.h"
 #include "testing.h"
 
 namespace hqslam::test {
