@@ -21,10 +21,6 @@ RangeImage image_of(const SensorModel& sensor) {
 
 RangeImage flat(float range_m) { return test::flat_image(6, 16, range_m); }
 
-double elevation_rad(const Eigen::Vector3f& point_m) {
-  return std::asin(static_cast<double>(point_m.z()) / point_m.cast<double>().norm());
-}
-
 }  // namespace
 
 TEST_CASE("what was measured is sure, also where a network takes it for too far") {
@@ -121,9 +117,8 @@ TEST_CASE("a computed point deviates from its beam as the measured ones above an
 
   const OrganizedCloud cloud = upsampled_cloud({upsampled, {}}, measured, kMeasuredRows, sensor);
   const auto deviation_deg = [&](int row, int column) {
-    return (elevation_rad(cloud.points_m[cloud.index(row, column)]) -
-            sensor.beam_elevation_rad[row]) /
-           kDegree_rad;
+    const Eigen::Vector3d point_m = cloud.points_m[cloud.index(row, column)].cast<double>();
+    return (std::asin(point_m.normalized().z()) - sensor.beam_elevation_rad[row]) / kDegree_rad;
   };
   CHECK(deviation_deg(2, 4) == doctest::Approx(0.3).epsilon(1e-3));
   CHECK(deviation_deg(2, 5) == doctest::Approx(0.4).epsilon(1e-3));

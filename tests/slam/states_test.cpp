@@ -16,17 +16,13 @@ namespace {
 
 SensorModel narrow_sensor() { return small_sensor(16, 240); }
 
-/// '-' starting, 't' tracking, 'l' lost, '?' searching.
-char letter(std::string_view state) {
-  return state == "starting" ? '-' : state == "searching" ? '?' : state.front();
-}
-
 /// A drive along a street of which single scans are others.
 class StreetDrive {
  public:
   explicit StreetDrive(Slam slam = Slam(narrow_sensor())) : slam_(std::move(slam)) {}
 
-  /// 's': in the street; 'f': in it through fog; 'b': blind; 'e': in another street.
+  /// 's': in the street; 'f': in it through fog; 'b': blind; 'e': in another street. Out: '-'
+  /// starting, 't' tracking, 'l' lost, '?' searching.
   std::string states(const std::string& scans) {
     std::string result;
     for (const char what : scans) {
@@ -34,7 +30,9 @@ class StreetDrive {
       if (what == 'f') add_fog(cloud);
       if (what == 'b') cloud = OrganizedCloud(cloud.rows, cloud.columns);
       report = slam_.process(cloud, 0.1 * scans_++, &trace);
-      result += letter(trace.state);
+      result += trace.state == "starting"    ? '-'
+                : trace.state == "searching" ? '?'
+                                             : trace.state.front();
     }
     return result;
   }

@@ -28,13 +28,6 @@ struct Inspected {
   }
 };
 
-/// Of the line that begins with this name, the number behind it.
-double number_of_line(const std::string& text, const std::string& name) {
-  const std::size_t line = text.find("\n" + name + " ");
-  REQUIRE(line != std::string::npos);
-  return std::stod(text.substr(line + 1 + name.size()));
-}
-
 }  // namespace
 
 TEST_CASE("inspect and compare take weights that come with hqslam by their name") {
@@ -84,10 +77,12 @@ TEST_CASE("inspect --reference finds differences of arithmetic alone, also in wh
   const Inspected inspected;
   const ProgramResult result = succeeds(inspected.by(
       fmt::format("--reference --tensor layers.0.encoder.0 --out '{}'", inspected.page)));
-  for (const char* name :
+  for (const std::string name :
        {"layers.0.encoder.0", "layers.0.decoder.0", "weight_1", "probability", "confidence"}) {
     CAPTURE(name);
-    CHECK(number_of_line(result.out, name) < 1e-3);
+    const std::size_t line = result.out.find("\n" + name + " ");
+    REQUIRE(line != std::string::npos);
+    CHECK(std::stod(result.out.substr(line + 1 + name.size())) < 1e-3);
   }
   const nlohmann::json page = data_of(file_contents(inspected.page));
   CHECK_FALSE(page["differences"].empty());
