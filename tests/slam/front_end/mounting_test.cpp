@@ -5,7 +5,6 @@
 using namespace hqslam;
 using namespace hqslam::slam;
 using namespace hqslam::test;
-using R_level_sensor;
 
 namespace {
 
