@@ -23,7 +23,7 @@ TEST_CASE("a cloud's points are along corrected beams at corrected ranges") {
   const OrganizedCloud moved = calibrated(cloud, sensor);
   SensorModel corrected = sensor;
   corrected.beam_elevation_rad = {0.11, -0.22};
-  RangeImage image(2, 16);
+  image = RangeImage(2, 16);
   image.at(0, 3) = 10.5F;
   image.at(1, 3) = 19.75F;
   const OrganizedCloud expected = unproject(image, corrected, CaptureTime::kRolling);
