@@ -134,9 +134,9 @@ void check_against_reference(bool transposed) {
       check_close(actual.d_parameters, expected.d_parameters);
       Tensor ended = p.output;  // with a skip, here d_output
       p.layer(instruction_set).forward({&p.input, &p.d_output, &ended});
-      for_each_value(ended, 0, [&](int c, int y, int x) {
-        const float sum = actual.output.at(c, y, x) + p.d_output.at(c, y, x);
-        REQUIRE(ended.at(c, y, x) == doctest::Approx(sum).epsilon(1e-5).scale(1));
+      for_each_value(ended, 0, [&](int channel, int y, int x) {
+        const float sum = actual.output.at(channel, y, x) + p.d_output.at(channel, y, x);
+        REQUIRE(ended.at(channel, y, x) == doctest::Approx(sum).epsilon(1e-5).scale(1));
       });
     }
   }
