@@ -7,7 +7,6 @@
 using namespace hqslam;
 using test::hash_of;
 
-
 // Made on x86-64. Compilers that fuse multiplications and additions, other vector instructions and
 // another mathematics library could each change a last bit.
 TEST_CASE("points, images, components and trajectories have the same bytes on every machine") {
