@@ -154,8 +154,9 @@ TEST_CASE("several sensors in a capture are listed and chosen by port or sender"
   write_file(path, pcap_bytes(packets));
   CHECK(refused_with([&] { Recording::open(path); }, "192.168.1.201:2368", "192.168.1.202:2369",
                      "--stream"));
-  CHECK(Recording::open(path, {.stream = "2369"}).sensor().scan_period_s ==
-        doctest::Approx(0.2).scale(0).epsilon(0.01));
+  const SensorModel slow = Recording::open(path, {.stream = "2369"}).sensor();
+  CHECK(slow.scan_period_s == doctest::Approx(0.2).scale(0).epsilon(0.01));
+  CHECK(slow.columns == 3600);  // twice those at ten turns a second
   CHECK(Recording::open(path, {.stream = "192.168.1.201:2368"}).sensor().scan_period_s ==
         doctest::Approx(0.1).scale(0).epsilon(0.01));
   CHECK(refused_with([&] { Recording::open(path, {.stream = "7502"}); }, "7502",
