@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "program/program.h"
+#include "testing.h"
 
 namespace hqslam::tools {
 

@@ -1,5 +1,6 @@
 #include "product.h"
 #include "tools/command_line/parsed_options.h"
+#include "tools/parts_of_text.h"
 
 namespace hqslam::tools {
 
