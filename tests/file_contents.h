@@ -1,10 +1,8 @@
 #pragma once
 
-#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <set>
-#include <string>
 #include <vector>
 
 #include "temporary_directory.h"
@@ -22,16 +20,14 @@ inline void write_file(const std::string& path, const std::string& contents) {
 }
 
 /// What `read` gives for the path of a file of this name with these contents.
-template <typename Read>
-auto from_file(const std::string& name, const std::string& contents, const Read& read) {
+auto from_file(const std::string& name, const std::string& contents, const auto& read) {
   const TemporaryDirectory folder;
   write_file(folder.file(name), contents);
   return read(folder.file(name));
 }
 
 /// Numbers as in memory, low byte first.
-template <typename... Numbers>
-std::string raw_bytes(Numbers... numbers) {
+std::string raw_bytes(auto... numbers) {
   std::string bytes;
   (bytes.append(reinterpret_cast<const char*>(&numbers), sizeof numbers), ...);
   return bytes;

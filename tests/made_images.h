@@ -1,12 +1,8 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "hqslam/core/angles.h"
 #include "hqslam/core/npy.h"
-#include "hqslam/core/range_image.h"
-#include "hqslam/core/sensor_model.h"
+#include "testing.h"
 
 namespace hqslam::test {
 
@@ -42,8 +38,7 @@ inline RangeImage flat_image(int rows, int columns, float range_m) {
 }
 
 /// The range of each pixel is range_m(row, column).
-template <typename Range>
-RangeImage made_image(int rows, int columns, const Range& range_m) {
+RangeImage made_image(int rows, int columns, const auto& range_m) {
   RangeImage image(rows, columns);
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
@@ -53,8 +48,7 @@ RangeImage made_image(int rows, int columns, const Range& range_m) {
   return image;
 }
 /// The same with the direction in which a sensor's pixel looks: range_m(row, column, direction).
-template <typename Range>
-RangeImage made_image(const SensorModel& sensor, const Range& range_m) {
+RangeImage made_image(const SensorModel& sensor, const auto& range_m) {
   return made_image(sensor.rows(), sensor.columns, [&](int row, int column) {
     const double azimuth_rad = sensor.azimuth_rad(row, column);
     return range_m(row, column, direction_of(azimuth_rad, sensor.beam_elevation_rad[row]));

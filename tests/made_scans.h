@@ -1,11 +1,7 @@
 #pragma once
 
-#include <functional>
-#include <optional>
-#include <utility>
-#include <vector>
-
 #include "hqslam/core/scan_source.h"
+#include "testing.h"
 
 namespace hqslam::test {
 

@@ -1,10 +1,7 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <string>
-#include <vector>
-
 #include "hqslam/core/cloud_file.h"
+#include "testing.h"
 
 namespace hqslam::test {
 

@@ -1,33 +1,23 @@
 #include "hash.h"
 #include "hqslam/core/connected_components.h"
 #include "hqslam/core/projection.h"
-#include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
 #include "made_images.h"
-#include "testing.h"
 
 using namespace hqslam;
 using test::hash_of;
-
-namespace {
-
-/// Walls, posts and nothing, by whole numbers alone.
-RangeImage a_scene(const SensorModel& sensor) {
-  return made_image(sensor.rows(), sensor.columns, [](int row, int column) {
-    const int wall = 12 + (column / 64) % 5 + row % 3;
-    const bool post = column % 97 < 4;
-    const bool nothing = (row * 31 + column * 7) % 23 == 0;
-    return nothing ? 0.0 : (post ? 8 : wall) + 0.125;
-  });
-}
-
-}  // namespace
 
 // Made on x86-64. Compilers that fuse multiplications and additions, other vector instructions and
 // another mathematics library could each change a last bit.
 TEST_CASE("points, images, components and trajectories have the same bytes on every machine") {
   const SensorModel sensor = sensor_preset("os1-64");
-  const RangeImage scene = a_scene(sensor);
+  // Walls, posts and nothing, by whole numbers alone.
+  const RangeImage scene = made_image(sensor.rows(), sensor.columns, [](int row, int column) {
+    const int wall = 12 + (column / 64) % 5 + row % 3;
+    const bool post = column % 97 < 4;
+    const bool nothing = (row * 31 + column * 7) % 23 == 0;
+    return nothing ? 0.0 : (post ? 8 : wall) + 0.125;
+  });
   const OrganizedCloud cloud = unproject(scene, sensor, CaptureTime::kRolling);
   CHECK(hash_of(cloud.points_m) == 6862067664886597533U);
   CHECK(hash_of(cloud.time_offset_s) == 8085818488415593253U);
@@ -46,6 +36,5 @@ TEST_CASE("points, images, components and trajectories have the same bytes on ev
   }
   const test::TemporaryDirectory directory;
   write_tum(trajectory, directory.file("trajectory.tum"));
-  const std::string text = test::file_contents(directory.file("trajectory.tum"));
-  CHECK(hash_of(text) == 14911819237509355218U);
+  CHECK(hash_of(test::file_contents(directory.file("trajectory.tum"))) == 14911819237509355218U);
 }

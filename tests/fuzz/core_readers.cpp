@@ -1,11 +1,9 @@
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/npz.h"
 #include "hqslam/core/projection.h"
-#include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
 #include "input_file.h"
 #include "made_images.h"
-#include "readers.h"
 
 namespace hqslam::fuzz {
 

@@ -1,9 +1,6 @@
 #include "files/scan_files.h"
-#include "hqslam/core/sensor_model.h"
 #include "input_file.h"
 #include "made_images.h"
-#include "points/sensor_finder.h"
-#include "readers.h"
 
 namespace hqslam::fuzz {
 

@@ -1,10 +1,7 @@
 #include <cstddef>
-#include <cstdint>
-#include <string>
 
 #include "hqslam/core/error.h"
 #include "input_file.h"
-#include "readers.h"
 
 namespace hqslam::fuzz {
 

@@ -1,16 +1,7 @@
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <memory>
-#include <stdexcept>
-#include <string>
-#include <vector>
 
 #include "captures.h"
-#include "hqslam/core/error.h"
 #include "input_file.h"
 #include "live_stream.h"
-#include "readers.h"
 
 namespace hqslam::fuzz {
 

@@ -1,13 +1,6 @@
-#include <algorithm>
-#include <string>
-
-#include "hqslam/core/npz.h"
 #include "hqslam/slam/occupancy_grid.h"
-#include "hqslam/slam/options.h"
-#include "hqslam/slam/saved_map.h"
 #include "input_file.h"
 #include "map/feature_maps.h"
-#include "readers.h"
 #include "replaced_array.h"
 
 namespace hqslam::fuzz {

@@ -1,17 +1,9 @@
-#include <string>
-#include <vector>
-
 #include "checkpoint_arrays.h"
-#include "hqslam/core/error.h"
-#include "hqslam/core/npz.h"
 #include "hqslam/nn/network.h"
 #include "hqslam/nn/network_json.h"
-#include "hqslam/nn/training/checkpoint.h"
 #include "hqslam/nn/training/training_configuration.h"
-#include "hqslam/nn/weights_file.h"
 #include "input_file.h"
 #include "made_images.h"
-#include "readers.h"
 #include "replaced_array.h"
 #include "weights_arrays.h"
 

@@ -1,8 +1,4 @@
-#include <string>
-#include <vector>
-
 #include "captures.h"
-#include "hqslam/core/error.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/recordings/recording.h"
 #include "input_file.h"
@@ -11,8 +7,6 @@
 #include "packets/ouster_decoder.h"
 #include "packets/robosense_decoder.h"
 #include "packets/velodyne_decoder.h"
-#include "packets/velodyne_tables.h"
-#include "readers.h"
 
 namespace hqslam::fuzz {
 
@@ -37,8 +31,7 @@ void read_recording(const std::string& path) {
 }
 
 /// Packets of `bytes`, a millisecond apart.
-template <typename Add>
-void for_each_packet(Bytes input, std::size_t bytes, const Add& add) {
+void for_each_packet(Bytes input, std::size_t bytes, const auto& add) {
   Packet packet;
   for (std::size_t at = 0; at + bytes <= input.size(); at += bytes) {
     packet.payload = input.subspan(at, bytes);
@@ -48,8 +41,7 @@ void for_each_packet(Bytes input, std::size_t bytes, const Add& add) {
 }
 
 /// What a decoder makes of packets, as images of the sensor.
-template <typename Decoder>
-void read_scans(Decoder decoder, Bytes packets, std::size_t bytes) {
+void read_scans(auto decoder, Bytes packets, std::size_t bytes) {
   for_each_packet(packets, bytes, [&](const Packet& p) { decoder.add(p); });
   decoder.finish();
   while (decoder.next()) continue;

@@ -1,24 +1,12 @@
 #include "seeds.h"
 
-#include <fmt/format.h>
-
-#include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <map>
-#include <vector>
-
-#include "file_contents.h"
 #include "hqslam/core/kitti_bin.h"
-#include "hqslam/core/npy.h"
 #include "hqslam/core/npz.h"
-#include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
 #include "made_images.h"
 #include "readers.h"
 #ifdef HQSLAM_FUZZ_RECORDINGS
 #include "bags.h"
-#include "captures.h"
 #endif
 
 namespace hqslam::fuzz {

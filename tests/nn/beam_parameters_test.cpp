@@ -1,9 +1,7 @@
 #include "hqs/beam_parameters.h"
 
-#include "hqslam/core/angles.h"
 #include "made_images.h"
 #include "random_values.h"
-#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

@@ -6,8 +6,7 @@
 #include "hqslam/core/npz.h"
 #include "hqslam/core/range_image.h"
 #include "hqslam/nn/network_description.h"
-#include "tensor.h"
-#include "testing.h"
+#include "random_values.h"
 
 // Files of tests/golden, made with PyTorch in float64 by tools/make_golden.py.
 namespace hqslam::nn {
@@ -50,22 +49,14 @@ inline Tensor tensor_of(std::span<const float> values, int channels, int rows, i
   Tensor tensor(channels, rows, columns, padding, border_rows);
   REQUIRE(values.size() == static_cast<std::size_t>(channels) * rows * columns);
   const float* next = values.data();
-  for (int c = 0; c < channels; ++c) {
-    for (int y = 0; y < rows; ++y) {
-      for (int x = 0; x < columns; ++x) tensor.at(c, y, x) = *next++;
-    }
-  }
+  for_each_value(tensor, 0, [&](int c, int y, int x) { tensor.at(c, y, x) = *next++; });
   tensor.fill_borders();
   return tensor;
 }
 
 inline std::vector<float> values_of(const Tensor& tensor) {
   std::vector<float> values;
-  for (int c = 0; c < tensor.channels(); ++c) {
-    for (int y = 0; y < tensor.rows(); ++y) {
-      values.insert(values.end(), tensor.row(c, y), tensor.row(c, y) + tensor.columns());
-    }
-  }
+  for_each_value(tensor, 0, [&](int c, int y, int x) { values.push_back(tensor.at(c, y, x)); });
   return values;
 }
 

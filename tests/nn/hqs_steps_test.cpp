@@ -1,7 +1,5 @@
-#include "hqs/hqs_backward.h"
 #include "hqs/hqs_network.h"
 #include "small_network.h"
-#include "testing.h"
 
 // The loss and the result of the loop.
 namespace hqslam::nn {
@@ -41,8 +39,7 @@ TEST_CASE("the result is in metres, within the sensor's limits, with the measure
   CHECK(result.at(0, 4) == 120.0F);
   for (int row = 0; row < 16; ++row) {
     for (int column = 5; column < 64; ++column) {
-      const float expected = row % 4 == 3 ? measured.at(row / 4, column) : 20.0F;
-      REQUIRE(result.at(row, column) == expected);
+      REQUIRE(result.at(row, column) == (row % 4 == 3 ? measured.at(row / 4, column) : 20.0F));
     }
   }
 }

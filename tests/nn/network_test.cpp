@@ -3,7 +3,6 @@
 #include "architecture.h"
 #include "hqslam/nn/network_json.h"
 #include "small_network.h"
-#include "testing.h"
 
 // What holds for every network, whatever it is.
 namespace hqslam::nn {
@@ -76,8 +75,7 @@ TEST_CASE("images may have any number of columns that the strides divide, down t
   }
 }
 
-TEST_CASE(
-    "columns, threads, instruction sets and parameters that a network cannot have are refused") {
+TEST_CASE("columns, threads, instruction sets and parameters that cannot be are refused") {
   for (const NetworkDescription& description : every_kind()) {
     const auto refuses = [&](int columns, int instruction_set, int threads, const auto&... parts) {
       CHECK(test::refused_with(

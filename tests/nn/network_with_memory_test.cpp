@@ -2,7 +2,6 @@
 #include "hqslam/nn/super_resolver.h"
 #include "hqslam/nn/training/starting_parameters.h"
 #include "small_network.h"
-#include "testing.h"
 
 // DU-Mix with what earlier scans measured; its values are held against the reference's in
 // reference_test.cpp.

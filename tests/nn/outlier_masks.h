@@ -1,15 +1,6 @@
 #pragma once
 
-#include <cmath>
-#include <cstdint>
-#include <numbers>
-#include <random>
-#include <vector>
-
-#include "hqslam/core/angles.h"
 #include "hqslam/core/connected_components.h"
-#include "hqslam/core/range_image.h"
-#include "hqslam/core/sensor_model.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
 #include "made_images.h"
 
@@ -86,8 +77,7 @@ inline RangeImage random_image(Kind kind, int rows, int columns, std::mt19937& g
 }
 
 /// Calls visit(image) with an image of every kind.
-template <typename Visit>
-void for_each_kind(int rows, int columns, std::mt19937& generator, const Visit& visit) {
+void for_each_kind(int rows, int columns, std::mt19937& generator, const auto& visit) {
   for (int kind = 0; kind < static_cast<int>(Kind::kCount); ++kind) {
     visit(random_image(static_cast<Kind>(kind), rows, columns, generator));
   }

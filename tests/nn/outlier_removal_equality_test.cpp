@@ -1,5 +1,4 @@
 #include "outlier_masks.h"
-#include "testing.h"
 
 // The filter against two independent searches for components.
 namespace hqslam::nn {

@@ -1,29 +1,8 @@
 #include "hqslam/nn/hqs/outlier_removal.h"
 
 #include "outlier_masks.h"
-#include "testing.h"
 
 namespace hqslam::nn {
-namespace {
-
-/// Columns `first` to `last` of a row.
-struct Part {
-  int row = 0;
-  int first = 0;
-  int last = 0;
-};
-
-/// 1 in these parts of the image.
-Mask mask_of(const RangeImage& image, const std::vector<Part>& parts) {
-  Mask mask(image.range_m.size(), 0);
-  for (const Part& part : parts) {
-    std::fill_n(&mask[image.index(part.row, part.first)], part.last - part.first + 1, 1);
-  }
-  return mask;
-}
-
-}  // namespace
-
 TEST_CASE("options that make no sense are refused") {
   const SensorModel sensor = sensor_preset("os1-64");
   const RowSelection rows{3, 4};
@@ -48,7 +27,9 @@ TEST_CASE("a pixel of a measured row is never rejected but counts for its compon
   draw_run(image, 4, 10, 19);
   draw_run(image, 7, 50, 50);  // measured, alone
   draw_run(image, 6, 90, 90);  // not measured, alone
-  CHECK(found(removal, image) == mask_of(image, {{6, 90, 90}}));
+  Mask expected(image.range_m.size(), 0);
+  expected[image.index(6, 90)] = 1;
+  CHECK(found(removal, image) == expected);
 }
 
 TEST_CASE("ranges that are no ranges are no returns") {

@@ -1,11 +1,7 @@
 #include "hqs/plain_prior.h"
 
-#include <numeric>
-
 #include "golden.h"
 #include "hqs/prior_backward.h"
-#include "random_values.h"
-#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

@@ -1,11 +1,7 @@
 #pragma once
 
-#include <cstdint>
-#include <cstring>
-#include <random>
-#include <vector>
-
 #include "tensor.h"
+#include "testing.h"
 
 namespace hqslam::nn {
 
@@ -20,8 +16,7 @@ inline std::vector<float> random_values(std::uint32_t seed, std::int64_t count) 
 }
 
 /// Calls visit(channel, row, column) for every value, `border` columns on either side too.
-template <typename Visit>
-void for_each_value(const Tensor& tensor, int border, const Visit& visit) {
+void for_each_value(const Tensor& tensor, int border, const auto& visit) {
   for (int c = 0; c < tensor.channels(); ++c) {
     for (int y = 0; y < tensor.rows(); ++y) {
       for (int x = -border; x < tensor.columns() + border; ++x) visit(c, y, x);
@@ -36,6 +31,13 @@ inline void fill_random(std::uint32_t seed, Tensor& tensor) {
   const float* next = values.data();
   for_each_value(tensor, 0, [&](int c, int y, int x) { tensor.at(c, y, x) = *next++; });
   tensor.fill_borders();
+}
+
+/// As far as float goes, in `border` columns on either side too.
+inline void check_close(const Tensor& actual, const Tensor& expected, int border) {
+  for_each_value(expected, border, [&](int c, int y, int x) {
+    REQUIRE(actual.at(c, y, x) == doctest::Approx(expected.at(c, y, x)).epsilon(1e-5).scale(1));
+  });
 }
 
 inline bool same_bits(const Tensor& a, const Tensor& b) {

@@ -1,7 +1,6 @@
 #include "hqslam/nn/reference/reference.h"
 
 #include "small_network.h"
-#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

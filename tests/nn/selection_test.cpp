@@ -1,8 +1,6 @@
 #include "golden.h"
 #include "hqs/prior_backward.h"
 #include "hqs/u_shaped_prior.h"
-#include "random_values.h"
-#include "testing.h"
 
 namespace hqslam::nn {
 namespace {
@@ -108,31 +106,6 @@ TEST_CASE("the softmax is exact to 1e-6 over the whole range of scores") {
       const double expected = 1.0 / (1.0 + std::exp(-4.0 * static_cast<float>(score)));
       REQUIRE(s.scores.at(0, 0, 3) == doctest::Approx(expected).epsilon(1e-6));
     }
-  }
-}
-
-TEST_CASE("the gradient of a few rows is that of all rows, there") {
-  const Golden golden("layers");
-  const Candidates candidates{of(golden, "above", 4), of(golden, "below", 4)};
-  const Tensor here = of(golden, "here", 4);
-  const Tensor d_z = of(golden, "d_output", 4);
-  const InstructionSet any = chosen_instruction_set();
-  Tensor weights = of(golden, "scores", 20);
-  Tensor z = here;
-  select_all(candidates, here, kTile, any, weights, z);
-  Tensor whole = weights;
-  Tensor d_here = here;
-  select_backward(rows_of(candidates), here, kTile, any, 0, weights, d_z, whole, d_here);
-  REQUIRE(z.rows() > 1);
-  Tensor second(20, 1, z.columns(), z.padding(), 0);
-  Tensor d_here_again = d_z;
-  select_backward(rows_of(candidates), here, kTile, any, 1, weights, d_z, second, d_here_again);
-  for (int x = 0; x < z.columns(); ++x) {
-    for (int channel = 0; channel < 20; ++channel) {
-      REQUIRE(second.at(channel, 0, x) == whole.at(channel, 1, x));
-    }
-    REQUIRE(d_here_again.at(3, 1, x) == d_here.at(3, 1, x));
-    REQUIRE(d_here_again.at(3, 0, x) == d_z.at(3, 0, x));  // untouched
   }
 }
 

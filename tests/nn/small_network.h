@@ -1,24 +1,12 @@
 #pragma once
 
-#include <cmath>
-#include <memory>
-#include <numbers>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "hqs/hqs_backward.h"
-#include "hqs/hqs_loop.h"
 #include "hqs/plain_prior.h"
 #include "hqs/two_modes_prior.h"
-#include "hqs/u_shaped_prior.h"
-#include "hqslam/core/range_image.h"
-#include "hqslam/nn/network.h"
 #include "hqslam/nn/training/trainable_network.h"
 #include "hqslam/nn/weights_file.h"
 #include "made_images.h"
 #include "random_values.h"
-#include "tiles.h"
 
 // Networks of a few thousand parameters on images of 16 x 64 pixels; tools/make_golden.py has the
 // same sensor and scene.

@@ -1,10 +1,7 @@
 #pragma once
 
-#include <memory>
-
 #include "hqslam/nn/training/trainer.h"
 #include "small_network.h"
-#include "testing.h"
 
 // Trainings of a moment, on three small scans.
 namespace hqslam::nn {

@@ -1,7 +1,6 @@
 #include "hqslam/nn/super_resolver.h"
 
 #include "small_network.h"
-#include "testing.h"
 
 namespace hqslam::nn {
 namespace {
@@ -13,8 +12,7 @@ Weights weights_of(HqsPlan plan) {
 
 }  // namespace
 
-TEST_CASE(
-    "a range that the sensor cannot have measured is no return, and empties nothing beside it") {
+TEST_CASE("a range that the sensor cannot measure is no return, and empties nothing beside it") {
   for (const Weights& weights : {weights_of(small_du_or()), small_weights(small_du_mix())}) {
     SuperResolver resolver(weights, {});
     RangeImage scene = select_rows(small_scene(), weights.description.measured_rows);
@@ -47,10 +45,8 @@ TEST_CASE("inside a parallel region of the caller's each object works as it does
     std::array<Trace, kCallers> traces;
 #pragma omp parallel for num_threads(kCallers) schedule(static, 1)
     for (int i = 0; i < kCallers; ++i) {
-      complaints[i] = test::error_message([&] {
-        SuperResolver own = SuperResolver::load(path, {.threads = 2});
-        upsampled[i] = own.run(scene, &traces[i]);
-      });
+      complaints[i] = test::error_message(
+          [&] { upsampled[i] = SuperResolver::load(path, {.threads = 2}).run(scene, &traces[i]); });
     }
     for (int i = 0; i < kCallers; ++i) {
       CHECK(complaints[i] == "no Error");

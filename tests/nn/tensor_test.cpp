@@ -1,8 +1,6 @@
 #include "tensor.h"
 
 #include "golden.h"
-#include "random_values.h"
-#include "testing.h"
 #include "tiles.h"
 
 namespace hqslam::nn {

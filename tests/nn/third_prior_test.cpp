@@ -1,10 +1,6 @@
-#include <memory>
-
 #include "hqs/hqs_architecture.h"
 #include "hqs/prior_backward.h"
 #include "hqslam/nn/network_json.h"
-#include "hqslam/nn/training/trainer.h"
-#include "hqslam/nn/weights_file.h"
 #include "small_training.h"
 
 // A prior outside the library: all of it is here, with the table that names it.

@@ -2,7 +2,6 @@
 
 #include "hqslam/nn/super_resolver.h"
 #include "small_network.h"
-#include "testing.h"
 
 namespace hqslam::nn {
 namespace {
@@ -74,12 +73,11 @@ TEST_CASE("Simple DU has no Y, DU-Mix has modes instead of a choice") {
   CHECK_FALSE(simple.has("layers.2.rejected"));
   // The penalties are what was learned.
   CHECK(simple.tensor("layers.1.penalty").values(0, 0, 0) == doctest::Approx(0.5 / 10.99));
-  const Trace mix = traced_run(small_du_mix()).trace;
-  CHECK(names_of(mix) == std::vector<std::string>{
-                             "measured", "start", "layers.0.h", "layers.0.encoder.0",
-                             "layers.0.encoder.1", "layers.0.bottleneck.0", "layers.0.bottleneck.1",
-                             "layers.0.decoder.0", "mode_1", "mode_2", "weight_1", "scale",
-                             "probability", "layers.0.z", "confidence", "result"});
+  CHECK(names_of(traced_run(small_du_mix()).trace) ==
+        std::vector<std::string>{
+            "measured", "start", "layers.0.h", "layers.0.encoder.0", "layers.0.encoder.1",
+            "layers.0.bottleneck.0", "layers.0.bottleneck.1", "layers.0.decoder.0", "mode_1",
+            "mode_2", "weight_1", "scale", "probability", "layers.0.z", "confidence", "result"});
 }
 
 TEST_CASE("an unknown name is refused with the nearest ones") {

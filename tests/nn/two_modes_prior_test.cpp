@@ -1,7 +1,5 @@
 #include "golden.h"
-#include "made_images.h"
 #include "small_network.h"
-#include "testing.h"
 
 namespace hqslam::nn {
 namespace {
@@ -111,8 +109,7 @@ TEST_CASE("the loss is the mean over the columns, where they are no whole vector
   }
 }
 
-TEST_CASE(
-    "measured returns come out as they were with confidence 1, and nothing where nothing is") {
+TEST_CASE("measured rows come out as they were, their returns with confidence 1") {
   const NetworkDescription description = small_du_mix();
   RangeImage measured = measured_scene(description);
   measured.at(1, 7) = 0.0F;

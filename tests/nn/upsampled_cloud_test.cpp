@@ -1,9 +1,7 @@
 #include "hqslam/nn/upsampled_cloud.h"
 
-#include "hqslam/core/angles.h"
 #include "hqslam/core/projection.h"
 #include "made_images.h"
-#include "testing.h"
 
 namespace hqslam::nn {
 namespace {
@@ -23,23 +21,9 @@ RangeImage image_of(const SensorModel& sensor) {
 
 RangeImage flat(float range_m) { return test::flat_image(6, 16, range_m); }
 
-double elevation_rad(const Eigen::Vector3f& point_m) {
-  return std::asin(static_cast<double>(point_m.z()) / point_m.cast<double>().norm());
-}
-
-/// A point of the same azimuth as the pixel's centre, at this elevation.
-Eigen::Vector3f point_at(const SensorModel& sensor, int row, int column, double range_m,
-                         double elevation) {
-  const double azimuth = sensor.azimuth_rad(row, column);
-  return (range_m * Eigen::Vector3d(std::cos(elevation) * std::cos(azimuth),
-                                    std::cos(elevation) * std::sin(azimuth), std::sin(elevation)))
-      .cast<float>();
-}
-
 }  // namespace
 
-TEST_CASE(
-    "what was measured is sure, also where a network takes it for too far, the rest as it says") {
+TEST_CASE("what was measured is sure, also where a network takes it for too far") {
   const SensorModel sensor = six_row_sensor();
   RangeImage upsampled = flat(10.0F);
   upsampled.at(1, 3) = 0.0F;
@@ -66,9 +50,8 @@ TEST_CASE("measured points and their times stay as they are, to the bit") {
     measured.points_m[i] *= 1.0F + 0.01F * static_cast<float>(i % 5);
     measured.time_offset_s[i] += 0.001F * static_cast<float>(i % 3);
   }
-  const OrganizedCloud cloud =
-      upsampled_cloud({RangeImage(6, 16), {}}, measured, kMeasuredRows, sensor);
-  const OrganizedCloud kept = select_rows(cloud, kMeasuredRows);
+  const OrganizedCloud kept = select_rows(
+      upsampled_cloud({RangeImage(6, 16), {}}, measured, kMeasuredRows, sensor), kMeasuredRows);
   CHECK(kept.points_m == measured.points_m);
   CHECK(kept.range_m == measured.range_m);
   CHECK(kept.time_offset_s == measured.time_offset_s);
@@ -123,8 +106,9 @@ TEST_CASE("a computed point deviates from its beam as the measured ones above an
     const int row = kMeasuredRows.offset + measured_row * kMeasuredRows.stride;
     const std::size_t pixel = measured.index(measured_row, column);
     measured.range_m[pixel] = 10.0F;
-    measured.points_m[pixel] = point_at(
-        sensor, row, column, 10.0, sensor.beam_elevation_rad[row] + deviation_deg * kDegree_rad);
+    const double elevation = sensor.beam_elevation_rad[row] + deviation_deg * kDegree_rad;
+    measured.points_m[pixel] =
+        (10.0 * direction_of(sensor.azimuth_rad(row, column), elevation)).cast<float>();
   };
   measure(0, 4, 0.2);
   measure(1, 4, 0.4);   // row 2 of column 4 is in the middle between the two
@@ -133,9 +117,8 @@ TEST_CASE("a computed point deviates from its beam as the measured ones above an
 
   const OrganizedCloud cloud = upsampled_cloud({upsampled, {}}, measured, kMeasuredRows, sensor);
   const auto deviation_deg = [&](int row, int column) {
-    return (elevation_rad(cloud.points_m[cloud.index(row, column)]) -
-            sensor.beam_elevation_rad[row]) /
-           kDegree_rad;
+    const Eigen::Vector3d point_m = cloud.points_m[cloud.index(row, column)].cast<double>();
+    return (std::asin(point_m.normalized().z()) - sensor.beam_elevation_rad[row]) / kDegree_rad;
   };
   CHECK(deviation_deg(2, 4) == doctest::Approx(0.3).epsilon(1e-3));
   CHECK(deviation_deg(2, 5) == doctest::Approx(0.4).epsilon(1e-3));

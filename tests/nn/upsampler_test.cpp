@@ -1,8 +1,6 @@
 #include "hqslam/nn/upsampler.h"
 
-#include "hqslam/nn/interpolation.h"
 #include "small_network.h"
-#include "testing.h"
 
 namespace hqslam::nn {
 

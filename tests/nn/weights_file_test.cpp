@@ -1,12 +1,9 @@
 #include "hqslam/nn/weights_file.h"
 
-#include <nlohmann/json.hpp>
-
 #include "golden_folder.h"
 #include "hqslam/core/npz.h"
 #include "hqslam/nn/network_json.h"
 #include "small_network.h"
-#include "testing.h"
 
 namespace hqslam::nn {
 namespace {
@@ -16,8 +13,7 @@ using test::refused_with;
 std::string golden_file(const std::string& name) { return golden_folder() + "/" + name + ".npz"; }
 
 /// A weights file after `change` was made to its arrays.
-template <typename Change, typename... Parts>
-void refuses_arrays(const Change& change, const Parts&... parts) {
+void refuses_arrays(const auto& change, const auto&... parts) {
   const test::TemporaryDirectory directory;
   const std::string path = directory.file("weights.npz");
   write_weights(path, small_weights(small_du_or(), 7));
@@ -27,9 +23,7 @@ void refuses_arrays(const Change& change, const Parts&... parts) {
   CHECK(refused_with([&] { check_self_test(read_weights(path), path); }, parts...));
 }
 /// With an array instead of one, or without it.
-template <typename... Parts>
-void refuses_array(const char* name, const std::optional<NpzArray>& instead,
-                   const Parts&... parts) {
+void refuses_array(const char* name, const std::optional<NpzArray>& instead, const auto&... parts) {
   refuses_arrays(
       [&](NpzArrays& arrays) {
         arrays.erase(name);
@@ -38,8 +32,7 @@ void refuses_array(const char* name, const std::optional<NpzArray>& instead,
       parts...);
 }
 /// After `from` became `to` in the description.
-template <typename... Parts>
-void refuses_description(const std::string& from, const std::string& to, const Parts&... parts) {
+void refuses_description(const std::string& from, const std::string& to, const auto&... parts) {
   CAPTURE(to);
   refuses_arrays(
       [&](NpzArrays& arrays) {

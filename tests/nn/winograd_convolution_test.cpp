@@ -1,7 +1,6 @@
 #include "kernels/winograd_convolution.h"
 
 #include "random_values.h"
-#include "testing.h"
 
 namespace hqslam::nn::kernels {
 namespace {
@@ -27,12 +26,11 @@ WinogradProblem random_winograd_problem(int inputs, int outputs, int rows, int c
   return p;
 }
 
-Tensor convolved(const WinogradProblem& p, InstructionSet instruction_set, int threads,
+Tensor convolved(const WinogradProblem& p, InstructionSet instruction_set,
                  const LayerEnd& end = {}) {
-  WinogradConvolution convolution(p.shape, p.input, instruction_set, threads);
+  WinogradConvolution convolution(p.shape, p.input, instruction_set, 1);
   convolution.set_weights(p.weight);
   Tensor output = p.output;
-#pragma omp parallel num_threads(threads)
   convolution.forward(p.input, p.bias.data(), end, output);
   return output;
 }
@@ -41,14 +39,6 @@ Tensor convolved_by_reference(const WinogradProblem& p) {
   Tensor output = p.output;
   conv2d_reference(p.shape, p.weight, p.bias, p.input, output);
   return output;
-}
-
-constexpr int kBorder = Tensor::kBorderColumns;
-
-void check_close(const Tensor& actual, const Tensor& expected, int border) {
-  for_each_value(expected, border, [&](int c, int y, int x) {
-    REQUIRE(actual.at(c, y, x) == doctest::Approx(expected.at(c, y, x)).epsilon(1e-5).scale(1));
-  });
 }
 
 }  // namespace
@@ -63,7 +53,7 @@ TEST_CASE("Winograd's convolution equals the reference at every size, on every i
           CAPTURE(name(instruction_set));
           CAPTURE(rows);
           CAPTURE(columns);
-          check_close(convolved(p, instruction_set, 1), expected, kBorder);
+          check_close(convolved(p, instruction_set), expected, Tensor::kBorderColumns);
         }
       }
     }
@@ -113,12 +103,12 @@ TEST_CASE("Winograd's convolution rounds less than 2e-7 of the sum of what is ad
   WinogradProblem magnitudes = p;
   for (float& weight : magnitudes.weight) weight = std::fabs(weight);
   for (float& bias : magnitudes.bias) bias = std::fabs(bias);
-  for_each_value(p.input, kBorder, [&](int c, int y, int x) {
+  for_each_value(p.input, Tensor::kBorderColumns, [&](int c, int y, int x) {
     magnitudes.input.at(c, y, x) = std::fabs(p.input.at(c, y, x));
   });
   const Tensor scale = convolved_by_reference(magnitudes);
   for (const InstructionSet instruction_set : available_instruction_sets()) {
-    const Tensor actual = convolved(p, instruction_set, 1);
+    const Tensor actual = convolved(p, instruction_set);
     double largest = 0.0;
     for_each_value(actual, 0, [&](int o, int y, int x) {
       double exact = p.bias[o];
@@ -144,9 +134,9 @@ TEST_CASE("Winograd's convolution ends as the others do: skip, then activation o
   fill_random(5, activated);
   for (const InstructionSet instruction_set : available_instruction_sets()) {
     CAPTURE(name(instruction_set));
-    const Tensor ended = convolved(p, instruction_set, 1, {0.1F, &skip});
-    const Tensor gradient = convolved(p, instruction_set, 1, {0.1F, &skip, &activated});
-    for_each_value(sum, kBorder, [&](int c, int y, int x) {
+    const Tensor ended = convolved(p, instruction_set, {0.1F, &skip});
+    const Tensor gradient = convolved(p, instruction_set, {0.1F, &skip, &activated});
+    for_each_value(sum, Tensor::kBorderColumns, [&](int c, int y, int x) {
       const float value = sum.at(c, y, x) + skip.at(c, y, x);
       const float slope = activated.at(c, y, x) > 0.0F ? 1.0F : 0.1F;
       REQUIRE(ended.at(c, y, x) ==

@@ -1,8 +1,7 @@
 #pragma once
 
-#include <vector>
-
 #include "hqslam/core/organized_cloud.h"
+#include "testing.h"
 
 namespace hqslam::test {
 

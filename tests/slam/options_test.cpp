@@ -1,13 +1,9 @@
 #include "hqslam/slam/options.h"
 
-#include <string_view>
-
 #include "testing.h"
 
-using hqslam::slam::NamedOption;
-using hqslam::slam::option_table;
-using hqslam::slam::SlamOptions;
-using hqslam::test::error_message;
+using namespace hqslam::slam;
+using namespace hqslam::test;
 
 namespace {
 

@@ -1,10 +1,7 @@
 #pragma once
 
-#include <algorithm>
-#include <vector>
-
-#include "hqslam/core/pose.h"
 #include "hqslam/core/trajectory.h"
+#include "testing.h"
 
 namespace hqslam::test {
 

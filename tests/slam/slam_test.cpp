@@ -1,40 +1,30 @@
 #include "hqslam/slam/slam.h"
 
-#include <omp.h>
-
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/saved_map.h"
-#include "slam/poses.h"
 #include "slam/steady_drive.h"
 #include "slam/village.h"
 #include "slam/yard_drive.h"
-#include "testing.h"
 #include "thread_limit.h"
 
 using namespace hqslam;
-using slam::Status;
-using test::drive_pose;
-using test::drive_scan;
-using test::worst_error_m;
+using namespace hqslam::slam;
+using namespace hqslam::test;
 
 TEST_CASE("a sensor of sixteen rows that stands is located in every scan, and stays where it is") {
-  const SensorModel sensor = test::small_sensor(16, 1024);
+  const SensorModel sensor = small_sensor(16, 1024);
   std::mt19937 generator(1);
-  const auto noisy = [&](OrganizedCloud cloud) {
-    for (std::size_t i = 0; i < cloud.range_m.size(); ++i) {
-      if (cloud.range_m[i] <= 0.0F) continue;
-      const float factor = 1.0F + 0.03F *
-                                      (static_cast<float>(generator() % 2001) / 1000.0F - 1.0F) /
-                                      cloud.range_m[i];
-      cloud.range_m[i] *= factor;
-      cloud.points_m[i] *= factor;
-    }
-    return cloud;
-  };
-  slam::Slam slam(sensor);
+  Slam slam(sensor);
   for (int i = 0; i < 20; ++i) {
-    const OrganizedCloud scan = test::Yard().scan(sensor, test::yard_pose(1.0, 2.0, 0.3));
-    const auto report = slam.process(noisy(scan), i * test::kDrivePeriod_s);
+    OrganizedCloud cloud = Yard().scan(sensor, yard_pose(1.0, 2.0, 0.3));
+    for (std::size_t k = 0; k < cloud.range_m.size(); ++k) {
+      if (cloud.range_m[k] <= 0.0F) continue;
+      const float noise_m = 0.03F * (static_cast<float>(generator() % 2001) / 1000.0F - 1.0F);
+      const float factor = 1.0F + noise_m / cloud.range_m[k];
+      cloud.range_m[k] *= factor;
+      cloud.points_m[k] *= factor;
+    }
+    const auto report = slam.process(cloud, i * kDrivePeriod_s);
     CAPTURE(i);
     CHECK(report.mapping_status != Status::kTooFewFeatures);
     CHECK(report.T_map_sensor.translation().norm() < 0.02);
@@ -44,12 +34,12 @@ TEST_CASE("a sensor of sixteen rows that stands is located in every scan, and st
 
 TEST_CASE("a drive around a yard is tracked to centimetres with 16, 32, 64 and 128 rows") {
   for (const int rows : {16, 32, 64, 128}) {
-    const SensorModel sensor = test::small_sensor(rows, 512);
-    slam::Slam slam(sensor);
+    const SensorModel sensor = small_sensor(rows, 512);
+    Slam slam(sensor);
     int not_ok = 0;
     for (int i = 0; i < 40; ++i) {
-      not_ok += slam.process(drive_scan(sensor, i), i * test::kDrivePeriod_s).mapping_status !=
-                Status::kOk;
+      not_ok +=
+          slam.process(drive_scan(sensor, i), i * kDrivePeriod_s).mapping_status != Status::kOk;
     }
     CAPTURE(rows);
     CHECK(not_ok <= 4);
@@ -58,18 +48,18 @@ TEST_CASE("a drive around a yard is tracked to centimetres with 16, 32, 64 and 1
 }
 
 TEST_CASE("the map has the intensities of its points, and no pose depends on them") {
-  const SensorModel sensor = test::small_sensor(16, 512);
-  slam::Slam slam(sensor);
-  slam::Slam without(sensor);
+  const SensorModel sensor = small_sensor(16, 512);
+  Slam slam(sensor);
+  Slam without(sensor);
   constexpr float kFloor = 20.0F;
   constexpr float kWall = 80.0F;
   for (int i = 0; i < 20; ++i) {
     OrganizedCloud scan = drive_scan(sensor, i);
-    without.process(scan, i * test::kDrivePeriod_s);
+    without.process(scan, i * kDrivePeriod_s);
     for (const Eigen::Vector3f& point_m : scan.points_m) {
       scan.intensity.push_back(point_m.z() < -1.2F ? kFloor : kWall);
     }
-    slam.process(scan, i * test::kDrivePeriod_s);
+    slam.process(scan, i * kDrivePeriod_s);
   }
   std::vector<float> intensity;
   const std::vector<Eigen::Vector3f> points_m = slam.map_points_m({}, &intensity);
@@ -84,25 +74,24 @@ TEST_CASE("the map has the intensities of its points, and no pose depends on the
   }
   CHECK(least == kFloor);
   CHECK(of_the_floor > 100);
-  const slam::SavedMap saved = slam.saved_map();
+  const SavedMap saved = slam.saved_map();
   CHECK(saved.planes_intensity.size() == saved.planes_m.size());
   CHECK(without.map_points_m({}, &intensity) == points_m);
   CHECK(intensity.empty());
-  CHECK(test::are_same(slam.trajectory(), without.trajectory()));
+  CHECK(are_same(slam.trajectory(), without.trajectory()));
 }
 
 TEST_CASE("a covered sensor is predicted to go on for a second, then less and less") {
-  const SensorModel sensor = test::small_sensor(16, 512);
-  slam::Slam slam(sensor);
-  slam::ScanReport report;
-  for (int i = 0; i < 10; ++i)
-    report = slam.process(drive_scan(sensor, i), i * test::kDrivePeriod_s);
+  const SensorModel sensor = small_sensor(16, 512);
+  Slam slam(sensor);
+  ScanReport report;
+  for (int i = 0; i < 10; ++i) report = slam.process(drive_scan(sensor, i), i * kDrivePeriod_s);
   const auto sigma_m = [&] { return std::sqrt(report.covariance.topLeftCorner<3, 3>().trace()); };
   const double seeing_m = sigma_m();
   double before_m = seeing_m;
   const OrganizedCloud empty(sensor.rows(), sensor.columns);
   for (int i = 10; i < 150; ++i) {
-    report = slam.process(empty, i * test::kDrivePeriod_s);
+    report = slam.process(empty, i * kDrivePeriod_s);
     CHECK(report.mapping_status == Status::kTooFewFeatures);
     CHECK(sigma_m() > before_m);
     before_m = sigma_m();
@@ -120,12 +109,12 @@ TEST_CASE("a covered sensor is predicted to go on for a second, then less and le
 }
 
 TEST_CASE("a gap of any length is reported, also one that may be a clock that was set") {
-  const SensorModel sensor = test::small_sensor(16, 512);
+  const SensorModel sensor = small_sensor(16, 512);
   for (const double gap_s : {2.0, 9.0, 12.0, 3600.0}) {
     CAPTURE(gap_s);
-    slam::Slam slam(sensor);
+    Slam slam(sensor);
     for (int i = 0; i < 20; ++i) {
-      const double stamp_s = i * test::kDrivePeriod_s + (i < 10 ? 0.0 : gap_s);
+      const double stamp_s = i * kDrivePeriod_s + (i < 10 ? 0.0 : gap_s);
       const auto report = slam.process(drive_scan(sensor, i), stamp_s);
       CHECK((report.mapping_status == Status::kAfterGap) == (i == 10));
     }
@@ -134,15 +123,15 @@ TEST_CASE("a gap of any length is reported, also one that may be a clock that wa
 
 TEST_CASE("a steady drive with roll and pitch is tracked from its first scan on") {
   // In closed form, not by the motion model of the library; no start from standstill.
-  const test::SteadyDrive drive{test::yard_pose(-10, -4, 0.2), {8.0, 0.3, 0.1}, {0.10, -0.06, 0.5}};
-  const test::Yard yard;
+  const SteadyDrive drive{yard_pose(-10, -4, 0.2), {8.0, 0.3, 0.1}, {0.10, -0.06, 0.5}};
+  const Yard yard;
   for (const int rows : {16, 64}) {
-    const SensorModel sensor = test::small_sensor(rows, 512);
-    slam::Slam slam(sensor);
+    const SensorModel sensor = small_sensor(rows, 512);
+    Slam slam(sensor);
     double worst_m = 0.0;
     double worst_rad = 0.0;
     for (int i = 0; i < 18; ++i) {
-      const double stamp_s = i * test::kDrivePeriod_s;
+      const double stamp_s = i * kDrivePeriod_s;
       const auto report = slam.process(
           yard.rolling_scan(sensor, [&](double time_s) { return drive.at(stamp_s + time_s); }),
           stamp_s);
@@ -157,38 +146,38 @@ TEST_CASE("a steady drive with roll and pitch is tracked from its first scan on"
 }
 
 TEST_CASE("a fast sensor that was covered and stands elsewhere then is followed there at once") {
-  const test::Village street = test::street(31, -40.0, 240.0);
-  const SensorModel sensor = test::street_sensor();
-  slam::Slam slam(sensor);
+  const Village village = street(31, -40.0, 240.0);
+  const SensorModel sensor = street_sensor();
+  Slam slam(sensor);
   int scans = 0;
   const auto process = [&](const OrganizedCloud& cloud) {
-    return slam.process(cloud, test::kDrivePeriod_s * scans++);
+    return slam.process(cloud, kDrivePeriod_s * scans++);
   };
   // Up to 8 m in a scan: farther than the searches of odometry and mapping reach.
   double x_m = 0.0;
   for (int i = 0; i < 20; ++i) {
     x_m += std::min(0.5 * i, 8.0);
-    process(street.scan(test::yard_pose(x_m, 0.0, 0.0)));
+    process(village.scan(yard_pose(x_m, 0.0, 0.0)));
   }
   CHECK(slam.trajectory().back().T_map_sensor.translation().x() ==
         doctest::Approx(x_m).epsilon(0.01));
   for (int i = 0; i < 20; ++i) process(OrganizedCloud(sensor.rows(), sensor.columns));
-  const OrganizedCloud there = test::street(32, -60.0, 120.0).scan(test::yard_pose(0.0, 0.0, 1.0));
+  const OrganizedCloud there = street(32, -60.0, 120.0).scan(yard_pose(0.0, 0.0, 1.0));
   const Pose T_map_there = process(there).T_map_sensor;
   for (int i = 0; i < 5; ++i) {
-    const slam::ScanReport report = process(there);
+    const ScanReport report = process(there);
     CHECK(report.mapping_status == Status::kOk);
     CHECK((T_map_there.inverse() * report.T_map_sensor).translation().norm() < 0.05);
   }
 }
 
 TEST_CASE("the caller's number of threads stays as it was, whatever the option says") {
-  const SensorModel sensor = test::small_sensor(16, 512);
+  const SensorModel sensor = small_sensor(16, 512);
   const int before = omp_get_max_threads();
   for (const int threads : {1, 3}) {
-    slam::SlamOptions options;
+    SlamOptions options;
     options.threads = threads;
-    slam::Slam(sensor, options).process(drive_scan(sensor, 0), 0.0);
+    Slam(sensor, options).process(drive_scan(sensor, 0), 0.0);
     CHECK(omp_get_max_threads() == before);
   }
 }

@@ -1,35 +1,28 @@
 // The states from scan to scan: starting, tracking, lost, searching.
 
 #include <Eigen/Cholesky>
-#include <string_view>
 
-#include "hqslam/core/angles.h"
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/saved_map.h"
 #include "hqslam/slam/scan_trace.h"
 #include "hqslam/slam/slam.h"
 #include "slam/village.h"
-#include "slam/yard.h"
-#include "testing.h"
 
 using namespace hqslam;
-using slam::Status;
+using namespace hqslam::slam;
+using namespace hqslam::test;
 
 namespace {
 
-SensorModel narrow_sensor() { return test::small_sensor(16, 240); }
-
-/// '-' starting, 't' tracking, 'l' lost, '?' searching.
-char letter(std::string_view state) {
-  return state == "starting" ? '-' : state == "searching" ? '?' : state.front();
-}
+SensorModel narrow_sensor() { return small_sensor(16, 240); }
 
 /// A drive along a street of which single scans are others.
 class StreetDrive {
  public:
-  explicit StreetDrive(slam::Slam slam = slam::Slam(narrow_sensor())) : slam_(std::move(slam)) {}
+  explicit StreetDrive(Slam slam = Slam(narrow_sensor())) : slam_(std::move(slam)) {}
 
-  /// 's': in the street; 'f': in it through fog; 'b': blind; 'e': in another street.
+  /// 's': in the street; 'f': in it through fog; 'b': blind; 'e': in another street. Out: '-'
+  /// starting, 't' tracking, 'l' lost, '?' searching.
   std::string states(const std::string& scans) {
     std::string result;
     for (const char what : scans) {
@@ -37,14 +30,16 @@ class StreetDrive {
       if (what == 'f') add_fog(cloud);
       if (what == 'b') cloud = OrganizedCloud(cloud.rows, cloud.columns);
       report = slam_.process(cloud, 0.1 * scans_++, &trace);
-      result += letter(trace.state);
+      result += trace.state == "starting"    ? '-'
+                : trace.state == "searching" ? '?'
+                                             : trace.state.front();
     }
     return result;
   }
-  slam::Slam& slam() { return slam_; }
+  Slam& slam() { return slam_; }
 
-  slam::ScanReport report;
-  slam::ScanTrace trace;
+  ScanReport report;
+  ScanTrace trace;
 
  private:
   /// Every fourth return is an echo at 1 to 4 m, and as many are lost, at random.
@@ -57,11 +52,11 @@ class StreetDrive {
       cloud.range_m[pixel] = range_m;
     }
   }
-  Pose pose() const { return test::yard_pose(0.3 * scans_, 0.0, 0.0); }
+  Pose pose() const { return yard_pose(0.3 * scans_, 0.0, 0.0); }
 
-  slam::Slam slam_;
-  test::Village street_ = test::street(31);
-  test::Village elsewhere_ = test::street(77);
+  Slam slam_;
+  Village street_ = street(31);
+  Village elsewhere_ = street(77);
   std::mt19937 fog_{7};
   int scans_ = 0;
 };
@@ -91,9 +86,7 @@ TEST_CASE("up to five scans that miss the map are bridged, blind or of another p
   }
 }
 
-TEST_CASE(
-    "with the sixth missed scan tracking is lost: a segment begins with the next scan that has "
-    "features") {
+TEST_CASE("the sixth missed scan ends tracking: the next one with features begins a segment") {
   StreetDrive drive;
   drive.states("ssssss");
   CHECK(drive.states("eeeee") == "lllll");
@@ -107,12 +100,11 @@ TEST_CASE(
   CHECK(blind.slam().segment_of_scan().back() == 0);
 }
 
-TEST_CASE(
-    "in a given map a sensor is searched until it is found, and again after tracking was lost") {
+TEST_CASE("in a given map a sensor is searched until found, and again after tracking is lost") {
   StreetDrive mapped;
   mapped.states(std::string(120, 's'));
   mapped.slam().finish();
-  StreetDrive drive(slam::Slam(narrow_sensor(), slam::SlamOptions(), mapped.slam().saved_map()));
+  StreetDrive drive(Slam(narrow_sensor(), SlamOptions(), mapped.slam().saved_map()));
   CHECK(drive.states("eb") == "??");
   CHECK(drive.states("ss") == "tt");
   CHECK(drive.states("bbbbbb") == "lllll?");
@@ -135,11 +127,11 @@ TEST_CASE("a scan through fog that leaves few features does not determine the po
 }
 
 TEST_CASE("a sensor that stands keeps its pose when the place changes around it") {
-  const SensorModel sensor = test::small_sensor(64, 1024);
-  const Pose standing = test::yard_pose(0.0, 0.0, 0.0);
-  slam::Slam slam(sensor);
-  const OrganizedCloud in_street = test::street(31).scan(sensor, standing);
-  test::Village cabin;
+  const SensorModel sensor = small_sensor(64, 1024);
+  const Pose standing = yard_pose(0.0, 0.0, 0.0);
+  Slam slam(sensor);
+  const OrganizedCloud in_street = street(31).scan(sensor, standing);
+  Village cabin;
   cabin.add_box({1.2, -1.3}, {1.5, 1.3}, 3.0);
   cabin.add_box({-1.5, -1.3}, {-1.2, 1.3}, 3.0);
   cabin.add_box({-1.5, 1.1}, {1.5, 1.3}, 3.0);
@@ -147,7 +139,7 @@ TEST_CASE("a sensor that stands keeps its pose when the place changes around it"
   const OrganizedCloud in_cabin = cabin.scan(sensor, standing);
   double farthest_m = 0.0;  // in the plane: four walls do not determine the height
   for (int i = 0; i < 40; ++i) {
-    const slam::ScanReport report = slam.process(i < 10 || i >= 30 ? in_street : in_cabin, 0.1 * i);
+    const ScanReport report = slam.process(i < 10 || i >= 30 ? in_street : in_cabin, 0.1 * i);
     farthest_m = std::max(farthest_m, report.T_map_sensor.translation().head<2>().norm());
     CAPTURE(i);
     CHECK(Eigen::LDLT<Eigen::Matrix<double, 6, 6>>(report.covariance).isPositive());
@@ -155,16 +147,15 @@ TEST_CASE("a sensor that stands keeps its pose when the place changes around it"
   CHECK(farthest_m < 0.05);
 }
 
-TEST_CASE(
-    "a sensor that stands makes a keyframe of a place that has changed around it, and no other") {
+TEST_CASE("a sensor that stands makes a keyframe where the place has changed, and no other") {
   const SensorModel sensor = narrow_sensor();
-  slam::Slam slam(sensor);
-  const Pose standing = test::yard_pose(0.0, 0.0, 0.0);
-  test::Village street = test::street(31);
-  const OrganizedCloud before = street.scan(sensor, standing);
-  street.add_box({-2.0, 2.0}, {3.0, 2.5}, 3.0);  // lorries on both sides
-  street.add_box({-2.0, -2.5}, {3.0, -2.0}, 3.0);
-  const OrganizedCloud after = street.scan(sensor, standing);
+  Slam slam(sensor);
+  const Pose standing = yard_pose(0.0, 0.0, 0.0);
+  Village place = street(31);
+  const OrganizedCloud before = place.scan(sensor, standing);
+  place.add_box({-2.0, 2.0}, {3.0, 2.5}, 3.0);  // lorries on both sides
+  place.add_box({-2.0, -2.5}, {3.0, -2.0}, 3.0);
+  const OrganizedCloud after = place.scan(sensor, standing);
   std::string keyframes;
   for (int i = 0; i < 30; ++i) {
     keyframes += slam.process(i < 15 ? before : after, 0.1 * i).keyframe ? 'k' : '.';
@@ -173,30 +164,29 @@ TEST_CASE(
 }
 
 TEST_CASE("a trace has each feature with its match, and asking for it changes nothing") {
-  slam::Slam plain(narrow_sensor());
+  Slam plain(narrow_sensor());
   StreetDrive drive;
-  const test::Village village = test::street(31);
+  const Village village = street(31);
   for (int i = 0; i < 8; ++i) {
     const auto report =
-        plain.process(village.scan(narrow_sensor(), test::yard_pose(0.3 * i, 0.0, 0.0)), 0.1 * i);
+        plain.process(village.scan(narrow_sensor(), yard_pose(0.3 * i, 0.0, 0.0)), 0.1 * i);
     drive.states("s");
     CHECK(report.T_map_sensor.matrix() == drive.report.T_map_sensor.matrix());
     CHECK(report.covariance == drive.report.covariance);
   }
-  const slam::ScanTrace& trace = drive.trace;
-  const slam::ScanReport& report = drive.report;
+  const ScanTrace& trace = drive.trace;
+  const ScanReport& report = drive.report;
   CHECK(trace.pixel_class.size() == trace.cloud.range_m.size());
-  CHECK(std::ranges::count(trace.pixel_class, slam::PixelClass::kGround) == report.ground_points);
-  CHECK(std::ranges::count(trace.pixel_class, slam::PixelClass::kNoReturn) + report.returns ==
+  CHECK(std::ranges::count(trace.pixel_class, PixelClass::kGround) == report.ground_points);
+  CHECK(std::ranges::count(trace.pixel_class, PixelClass::kNoReturn) + report.returns ==
         std::ssize(trace.pixel_class));
   int edges = 0;
   int planes = 0;
-  for (const slam::TracedFeature& feature : trace.features) {
+  for (const TracedFeature& feature : trace.features) {
     const std::size_t pixel = trace.cloud.index(feature.row, feature.column);
     CHECK((trace.cloud.points_m[pixel] - feature.point_m).norm() < 1.0);
     if (!feature.is_matched) continue;
-    const bool is_line =
-        feature.kind == slam::FeatureKind::kEdge || feature.kind == slam::FeatureKind::kPost;
+    const bool is_line = feature.kind == FeatureKind::kEdge || feature.kind == FeatureKind::kPost;
     ++(is_line ? edges : planes);
     CHECK(feature.weight_per_m > 0.0);
     const Eigen::Vector3d on_scan_m = trace.T_map_level * feature.point_m.cast<double>();
@@ -213,61 +203,54 @@ TEST_CASE("a trace has each feature with its match, and asking for it changes no
 }
 
 TEST_CASE("a hand that turns by 30 degrees a scan and jerks back by 60 is followed") {
-  SensorModel sensor = test::small_sensor(32, 512);
+  SensorModel sensor = small_sensor(32, 512);
   sensor.scan_period_s = 0.5;
-  const test::Yard room{.half_length_m = 10.0, .half_width_m = 6.0};
+  const Yard room{.half_length_m = 10.0, .half_width_m = 6.0};
   const auto pose = [](int scan) {
     const int ahead = std::min(scan, 7);
     const int back = scan - ahead;
-    return test::yard_pose(-3.0 + ahead - 0.3 * back, 0.0,
-                           (-30.0 * ahead + 60.0 * back) * kDegree_rad);
+    return yard_pose(-3.0 + ahead - 0.3 * back, 0.0, (-30.0 * ahead + 60.0 * back) * kDegree_rad);
   };
-  slam::Slam slam(sensor);
+  Slam slam(sensor);
   for (int scan = 0; scan < 9; ++scan) slam.process(room.scan(sensor, pose(scan)), 0.5 * scan);
   const Pose error = (pose(0).inverse() * pose(8)).inverse() * slam.trajectory()[8].T_map_sensor;
   CHECK(error.translation().norm() < 0.05);
   CHECK(rotation_angle_rad(error) < 0.01);
 }
 
-TEST_CASE(
-    "a hand in another room, which half fits, is not said to be where it was found, and in a given "
-    "map it is not located") {
-  SensorModel sensor = test::small_sensor(32, 512);
+TEST_CASE("a hand in a room that half fits is of uncertain place, and not located in a given map") {
+  SensorModel sensor = small_sensor(32, 512);
   sensor.scan_period_s = 0.5;
-  const test::Yard room{.half_length_m = 10.0, .half_width_m = 6.0};
-  const test::Yard other{.half_length_m = 10.3, .half_width_m = 7.0};
-  const auto pose = [](int scan) {
-    return test::yard_pose(-3.0 + 0.3 * scan, 0.0, 0.1 * (scan % 3));
-  };
-  const auto walk = [&](slam::Slam& slam) {
+  const Yard room{.half_length_m = 10.0, .half_width_m = 6.0};
+  const Yard other{.half_length_m = 10.3, .half_width_m = 7.0};
+  const auto pose = [](int scan) { return yard_pose(-3.0 + 0.3 * scan, 0.0, 0.1 * (scan % 3)); };
+  const auto walk = [&](Slam& slam) {
     for (int scan = 0; scan < 8; ++scan) {
-      const auto report = slam.process(room.scan(sensor, pose(scan)), 0.5 * scan);
-      CHECK(slam::is_registered(report.mapping_status));
+      CHECK(is_registered(slam.process(room.scan(sensor, pose(scan)), 0.5 * scan).mapping_status));
     }
   };
-  slam::Slam alone(sensor);
+  Slam alone(sensor);
   walk(alone);
-  slam::Slam in_map(sensor, {}, alone.saved_map());
-  const slam::ScanReport found = alone.process(other.scan(sensor, pose(8)), 4.0);
+  Slam in_map(sensor, {}, alone.saved_map());
+  const ScanReport found = alone.process(other.scan(sensor, pose(8)), 4.0);
   CHECK(found.mapping_status == Status::kDegenerate);
   const Pose error = (pose(0).inverse() * pose(8)).inverse() * found.T_map_sensor;
   CHECK(error.translation().norm() > 0.5);
   CHECK(std::sqrt(found.covariance.diagonal().head<2>().minCoeff()) > error.translation().norm());
   walk(in_map);
-  const slam::ScanReport missed = in_map.process(other.scan(sensor, pose(8)), 4.0);
-  CHECK_FALSE(slam::is_registered(missed.mapping_status));
+  CHECK_FALSE(is_registered(in_map.process(other.scan(sensor, pose(8)), 4.0).mapping_status));
 }
 
 TEST_CASE("which quarter turn a hand made in a square room is not said to be known") {
-  SensorModel sensor = test::small_sensor(32, 512);
+  SensorModel sensor = small_sensor(32, 512);
   sensor.scan_period_s = 0.5;
-  const test::Yard room{.half_length_m = 6.0, .half_width_m = 6.0, .pillars = false};
+  const Yard room{.half_length_m = 6.0, .half_width_m = 6.0, .pillars = false};
   for (const double turn_rad : {45.0 * kDegree_rad, -45.0 * kDegree_rad}) {
-    slam::Slam slam(sensor);
+    Slam slam(sensor);
     for (int scan = 0; scan < 6; ++scan) {
-      slam.process(room.scan(sensor, test::yard_pose(0.3 * scan, 0.0, 0.0)), 0.5 * scan);
+      slam.process(room.scan(sensor, yard_pose(0.3 * scan, 0.0, 0.0)), 0.5 * scan);
     }
-    const auto report = slam.process(room.scan(sensor, test::yard_pose(1.8, 0.0, turn_rad)), 3.0);
+    const auto report = slam.process(room.scan(sensor, yard_pose(1.8, 0.0, turn_rad)), 3.0);
     CHECK(report.mapping_status == Status::kDegenerate);
     CHECK(std::sqrt(report.covariance(5, 5)) > 10.0 * kDegree_rad);
   }

@@ -1,9 +1,7 @@
 #pragma once
 
-#include <Eigen/Geometry>
-#include <cmath>
-
 #include "hqslam/core/pose.h"
+#include "testing.h"
 
 namespace hqslam::test {
 

@@ -3,21 +3,19 @@
 
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/slam.h"
-#include "slam/poses.h"
 #include "slam/village.h"
 #include "slam/yard_drive.h"
-#include "testing.h"
 
 using namespace hqslam;
-using slam::LoopStatus;
-using slam::Status;
+using namespace hqslam::test;
+using namespace hqslam::slam;
 
 namespace {
 
 struct Driven {
   std::vector<Pose> T_street_sensor;
-  std::vector<slam::ScanReport> reports;
-  std::vector<slam::LoopReport> last_reports;
+  std::vector<ScanReport> reports;
+  std::vector<LoopReport> last_reports;
   std::vector<Pose> T_map_sensor;
   std::vector<std::size_t> submap_of_scan;
   std::vector<std::size_t> segment_of_scan;
@@ -29,18 +27,18 @@ struct Driven {
 std::vector<Pose> steps(double x_m, double y_m, int count, bool up) {
   std::vector<Pose> result;
   for (int i = 0; i < count; ++i) {
-    result.push_back(test::yard_pose(x_m + (up ? i : -i) * test::kStreetStep_m, y_m,
-                                     up ? 0.0 : std::numbers::pi));
+    result.push_back(
+        yard_pose(x_m + (up ? i : -i) * kStreetStep_m, y_m, up ? 0.0 : std::numbers::pi));
   }
   return result;
 }
 
 /// Drives through one village, and is then carried to the begin of the second path.
-Driven drive(const test::Village& village, const std::vector<Pose>& path,
-             const test::Village& other_village, const std::vector<Pose>& other_path) {
-  slam::Slam slam(test::street_sensor());
+Driven drive(const Village& village, const std::vector<Pose>& path, const Village& other_village,
+             const std::vector<Pose>& other_path) {
+  Slam slam(street_sensor());
   Driven driven;
-  const auto process = [&](const test::Village& where, const Pose& T_street_sensor) {
+  const auto process = [&](const Village& where, const Pose& T_street_sensor) {
     driven.T_street_sensor.push_back(T_street_sensor);
     driven.reports.push_back(slam.process(where.scan(T_street_sensor),
                                           0.1 * static_cast<double>(driven.reports.size())));
@@ -48,7 +46,7 @@ Driven drive(const test::Village& village, const std::vector<Pose>& path,
   for (const Pose& T_street_sensor : path) process(village, T_street_sensor);
   for (const Pose& T_street_sensor : other_path) process(other_village, T_street_sensor);
   driven.last_reports = slam.finish();
-  driven.T_map_sensor = test::poses_of(slam.trajectory());
+  driven.T_map_sensor = poses_of(slam.trajectory());
   driven.submap_of_scan = slam.submap_of_scan();
   driven.segment_of_scan = slam.segment_of_scan();
   driven.map_points = slam.map_points_m().size();
@@ -60,10 +58,8 @@ Driven drive(const test::Village& village, const std::vector<Pose>& path,
 
 }  // namespace
 
-TEST_CASE(
-    "a sensor carried to a place passed before, in either direction, is joined with the path "
-    "there") {
-  const test::Village village = test::street(31);
+TEST_CASE("a sensor carried to a place passed before, either way, is joined with the path there") {
+  const Village village = street(31);
   for (const bool up : {true, false}) {
     CAPTURE(up);
     const std::vector<Pose> other_path = steps(up ? 15.0 : 65.0, 1.0, 50, up);
@@ -74,24 +70,23 @@ TEST_CASE(
     CHECK(driven.segment_of_scan[79] == 0);
     CHECK(driven.segment_of_scan.back() == 1);
     // The first scans after it was carried were not located: nothing is known about them.
-    CHECK(test::worst_error_m(driven.T_map_sensor, driven.T_street_sensor, 90) < 0.15);
-    const auto status_of = [](const slam::ScanReport& report) { return report.loop.status; };
+    CHECK(worst_error_m(driven.T_map_sensor, driven.T_street_sensor, 90) < 0.15);
+    const auto status_of = [](const ScanReport& report) { return report.loop.status; };
     CHECK(std::ranges::count(driven.reports, LoopStatus::kClosed, status_of) +
-              std::ranges::count(driven.last_reports, LoopStatus::kClosed,
-                                 &slam::LoopReport::status) ==
+              std::ranges::count(driven.last_reports, LoopStatus::kClosed, &LoopReport::status) ==
           1);
   }
 }
 
 TEST_CASE("the map is complete at any time, also just after the sensor was carried") {
-  const SensorModel sensor = test::street_sensor();
-  slam::SlamOptions options;
+  const SensorModel sensor = street_sensor();
+  SlamOptions options;
   options.mapping.recent_path_m = 20.0;
-  slam::Slam slam(sensor, options);
+  Slam slam(sensor, options);
   std::size_t before = 0;
   int scan = 0;
   for (const unsigned seed : {31U, 77U}) {
-    const test::Village village = test::street(seed);
+    const Village village = street(seed);
     for (const Pose& T_street_sensor : steps(0.0, 0.0, 40, true)) {
       slam.process(village.scan(T_street_sensor), 0.1 * scan);
       const std::size_t points = slam.map_points_m().size();
@@ -105,20 +100,20 @@ TEST_CASE("the map is complete at any time, also just after the sensor was carri
 
 TEST_CASE("laps without loop closing let the map grow no further") {
   // Points leave the window after 20 m of path, and are observed again with every lap of 63 m.
-  test::Village village;
+  Village village;
   village.add_street(-40.0, -24.0, 80.0, 31);
   village.add_street(-40.0, 24.0, 80.0, 32);
   constexpr int kStepsOfLap = 60;
-  const SensorModel sensor = test::small_sensor(16, 256);
-  slam::SlamOptions options;
+  const SensorModel sensor = small_sensor(16, 256);
+  SlamOptions options;
   options.loop_closing.enabled = false;
   options.mapping.recent_path_m = 20.0;
-  slam::Slam slam(sensor, options);
+  Slam slam(sensor, options);
   std::vector<double> points_after_lap;
   for (int i = 0; i < 6 * kStepsOfLap; ++i) {
     const double angle_rad = 2.0 * std::numbers::pi * i / kStepsOfLap;
-    const Pose T_village_sensor = test::yard_pose(
-        10.0 * std::cos(angle_rad), 10.0 * std::sin(angle_rad), angle_rad + std::numbers::pi / 2.0);
+    const Pose T_village_sensor = yard_pose(10.0 * std::cos(angle_rad), 10.0 * std::sin(angle_rad),
+                                            angle_rad + std::numbers::pi / 2.0);
     slam.process(village.scan(sensor, T_village_sensor), 0.1 * i);
     if ((i + 1) % kStepsOfLap == 0) {
       points_after_lap.push_back(static_cast<double>(slam.map_points_m().size()));
@@ -130,8 +125,8 @@ TEST_CASE("laps without loop closing let the map grow no further") {
 }
 
 TEST_CASE("a sensor carried to a new place is tracked there, in a submap and a map of its own") {
-  const Driven driven = drive(test::street(31), steps(0.0, 0.0, 80, true), test::street(77),
-                              steps(0.0, 0.0, 50, true));
+  const Driven driven =
+      drive(street(31), steps(0.0, 0.0, 80, true), street(77), steps(0.0, 0.0, 50, true));
   CHECK(driven.submap_of_scan[79] == 0);
   CHECK(driven.submap_of_scan.back() == 1);
   const Pose step = driven.T_map_sensor[100].inverse() * driven.T_map_sensor[129];
@@ -143,23 +138,22 @@ TEST_CASE("a sensor carried to a new place is tracked there, in a submap and a m
 }
 
 TEST_CASE("a sensor that is covered and carried elsewhere continues in a submap of its own") {
-  const SensorModel sensor = test::street_sensor();
-  slam::Slam slam(sensor);
+  const SensorModel sensor = street_sensor();
+  Slam slam(sensor);
   int scans = 0;
   const auto process = [&](const OrganizedCloud& cloud) {
     return slam.process(cloud, 0.1 * scans++);
   };
-  const test::Village village = test::street(31);
+  const Village village = street(31);
   for (const Pose& T_street_sensor : steps(0.0, 0.0, 10, true)) {
     process(village.scan(T_street_sensor));
   }
-  const OrganizedCloud standing = village.scan(test::yard_pose(9.0, 0.0, 0.0));
+  const OrganizedCloud standing = village.scan(yard_pose(9.0, 0.0, 0.0));
   for (int i = 0; i < 10; ++i) process(standing);
   for (int i = 0; i < 20; ++i) process(OrganizedCloud(sensor.rows(), sensor.columns));
   const std::size_t points_before = slam.map_points_m().size();
-  const OrganizedCloud there =
-      test::Yard{.pillars = false}.scan(sensor, test::yard_pose(5.0, 3.0, 1.0));
-  const slam::ScanReport first = process(there);
+  const OrganizedCloud there = Yard{.pillars = false}.scan(sensor, yard_pose(5.0, 3.0, 1.0));
+  const ScanReport first = process(there);
   const Pose T_standing_there = slam.trajectory()[19].T_map_sensor.inverse() * first.T_map_sensor;
   CHECK(T_standing_there.translation().norm() < 0.1);  // the motion is unknown
   CHECK(first.keyframe);
@@ -172,17 +166,17 @@ TEST_CASE("a sensor that is covered and carried elsewhere continues in a submap 
 
 TEST_CASE("a map that was continued before a scan was registered in it loses nothing when one is") {
   // Features within 15 m are too few for this map, not for the odometry.
-  const SensorModel sensor = test::small_sensor(16, 1024);
-  slam::SlamOptions options;
+  const SensorModel sensor = small_sensor(16, 1024);
+  SlamOptions options;
   options.mapping.min_correspondences = 1000;
-  slam::Slam slam(sensor, options);
+  Slam slam(sensor, options);
   std::size_t points_before = 0;
   for (int i = 0; i < 14; ++i) {
-    OrganizedCloud scan = test::drive_scan(sensor, i);
+    OrganizedCloud scan = drive_scan(sensor, i);
     for (float& range_m : scan.range_m) {
       if (i < 8 && range_m > 15.0F) range_m = 0.0F;
     }
-    const slam::ScanReport report = slam.process(scan, i * test::kDrivePeriod_s);
+    const ScanReport report = slam.process(scan, i * kDrivePeriod_s);
     const std::size_t points = slam.map_points_m().size();
     CAPTURE(i);
     if (i == 7) CHECK(report.keyframe);
@@ -194,16 +188,16 @@ TEST_CASE("a map that was continued before a scan was registered in it loses not
 }
 
 TEST_CASE("scans on a continued map stay with it when tracking is lost after them") {
-  const SensorModel sensor = test::small_sensor(16, 1024);
-  slam::SlamOptions options;
+  const SensorModel sensor = small_sensor(16, 1024);
+  SlamOptions options;
   options.mapping.min_correspondences = 1000;
-  slam::Slam slam(sensor, options);
+  Slam slam(sensor, options);
   for (int i = 0; i < 14; ++i) {
-    OrganizedCloud scan = test::drive_scan(sensor, i);
+    OrganizedCloud scan = drive_scan(sensor, i);
     for (float& range_m : scan.range_m) {
       if (range_m > 15.0F || (i >= 8 && i < 13)) range_m = 0.0F;
     }
-    const slam::ScanReport report = slam.process(scan, i * test::kDrivePeriod_s);
+    const ScanReport report = slam.process(scan, i * kDrivePeriod_s);
     if (i == 7 || i == 13) CHECK(report.keyframe);
   }
   CHECK(slam.segment_of_scan() ==
@@ -211,15 +205,15 @@ TEST_CASE("scans on a continued map stay with it when tracking is lost after the
 }
 
 TEST_CASE("unmeasured motion is not counted twice where a submap begins") {
-  const SensorModel sensor = test::street_sensor();
-  const test::Village street = test::street(31);
-  slam::Slam slam(sensor);
+  const SensorModel sensor = street_sensor();
+  const Village village = street(31);
+  Slam slam(sensor);
   double before_m2 = 0.0;
   int scan = 0;
   for (const Pose& pose : steps(0.0, 0.0, 80, true)) {
     const bool blind = scan >= 40 && scan < 70;
-    const slam::ScanReport report = slam.process(
-        blind ? OrganizedCloud(sensor.rows(), sensor.columns) : street.scan(pose), 0.1 * scan++);
+    const ScanReport report = slam.process(
+        blind ? OrganizedCloud(sensor.rows(), sensor.columns) : village.scan(pose), 0.1 * scan++);
     const double now_m2 = report.covariance.topLeftCorner<3, 3>().trace();
     if (scan == 71) CHECK(report.keyframe);
     if (scan == 71) CHECK(now_m2 < 1.3 * before_m2);
@@ -229,13 +223,13 @@ TEST_CASE("unmeasured motion is not counted twice where a submap begins") {
 }
 
 TEST_CASE("a covariance keeps unmeasured motion until a loop removes it") {
-  const SensorModel sensor = test::street_sensor();
-  const test::Village village = test::street(31);
+  const SensorModel sensor = street_sensor();
+  const Village village = street(31);
   for (const bool blind : {true, false}) {
     CAPTURE(blind);
-    slam::Slam slam(sensor);
+    Slam slam(sensor);
     std::vector<Pose> T_street_sensor;
-    std::vector<slam::ScanReport> reports;
+    std::vector<ScanReport> reports;
     const auto process = [&](const OrganizedCloud& cloud, const Pose& pose) {
       T_street_sensor.push_back(pose);
       reports.push_back(slam.process(cloud, 0.1 * static_cast<double>(reports.size())));
@@ -281,7 +275,7 @@ TEST_CASE("a covariance keeps unmeasured motion until a loop removes it") {
       CHECK(sigma_m(covariance) < 1.0);
     }
     // Scans before the loop are known afterwards, those after it at once.
-    std::map<std::size_t, slam::Covariance> finally(corrected.begin(), corrected.end());
+    std::map<std::size_t, Covariance> finally(corrected.begin(), corrected.end());
     for (std::size_t i = seen_again; i < reports.size(); ++i) {
       finally.try_emplace(i, reports[i].covariance);
     }

@@ -1,15 +1,5 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <random>
-#include <vector>
-
-#include "front_end/features.h"
-#include "front_end/segmentation.h"
-#include "hqslam/core/organized_cloud.h"
-#include "hqslam/core/projection.h"
-#include "hqslam/core/sensor_model.h"
 #include "map/mapping.h"
 #include "slam/yard.h"
 

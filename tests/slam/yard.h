@@ -1,9 +1,5 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-
-#include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/pose.h"
 #include "hqslam/core/projection.h"
 #include "made_images.h"
@@ -39,14 +35,12 @@ class Yard {
   }
 
   /// The scan of a sensor that moves: T_yard_sensor_at(time after the stamp, seconds).
-  template <typename PoseAt>
-  OrganizedCloud rolling_scan(const SensorModel& sensor, const PoseAt& T_yard_sensor_at) const {
+  OrganizedCloud rolling_scan(const SensorModel& sensor, const auto& T_yard_sensor_at) const {
     return unproject(image(sensor, T_yard_sensor_at), sensor, CaptureTime::kRolling);
   }
 
  private:
-  template <typename PoseAt>
-  RangeImage image(const SensorModel& sensor, const PoseAt& T_yard_sensor_at) const {
+  RangeImage image(const SensorModel& sensor, const auto& T_yard_sensor_at) const {
     return made_image(sensor, [&](int row, int column, const Eigen::Vector3d& direction) {
       const Pose T_yard_beam = T_yard_sensor_at(sensor.time_offset_s(row, column));
       const double range_m = cast(T_yard_beam.translation(), T_yard_beam.linear() * direction);

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <cmath>
-
-#include "hqslam/core/trajectory.h"
 #include "slam/poses.h"
 #include "slam/yard.h"
 

@@ -1,12 +1,7 @@
 // What upsampling and SLAM allocate per scan once they run. Counted is operator new; Eigen goes
 // past it for some more.
 
-#include <doctest/doctest.h>
-
 #include <atomic>
-#include <cstddef>
-#include <cstdint>
-#include <cstdlib>
 #include <new>
 
 #include "golden_folder.h"
@@ -57,8 +52,7 @@ struct Allocations {
   std::int64_t bytes = 0;
 };
 
-template <typename Call>
-Allocations allocations_of(const Call& call) {
+Allocations allocations_of(const auto& call) {
   g_count = g_bytes = 0;
   g_counting = true;
   call();
@@ -67,19 +61,6 @@ Allocations allocations_of(const Call& call) {
 }
 
 constexpr std::int64_t kFloatBytes = 4;
-
-Allocations of_upsampling(const char* weights) {
-  auto resolver =
-      nn::SuperResolver::load(golden_folder() + "/../../weights/" + weights, {.threads = 2});
-  const RangeImage image = test::made_image(
-      64, 1024, [](int row, int column) { return 5.0 + 0.3 * row + 0.01 * column; });
-  resolver.run(image);
-  const Allocations second = allocations_of([&] { resolver.run(image); });
-  const Allocations third = allocations_of([&] { resolver.run(image); });
-  CHECK(second.count == third.count);
-  CHECK(second.bytes == third.bytes);
-  return third;
-}
 
 /// The mean over ten scans, after twenty others.
 Allocations of_slam(const char* sensor_name) {
@@ -110,7 +91,15 @@ TEST_CASE("upsampling a scan allocates what it returns, the measured rows and 10
   constexpr std::int64_t kMeasuredBytes = 16 * 1024 * kFloatBytes;
   for (const char* weights : {"du-mix_any-beams.npz", "du-or_os1_16to64.npz"}) {
     CAPTURE(weights);
-    const Allocations allocations = of_upsampling(weights);
+    auto resolver =
+        nn::SuperResolver::load(golden_folder() + "/../../weights/" + weights, {.threads = 2});
+    const RangeImage image = test::made_image(
+        64, 1024, [](int row, int column) { return 5.0 + 0.3 * row + 0.01 * column; });
+    resolver.run(image);
+    const Allocations second = allocations_of([&] { resolver.run(image); });
+    const Allocations allocations = allocations_of([&] { resolver.run(image); });
+    CHECK(second.count == allocations.count);
+    CHECK(second.bytes == allocations.bytes);
     CHECK(allocations.count <= 20);  // 12
     CHECK(allocations.bytes <= kResultBytes + 2 * kMeasuredBytes + 10'000);
   }

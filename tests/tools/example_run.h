@@ -1,7 +1,7 @@
 #pragma once
 
-#include "recording/reference.h"
 #include "run/slam_run.h"
+#include "testing.h"
 
 namespace hqslam::tools {
 

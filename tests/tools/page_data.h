@@ -1,11 +1,9 @@
 #pragma once
 
-#include <cstdint>
-#include <cstring>
 #include <nlohmann/json.hpp>
-#include <string>
 #include <string_view>
-#include <vector>
+
+#include "testing.h"
 
 namespace hqslam::test {
 

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <cstddef>
-#include <string>
-#include <vector>
+
+#include "testing.h"
 
 namespace hqslam {
 

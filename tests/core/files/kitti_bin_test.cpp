@@ -22,8 +22,7 @@ TEST_CASE("a KITTI scan is x y z intensity in float32") {
   CHECK(scan.invalid_points == 0);
 }
 
-TEST_CASE(
-    "points of a good KITTI scan that are not finite or at the origin are counted and left out") {
+TEST_CASE("points of a KITTI scan that are not finite or at the origin are counted and left out") {
   const float nan = std::nanf("");
   const Scan scan = kitti_scan(
       raw_bytes({1, 2, 3, 0, nan, 2, 3, 0, 1, -HUGE_VALF, 3, 0, 0, 0, 0, 7, 0, 0, 3, nan}));

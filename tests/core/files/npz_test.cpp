@@ -1,7 +1,5 @@
 #include "hqslam/core/npz.h"
 
-#include <cstdlib>
-
 #include "golden_folder.h"
 #include "testing.h"
 #include "zip_by_hand.h"
@@ -22,15 +20,13 @@ HandMember deflated(const std::string& contents) {
 
 const std::string kFourBytes = "\x01\x02\x03\x04";
 
-template <typename... Parts>
-void refuses_npz(const std::string& npz, const Parts&... parts) {
+void refuses_npz(const std::string& npz, const auto&... parts) {
   const auto read = [](const auto& path) { return read_npz(path, 1 << 20); };
   const std::string complaint = error_message([&] { from_file("arrays.npz", npz, read); });
   CAPTURE(complaint);
   CHECK(one_line_with(complaint, parts...));
 }
-template <typename... Parts>
-void refuses_npz(const HandMember& member, const Parts&... parts) {
+void refuses_npz(const HandMember& member, const auto&... parts) {
   refuses_npz(zip_of({member}), parts...);
 }
 

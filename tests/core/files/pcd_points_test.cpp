@@ -16,14 +16,12 @@ std::string header(const std::string& fields, const std::string& size, const std
 }
 
 /// sensor: as read_cloud.
-template <typename... Sensor>
-Scan scan_of(const std::string& contents, const Sensor&... sensor) {
+Scan scan_of(const std::string& contents, const auto&... sensor) {
   return from_file("0.pcd", contents,
                    [&](const auto& path) { return read_cloud(path, sensor...); });
 }
 
-template <typename... Parts>
-void refuses_pcd(const std::string& contents, const Parts&... parts) {
+void refuses_pcd(const std::string& contents, const auto&... parts) {
   CHECK(refused_with([&] { scan_of(contents); }, parts...));
 }
 

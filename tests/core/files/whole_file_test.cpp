@@ -2,8 +2,6 @@
 
 #include <sys/stat.h>
 
-#include <stdexcept>
-
 #include "hqslam/core/npy.h"
 #include "testing.h"
 
@@ -35,8 +33,7 @@ TEST_CASE("a place that cannot be written is one line") {
   CHECK_FALSE(std::filesystem::exists(folder.file("taken.part")));
 }
 
-TEST_CASE(
-    "what is too long, and folders, devices and pipes, which could block, are refused unread") {
+TEST_CASE("what is too long, folders, devices and pipes, which could block, are refused unread") {
   const TemporaryDirectory folder;
   const std::string pipe = folder.file("scans.npy");
   REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);

@@ -9,8 +9,7 @@ TEST_CASE("roll, pitch and yaw come back from the pose they made, a yaw of 90 de
     for (double pitch = -1.4; pitch <= 1.4; pitch += 0.35) {
       for (double yaw = -3.0; yaw <= 3.0; yaw += 0.6) {
         const Pose pose = pose_from_xyz_rpy({1, 2, 3}, roll, pitch, yaw);
-        const Eigen::Vector3d back = roll_pitch_yaw_rad(pose);
-        CHECK((back - Eigen::Vector3d(roll, pitch, yaw)).norm() < 1e-12);
+        CHECK((roll_pitch_yaw_rad(pose) - Eigen::Vector3d(roll, pitch, yaw)).norm() < 1e-12);
         CHECK(pose.linear().determinant() == doctest::Approx(1.0));
       }
     }
@@ -52,9 +51,8 @@ TEST_CASE("a constant twist is the limit of many small steps, of any axis and si
     // (I + A)^2 = I + (2 A + A^2): the identity is left out, so that nothing small is lost.
     for (int k = 0; k < kHalvings; ++k) T = (2.0 * T + T * T).eval();
     T += Eigen::Matrix4d::Identity();
-    const Pose pose = exponential({v, w});
     CAPTURE(size);
-    CHECK((pose.matrix() - T).norm() < 1e-8 * size * (1.0 + size));
+    CHECK((exponential({v, w}).matrix() - T).norm() < 1e-8 * size * (1.0 + size));
   }
 }
 

@@ -1,6 +1,3 @@
-#include <cmath>
-#include <cstring>
-#include <numbers>
 
 #include "bags.h"
 

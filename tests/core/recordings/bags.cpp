@@ -5,10 +5,6 @@
 #include <sqlite3.h>
 #include <zstd.h>
 
-#include <filesystem>
-#include <map>
-#include <stdexcept>
-
 namespace hqslam::test {
 
 namespace {
@@ -50,8 +46,7 @@ void append_record(std::string& bytes, std::uint8_t opcode, const std::string& c
 
 /// Calls add(topic's number, first message) for every topic that it was not called for, then
 /// put(topic's number, message), message by message. Numbers count from 1.
-template <typename Add, typename Put>
-void write_messages(const std::vector<BagMessage>& messages, const Add& add, const Put& put) {
+void write_messages(const std::vector<BagMessage>& messages, const auto& add, const auto& put) {
   std::map<std::string, std::uint16_t> ids;
   for (const BagMessage& message : messages) {
     const auto next = static_cast<std::uint16_t>(ids.size() + 1);
@@ -150,8 +145,7 @@ class Database {
 
   void run(const char* sql) { sqlite3_exec(database_, sql, nullptr, nullptr, nullptr); }
   /// One number or text, or bytes, for each question mark.
-  template <typename... Values>
-  void run_with(const char* sql, const Values&... values) {
+  void run_with(const char* sql, const auto&... values) {
     sqlite3_stmt* statement = nullptr;
     sqlite3_prepare_v2(database_, sql, -1, &statement, nullptr);
     int place = 0;

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <string>
-#include <vector>
 
 #include "captures.h"
 

@@ -1,10 +1,5 @@
 #include "captures.h"
 
-#include <algorithm>
-#include <cmath>
-
-#include "hqslam/recordings/velodyne.h"
-
 namespace hqslam::test {
 
 namespace {

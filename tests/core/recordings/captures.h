@@ -1,14 +1,9 @@
 #pragma once
 
-#include <cstdint>
-#include <functional>
-#include <string>
-#include <vector>
-
 #include "hqslam/core/scan_source.h"
 #include "hqslam/recordings/ouster.h"
-#include "hqslam/recordings/packet.h"
 #include "hqslam/recordings/velodyne.h"
+#include "testing.h"
 
 namespace hqslam::test {
 
@@ -30,8 +25,7 @@ void put(Payload& bytes, std::size_t at, T value) {
 }
 
 /// Numbers, low byte first, and bytes as they are, one after the other.
-template <typename... Ts>
-void append(std::string& bytes, const Ts&... values) {
+void append(std::string& bytes, const auto&... values) {
   const auto append_one = [&](const auto& value) {
     if constexpr (requires { value.begin(); }) {
       bytes.append(value.begin(), value.end());
@@ -138,8 +132,7 @@ class CapturedPackets : public recordings::PacketSource {
 recordings::Packet as_packet(const Captured& captured);
 
 /// The turns that a decoder makes of packets, to the last one.
-template <typename Decoder>
-auto decoded(Decoder& decoder, const std::vector<Captured>& packets) {
+auto decoded(auto& decoder, const std::vector<Captured>& packets) {
   for (const Captured& packet : packets) decoder.add(as_packet(packet));
   decoder.finish();
   return decoder.take_scans();

@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 
+#include "testing.h"
+
 namespace hqslam::test {
 
 /// Whether two measurements are the same but for rounding.

@@ -2,7 +2,6 @@
 
 #include "hqslam/core/left_out.h"
 #include "made_scans.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

@@ -1,9 +1,5 @@
-#include <fmt/format.h>
 
-#include <algorithm>
 #include <bit>
-#include <cmath>
-#include <iterator>
 
 #include "captures.h"
 

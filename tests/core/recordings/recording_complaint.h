@@ -1,16 +1,12 @@
 #pragma once
 
-#include <string>
-
 #include "error_message.h"
 #include "files/scan_files.h"
-#include "hqslam/core/error.h"
 
 namespace hqslam::test {
 
 /// Whether a recording, read to its end, is refused in one line with these parts.
-template <typename... Parts>
-bool recording_refused(const std::string& path, const SensorModel& sensor, const Parts&... parts) {
+bool recording_refused(const std::string& path, const SensorModel& sensor, const auto&... parts) {
   const auto read = [&] {
     const auto source = recordings::open_scan_files(path, sensor);
     while (source->next()) continue;

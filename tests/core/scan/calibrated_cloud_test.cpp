@@ -1,8 +1,5 @@
-#include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/projection.h"
-#include "hqslam/core/sensor_model.h"
 #include "made_images.h"
-#include "testing.h"
 
 namespace hqslam {
 namespace {
@@ -14,25 +11,19 @@ SensorModel two_beams() {
   return sensor;
 }
 
-OrganizedCloud measured(const SensorModel& sensor) {
+}  // namespace
+
+TEST_CASE("a cloud's points are along corrected beams at corrected ranges") {
+  const SensorModel sensor = two_beams();
   RangeImage image(2, 16);
   image.at(0, 3) = 10.0F;
   image.at(1, 3) = 20.0F;
   image.at(1, 4) = 0.2F;
-  return unproject(image, sensor, CaptureTime::kRolling);
-}
-
-}  // namespace
-
-TEST_CASE(
-    "a cloud's points are along corrected beams, at corrected ranges, and stay without "
-    "corrections") {
-  const SensorModel sensor = two_beams();
-  const OrganizedCloud cloud = measured(sensor);
+  const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kRolling);
   const OrganizedCloud moved = calibrated(cloud, sensor);
   SensorModel corrected = sensor;
   corrected.beam_elevation_rad = {0.11, -0.22};
-  RangeImage image(2, 16);
+  image = RangeImage(2, 16);
   image.at(0, 3) = 10.5F;
   image.at(1, 3) = 19.75F;
   const OrganizedCloud expected = unproject(image, corrected, CaptureTime::kRolling);

@@ -1,6 +1,6 @@
 #include "scan/column_finder.h"
 
-#include "testing.h"
+#include "made_images.h"
 
 namespace hqslam {
 namespace {
@@ -9,32 +9,17 @@ int by_definition(const SensorModel& sensor, int row, const Eigen::Vector3f& poi
   return sensor.column_of(row, std::atan2(point_m.y(), point_m.x()));
 }
 
-/// The row and the point of a column's left edge, or a few units of the last place beside it.
-Eigen::Vector3f at_edge(const SensorModel& sensor, int row, int column, int units, float range_m) {
-  const double azimuth_rad = sensor.azimuth_rad(row, column) + 0.5 * sensor.column_step_rad();
-  Eigen::Vector3f point_m(static_cast<float>(range_m * std::cos(azimuth_rad)),
-                          static_cast<float>(range_m * std::sin(azimuth_rad)), 0.0F);
-  const float towards = units < 0 ? -1e9F : 1e9F;
-  for (int i = 0; i < std::abs(units); ++i) point_m.y() = std::nextafter(point_m.y(), towards);
-  return point_m;
-}
-
-std::vector<SensorModel> sensors() {
-  std::vector<SensorModel> all;
-  for (const std::string& name : sensor_preset_names()) all.push_back(sensor_preset(name));
-  for (const int columns : {16, 1023, 16384}) {
-    all.push_back(sensor_preset("vls-128"));
-    all.back().columns = columns;
-  }
-  return all;
-}
-
 }  // namespace
 
 TEST_CASE("the column that is found quickly is the sensor's own, also at all columns' edges") {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> coordinate_m(-80.0F, 80.0F);
-  for (const SensorModel& sensor : sensors()) {
+  std::vector<SensorModel> sensors;
+  for (const std::string& name : sensor_preset_names()) sensors.push_back(sensor_preset(name));
+  for (const int columns : {16, 1023, 16384}) {
+    sensors.push_back(test::preset_with("vls-128", columns));
+  }
+  for (const SensorModel& sensor : sensors) {
     CAPTURE(sensor.name);
     CAPTURE(sensor.columns);
     const ColumnFinder finder(sensor);
@@ -47,8 +32,13 @@ TEST_CASE("the column that is found quickly is the sensor's own, also at all col
     CHECK(different == 0);
     for (int column = 0; column < sensor.columns; ++column) {
       const int row = column % sensor.rows();
-      for (const int units : {-3, -1, 0, 1, 3}) {
-        const Eigen::Vector3f point_m = at_edge(sensor, row, column, units, 20.0F);
+      const double edge_rad = sensor.azimuth_rad(row, column) + 0.5 * sensor.column_step_rad();
+      for (const int units : {-3, -1, 0, 1, 3}) {  // of the last place beside the left edge
+        Eigen::Vector3f point_m = (20.0 * direction_of(edge_rad, 0.0)).cast<float>();
+        const float towards = units < 0 ? -1e9F : 1e9F;
+        for (int i = 0; i < std::abs(units); ++i) {
+          point_m.y() = std::nextafter(point_m.y(), towards);
+        }
         if (finder.column(row, point_m) != by_definition(sensor, row, point_m)) ++different;
       }
     }

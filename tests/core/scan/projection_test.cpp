@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 
 #include "made_images.h"
-#include "testing.h"
 
 using namespace hqslam;
 using hqslam::test::refused_with;
@@ -69,11 +68,10 @@ TEST_CASE("the times of a scan's points give where in the turn it begins") {
 }
 
 TEST_CASE("the nearest return wins a pixel, that of the beam and the azimuth, in whatever order") {
-  const SensorModel sensor = sensor_preset("vlp-16");
   Scan scan;
   const Eigen::Vector3f direction(1.0F, 0.001F, std::tan(0.0174533F));
   scan.points_m = {20.0F * direction, 5.0F * direction, 10.0F * direction};
-  const auto projected = project(scan, sensor);
+  const auto projected = project(scan, sensor_preset("vlp-16"));
   CHECK(projected.counts.kept == 1);
   CHECK(projected.counts.hidden_by_nearer == 2);
   CHECK(projected.cloud.points_m[projected.cloud.index(7, 899)].isApprox(5.0F * direction));
@@ -129,8 +127,7 @@ TEST_CASE("a sensor sees half a beam spacing beyond its outermost beams") {
 
 TEST_CASE("rows that count from the lowest beam, or points with other axes, are refused") {
   const SensorModel sensor = sensor_preset("vlp-16");
-  const OrganizedCloud cloud = unproject(random_image(sensor, 7), sensor, CaptureTime::kRolling);
-  const Scan scan = returns_of(cloud);
+  const Scan scan = returns_of(unproject(random_image(sensor, 7), sensor, CaptureTime::kRolling));
   Scan from_lowest = scan;
   for (std::uint16_t& row : from_lowest.row) row = static_cast<std::uint16_t>(15 - row);
   CHECK(refused_with([&] { project(from_lowest, sensor); }, "15 - ring"));

@@ -19,8 +19,7 @@ SensorModel sensor_of(const std::string& json) {
   return from_file("s.json", json, read_sensor_json);
 }
 
-template <typename... Parts>
-void refuses_json(const std::string& json, const Parts&... parts) {
+void refuses_json(const std::string& json, const auto&... parts) {
   CHECK(refused_with([&] { sensor_of(json); }, parts...));
 }
 

@@ -4,13 +4,11 @@
 
 #include "hqslam/core/angles.h"
 #include "hqslam/core/organized_cloud.h"
-#include "hqslam/core/range_image.h"
 #include "testing.h"
 
 using namespace hqslam;
 
-TEST_CASE(
-    "every preset is valid and has the rows its name says, others are refused with the list") {
+TEST_CASE("every preset is valid with the rows of its name; others are refused with the list") {
   const std::vector<std::pair<std::string, int>> expected = {
       {"os1-64", 64}, {"os1-16", 16},  {"hdl-64e", 64}, {"hdl-32e", 32},
       {"vlp-16", 16}, {"vlp-32c", 32}, {"vls-128", 128}};

@@ -1,12 +1,7 @@
 #include "layers/layers.h"
 
-#include <functional>
-
 #include "golden.h"
 #include "graph/graph_backward.h"
-#include "graph/layer_graph.h"
-#include "random_values.h"
-#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

@@ -1,9 +1,7 @@
 #include "srae.h"
 
 #include "golden.h"
-#include "parameters.h"
 #include "small_network.h"
-#include "testing.h"
 
 namespace hqslam::nn {
 namespace {
@@ -31,19 +29,6 @@ std::unique_ptr<Network> network_of(int threads = 1,
   return made(small_srae(), exported(), threads, instruction_set);
 }
 
-/// Two scans of the golden file.
-std::vector<TrainingSample> batch_of(const Golden& golden) {
-  const std::vector<float> ranges = golden.values("truth_m");
-  std::vector<TrainingSample> batch;
-  for (std::size_t begin = 0; begin < ranges.size(); begin += 16 * 64) {
-    TrainingSample sample{RangeImage(4, 64), RangeImage(16, 64)};
-    std::copy_n(&ranges[begin], 16 * 64, sample.truth.range_m.begin());
-    sample.measured = select_rows(sample.truth, {3, 4});
-    batch.push_back(sample);
-  }
-  return batch;
-}
-
 }  // namespace
 
 TEST_CASE("SRAE equals its PyTorch module with every instruction set") {
@@ -59,11 +44,19 @@ TEST_CASE("SRAE equals its PyTorch module with every instruction set") {
 
 TEST_CASE("loss and gradients of a batch equal PyTorch's, dropout and batch norm included") {
   const Golden golden("srae");
+  const std::vector<float> ranges = golden.values("truth_m");
+  std::vector<TrainingSample> batch;  // of two scans
+  for (std::size_t begin = 0; begin < ranges.size(); begin += 16 * 64) {
+    TrainingSample sample{RangeImage(4, 64), RangeImage(16, 64)};
+    std::copy_n(&ranges[begin], 16 * 64, sample.truth.range_m.begin());
+    sample.measured = select_rows(sample.truth, {3, 4});
+    batch.push_back(sample);
+  }
   const std::vector<ParameterShape> shapes = parameter_shapes(small_srae());
   const auto network = trainable(small_srae(), exported());
   std::vector<float> d_parameters(elements(shapes));
-  const double loss = network->add_gradients(batch_of(golden), {},
-                                             std::vector<std::uint64_t>{5, 7000}, d_parameters);
+  const double loss =
+      network->add_gradients(batch, {}, std::vector<std::uint64_t>{5, 7000}, d_parameters);
   CHECK(loss == doctest::Approx(golden.value("loss")).epsilon(1e-5));
   std::span<float> rest = d_parameters;
   for (const ParameterShape& shape : shapes) {

@@ -1,7 +1,6 @@
 #include "hqslam/nn/training/adamw.h"
 
 #include "golden.h"
-#include "testing.h"
 
 namespace hqslam::nn {
 

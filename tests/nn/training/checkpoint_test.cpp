@@ -2,7 +2,6 @@
 
 #include "hqslam/core/npz.h"
 #include "small_network.h"
-#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

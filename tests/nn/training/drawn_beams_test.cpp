@@ -1,7 +1,6 @@
 #include "hqslam/nn/training/drawn_beams.h"
 
 #include "made_images.h"
-#include "testing.h"
 
 namespace hqslam::nn {
 namespace {

@@ -1,6 +1,5 @@
 #include <omp.h>
 
-#include "made_images.h"
 #include "small_training.h"
 
 namespace hqslam::nn {
@@ -33,11 +32,9 @@ TEST_CASE("a training inside a parallel region of the caller's trains the same b
 
 TEST_CASE("a training that stopped and went on gives the same bytes as one that never stopped") {
   for (const HqsPlan& description : {filtered_du_or(), simple_du_with_dropout()}) {
-    const TrainingState whole = trained(description, 8, 1);
-    const TrainingState half = trained(description, 3, 2);
-    Trainer second(description, small_plan(), in_memory(scans()), half, 2);
+    Trainer second(description, small_plan(), in_memory(scans()), trained(description, 3, 2), 2);
     train(second, 5);
-    check_same(second.state(), whole);
+    check_same(second.state(), trained(description, 8, 1));
   }
 }
 
@@ -103,9 +100,8 @@ TEST_CASE("every step draws samples of its own") {
 TEST_CASE("validation does not depend on the threads or on dropout, and of nothing is zero") {
   const HqsPlan description = simple_du_with_dropout();
   Trainer one = small_trainer(description);
-  Trainer two = small_trainer(description, 2);
   const Validation a = one.validate(scans());
-  CHECK(a.network.mae_all_m == two.validate(scans()).network.mae_all_m);
+  CHECK(a.network.mae_all_m == small_trainer(description, 2).validate(scans()).network.mae_all_m);
   CHECK(a.network.mae_all_m == one.validate(scans()).network.mae_all_m);
   CHECK(one.validate({}).network.mae_all_m == 0.0);
 }

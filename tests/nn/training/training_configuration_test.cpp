@@ -16,8 +16,7 @@ const std::string kText = R"({
 })";
 
 /// Of the text with `to` in place of `from`.
-template <typename... Parts>
-void refuses_recipe(const std::string& from, const std::string& to, const Parts&... parts) {
+void refuses_recipe(const std::string& from, const std::string& to, const auto&... parts) {
   CAPTURE(to);
   CHECK(test::refused_with(
       [&] { training_configuration(test::replaced_in(kText, from, to), "recipe.json"); },

@@ -1,8 +1,6 @@
 #include "validation.h"
 
-#include "made_images.h"
 #include "small_network.h"
-#include "testing.h"
 
 namespace hqslam::nn {
 namespace {
@@ -49,8 +47,7 @@ TEST_CASE("validation empties the least sure pixels until as much is missing as 
     }
   }
   FixedNetwork network(upsampled);
-  const NetworkDescription description = small_du_or();
-  const Validation validation = validation_of({validated_scan(network, description, {truth()})});
+  const Validation validation = validation_of({validated_scan(network, small_du_or(), {truth()})});
   // Of 12 x 64 computed pixels 16 have no true return; 12 + 2 x 8 are beside empty measured rows.
   CHECK(validation.linear.missing_share > 0.0);
   CHECK(validation.network.missing_share == doctest::Approx(12.0 / (12 * 64 - 16)));
@@ -95,8 +92,7 @@ TEST_CASE("the exponent of the confidence makes it the share that is right") {
   for (std::size_t i = 0; i < upsampled.confidence.size(); ++i) {
     const bool often = i / 64 % 2 == 0;
     upsampled.confidence[i] = often ? 0.5F : 0.25F;
-    const bool right = number++ % 16 < (often ? 4 : 1);
-    upsampled.image.range_m[i] = right ? 10.0F : 20.0F;
+    upsampled.image.range_m[i] = (number++ % 16 < (often ? 4 : 1)) ? 10.0F : 20.0F;
   }
   FixedNetwork network(upsampled);
   const Validation validation = validation_of({validated_scan(network, small_du_or(), {walls()})});

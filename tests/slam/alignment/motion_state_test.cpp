@@ -1,7 +1,6 @@
 #include "alignment/motion_state.h"
 
 #include "slam/steady_drive.h"
-#include "testing.h"
 
 using namespace hqslam;
 using slam::Matrix6;
@@ -93,8 +92,7 @@ TEST_CASE("a velocity that was long ago is not expected any more, and that is un
   CHECK(std::sqrt(late.covariance(6, 6)) == doctest::Approx(10.0).epsilon(1e-3));
 }
 
-TEST_CASE(
-    "where a innovation leads is as likely as one sigma, with the velocity that leads there") {
+TEST_CASE("where an innovation leads is as likely as one sigma, as is the velocity to there") {
   MotionState expected;
   expected.covariance *= 1e-9;
   const MotionState wide = slam::with_innovation(expected, {{0.5, 0, 0}, {0, 0, 0.1}}, 0.1);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <random>
+#include "testing.h"
 
 namespace hqslam::test {
 

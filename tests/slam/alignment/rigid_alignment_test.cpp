@@ -1,12 +1,10 @@
 #include "alignment/rigid_alignment.h"
 
 #include "slam/alignment/random_unit.h"
-#include "testing.h"
 
 using namespace hqslam;
-using slam::FreeParameters;
-using slam::MotionParameters;
-using slam::PlaneConstraint;
+using namespace hqslam::test;
+using namespace hqslam::slam;
 
 namespace {
 
@@ -15,13 +13,11 @@ std::vector<PlaneConstraint> constraints_of(const Pose& T, int count, unsigned s
   std::mt19937 generator(seed);
   std::vector<PlaneConstraint> result;
   for (int i = 0; i < count; ++i) {
-    const Eigen::Vector3d normal =
-        Eigen::Vector3d(test::random_unit(generator), test::random_unit(generator),
-                        test::random_unit(generator) + 0.1)
-            .normalized();
-    const Eigen::Vector3d on_plane(20 * test::random_unit(generator),
-                                   20 * test::random_unit(generator),
-                                   3 * test::random_unit(generator));
+    const Eigen::Vector3d normal = Eigen::Vector3d(random_unit(generator), random_unit(generator),
+                                                   random_unit(generator) + 0.1)
+                                       .normalized();
+    const Eigen::Vector3d on_plane(20 * random_unit(generator), 20 * random_unit(generator),
+                                   3 * random_unit(generator));
     result.push_back({T.inverse() * on_plane, normal, normal.dot(on_plane), 0.5 + 0.01 * (i % 50)});
   }
   return result;
@@ -35,7 +31,7 @@ MotionParameters some_parameters() {
 
 TEST_CASE("parameters and pose are two forms of one motion") {
   const MotionParameters p = some_parameters();
-  CHECK(slam::parameters_of(slam::pose_of(p)).isApprox(p, 1e-6));
+  CHECK(parameters_of(pose_of(p)).isApprox(p, 1e-6));
 }
 
 TEST_CASE("analytic Jacobians equal central differences") {
@@ -46,16 +42,16 @@ TEST_CASE("analytic Jacobians equal central differences") {
   std::vector<double> in_plane(40 * 3);
   std::vector<double> out_of_plane(40 * 3);
   double* jacobians[2] = {in_plane.data(), out_of_plane.data()};
-  slam::evaluate(constraints, blocks, residuals.data(), jacobians);
+  evaluate(constraints, blocks, residuals.data(), jacobians);
   constexpr double kStep = 1e-6;
   for (int block = 0; block < 2; ++block) {
     for (int k = 0; k < 3; ++k) {
       std::vector<double> above(40);
       std::vector<double> below(40);
       blocks[block][k] += kStep;
-      slam::evaluate(constraints, blocks, above.data(), nullptr);
+      evaluate(constraints, blocks, above.data(), nullptr);
       blocks[block][k] -= 2 * kStep;
-      slam::evaluate(constraints, blocks, below.data(), nullptr);
+      evaluate(constraints, blocks, below.data(), nullptr);
       blocks[block][k] += kStep;
       for (int i = 0; i < 40; ++i) {
         const double numeric = (above[i] - below[i]) / (2 * kStep);
@@ -68,19 +64,18 @@ TEST_CASE("analytic Jacobians equal central differences") {
 TEST_CASE("a known motion is found by full steps, not by small fractions of one") {
   const Pose T = pose_from_xyz_rpy({0.8, -0.3, 0.1}, 0.02, -0.03, 0.15);
   const auto constraints = constraints_of(T, 300, 2);
-  const Pose found =
-      slam::pose_of(slam::align(constraints, MotionParameters::Zero(), FreeParameters::kAll, 6));
+  const Pose found = pose_of(align(constraints, MotionParameters::Zero(), FreeParameters::kAll, 6));
   CHECK((found.translation() - T.translation()).norm() < 1e-5);
   CHECK(rotation_angle_rad(found.inverse() * T) < 1e-6);
 }
 
 TEST_CASE("held parameters keep their values, free ones are found") {
   const MotionParameters truth = some_parameters();
-  const auto constraints = constraints_of(slam::pose_of(truth), 300, 3);
+  const auto constraints = constraints_of(pose_of(truth), 300, 3);
   MotionParameters start = truth;
   start[3] += 0.2;
   start[4] += 0.05;
-  const auto found = slam::align(constraints, start, FreeParameters::kOutOfPlane, 8);
+  const auto found = align(constraints, start, FreeParameters::kOutOfPlane, 8);
   CHECK(found.head<3>() == start.head<3>());
   CHECK(found.tail<3>().isApprox(truth.tail<3>(), 1e-4));
 }
@@ -90,17 +85,16 @@ TEST_CASE("the motion along a corridor is unobservable and held") {
   std::vector<PlaneConstraint> corridor;
   std::mt19937 generator(4);
   for (int i = 0; i < 300; ++i) {
-    const Eigen::Vector3d p(10 * test::random_unit(generator), i % 3 == 0 ? -3.0 : 3.0,
-                            test::random_unit(generator));
+    const Eigen::Vector3d p(10 * random_unit(generator), i % 3 == 0 ? -3.0 : 3.0,
+                            random_unit(generator));
     corridor.push_back({p, Eigen::Vector3d::UnitY(), p.y() + 0.1, 1.0});
-    const Eigen::Vector3d floor(10 * test::random_unit(generator), 3 * test::random_unit(generator),
-                                -1.7);
+    const Eigen::Vector3d floor(10 * random_unit(generator), 3 * random_unit(generator), -1.7);
     corridor.push_back({floor, Eigen::Vector3d::UnitZ(), floor.z() + 0.05, 1.0});
   }
-  const auto observable = slam::observability(corridor, FreeParameters::kAll, 0.005);
+  const auto observable = observability(corridor, FreeParameters::kAll, 0.005);
   CHECK(observable.degenerate_directions == 1);
   const MotionParameters end = (MotionParameters() << 5.0, 0.1, 0.01, 0.05, 0.0, 0.0).finished();
-  const auto kept = slam::without_unobservable(MotionParameters::Zero(), end, observable);
+  const auto kept = without_unobservable(MotionParameters::Zero(), end, observable);
   CHECK(std::abs(kept[0]) < 0.05);
   CHECK(kept[1] == doctest::Approx(0.1).epsilon(0.02));
   CHECK(kept[3] == doctest::Approx(0.05).epsilon(0.02));
@@ -111,8 +105,8 @@ TEST_CASE("the degeneracy test does not depend on the number of points") {
   auto many = few;
   for (int i = 0; i < 20; ++i) many.insert(many.end(), few.begin(), few.end());
   for (const double share : {0.005, 0.1, 0.2, 0.3}) {
-    CHECK(slam::observability(few, FreeParameters::kAll, share).degenerate_directions ==
-          slam::observability(many, FreeParameters::kAll, share).degenerate_directions);
+    CHECK(observability(few, FreeParameters::kAll, share).degenerate_directions ==
+          observability(many, FreeParameters::kAll, share).degenerate_directions);
   }
 }
 
@@ -120,19 +114,18 @@ TEST_CASE("held parameters are never called degenerate") {
   std::vector<PlaneConstraint> floor;
   std::mt19937 generator(6);
   for (int i = 0; i < 100; ++i) {
-    const Eigen::Vector3d p(10 * test::random_unit(generator), 10 * test::random_unit(generator),
-                            -1.7);
+    const Eigen::Vector3d p(10 * random_unit(generator), 10 * random_unit(generator), -1.7);
     floor.push_back({p, Eigen::Vector3d::UnitZ(), -1.7, 1.0});
   }
-  CHECK(slam::observability(floor, FreeParameters::kOutOfPlane, 0.005).degenerate_directions == 0);
-  CHECK(slam::observability(floor, FreeParameters::kAll, 0.005).degenerate_directions == 3);
+  CHECK(observability(floor, FreeParameters::kOutOfPlane, 0.005).degenerate_directions == 0);
+  CHECK(observability(floor, FreeParameters::kAll, 0.005).degenerate_directions == 3);
 }
 
 TEST_CASE("an edge feature's two planes measure the distance from its line") {
   const Eigen::Vector3d on_line(1, 2, 3);
   const Eigen::Vector3d direction = Eigen::Vector3d(1, 1, 2).normalized();
   const Eigen::Vector3d point = on_line + 5.0 * direction + 0.3 * direction.unitOrthogonal();
-  const auto planes = slam::edge_constraints(point, on_line, direction, 1.0);
+  const auto planes = edge_constraints(point, on_line, direction, 1.0);
   double squared_m2 = 0.0;
   for (const auto& plane : planes) {
     CHECK(std::abs(plane.normal.dot(direction)) < 1e-12);

@@ -4,9 +4,7 @@
 #include "testing.h"
 
 using namespace hqslam;
-using slam::EdgeConstraints;
-using slam::PlaneConstraint;
-using slam::weigh_by_noise;
+using namespace hqslam::slam;
 
 namespace {
 

@@ -2,15 +2,10 @@
 #include "alignment/scan_information.h"
 
 #include "slam/alignment/random_unit.h"
-#include "testing.h"
 
 using namespace hqslam;
-using slam::ExpectedState;
-using slam::Matrix6;
-using slam::MotionState;
-using slam::PlaneConstraint;
-using slam::ScanInformation;
-using slam::Vector6;
+using namespace hqslam::test;
+using namespace hqslam::slam;
 
 namespace {
 
@@ -20,14 +15,13 @@ constexpr double kSigma_m = 0.02;
 std::vector<PlaneConstraint> constraints_about(const Eigen::Matrix3d& R, int count) {
   std::mt19937 generator(7);
   const auto random = [&] {
-    return Eigen::Vector3d(test::random_unit(generator), test::random_unit(generator),
-                           test::random_unit(generator));
+    return Eigen::Vector3d(random_unit(generator), random_unit(generator), random_unit(generator));
   };
   std::vector<PlaneConstraint> result;
   for (int i = 0; i < count; ++i) {
     const Eigen::Vector3d point_m = R * (20.0 * random());
     const Eigen::Vector3d normal = (random() + Eigen::Vector3d(0, 0, 0.1)).normalized();
-    result.push_back({point_m, normal, normal.dot(point_m) + 0.05 * test::random_unit(generator),
+    result.push_back({point_m, normal, normal.dot(point_m) + 0.05 * random_unit(generator),
                       (0.5 + 0.01 * (i % 50)) / kSigma_m});
   }
   return result;
@@ -38,7 +32,7 @@ double cost(const std::vector<PlaneConstraint>& constraints, const Eigen::Matrix
             const Vector6& e) {
   Pose T = Pose::Identity();
   T.linear() = R;
-  const Pose moved = T * exponential(slam::twist_of(e)) * T.inverse();
+  const Pose moved = T * exponential(twist_of(e)) * T.inverse();
   double sum = 0.0;
   for (const PlaneConstraint& c : constraints) {
     sum += 0.5 * std::pow(c.weight * (c.normal.dot(moved * c.point_m) - c.offset_m), 2);
@@ -59,8 +53,8 @@ MotionState registered(const MotionState& expected,
   const Eigen::Matrix3d level = Eigen::Matrix3d::Identity();
   const ExpectedState prior(expected);
   MotionState state = expected;
-  prior.improve(state, slam::scan_information(constraints, level));
-  state.covariance = prior.covariance(slam::known_information(constraints, level).information);
+  prior.improve(state, scan_information(constraints, level));
+  state.covariance = prior.covariance(known_information(constraints, level).information);
   return state;
 }
 
@@ -69,7 +63,7 @@ MotionState registered(const MotionState& expected,
 TEST_CASE("the gradient and the information are those of the weighted squares") {
   const Eigen::Matrix3d R = pose_from_xyz_rpy({0, 0, 0}, 0.2, -0.4, 1.1).linear();
   const auto constraints = constraints_about(R, 60);
-  const ScanInformation found = slam::scan_information(constraints, R);
+  const ScanInformation found = scan_information(constraints, R);
   constexpr double kStep = 1e-5;
   for (int i = 0; i < 6; ++i) {
     const Vector6 e = kStep * Vector6::Unit(i);
@@ -80,16 +74,14 @@ TEST_CASE("the gradient and the information are those of the weighted squares") 
   auto exact = constraints;
   for (PlaneConstraint& c : exact) c.offset_m = c.normal.dot(c.point_m);
   const Vector6 e = 1e-4 * (Vector6() << 1, -2, 3, 0.1, 0.2, -0.3).finished();
-  CHECK(
-      cost(exact, R, e) ==
-      doctest::Approx(0.5 * e.dot(slam::scan_information(exact, R).information * e)).epsilon(1e-3));
+  CHECK(cost(exact, R, e) ==
+        doctest::Approx(0.5 * e.dot(scan_information(exact, R).information * e)).epsilon(1e-3));
 }
 
 TEST_CASE("the pose is between the expected and the measured one by their variances") {
   // A wall 0.3 m nearer than expected, known to 0.1 m; the place was expected to 0.2 m.
   const std::vector<PlaneConstraint> wall = {{{5.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, 5.3, 10.0}};
-  const MotionState expected = standing(0.2, 0.0001);
-  const MotionState found = registered(expected, wall);
+  const MotionState found = registered(standing(0.2, 0.0001), wall);
   CHECK(found.T_map_sensor.translation().x() == doctest::Approx(0.3 * 0.04 / (0.04 + 0.01)));
   CHECK(found.covariance(0, 0) == doctest::Approx(0.04 * 0.01 / (0.04 + 0.01)));
   // Without information about the side.
@@ -102,7 +94,7 @@ TEST_CASE("the velocity that leads to the pose is found with it") {
   MotionState start;
   start.covariance.setZero();
   start.covariance.diagonal() << Vector6::Constant(1e-8), Vector6::Constant(100.0);
-  const MotionState expected = slam::predicted(start, 0.1, 1.0, Vector6::Constant(1e-6));
+  const MotionState expected = predicted(start, 0.1, 1.0, Vector6::Constant(1e-6));
   std::vector<PlaneConstraint> walls;
   for (int axis = 0; axis < 3; ++axis) {
     for (const double side : {-5.0, 5.0}) {
@@ -128,19 +120,19 @@ TEST_CASE("along a tunnel whose normals lean at random nothing is known, across 
   std::normal_distribution<double> lean(0.0, kTilt);
   std::vector<PlaneConstraint> tunnel;
   for (int i = 0; i < 1200; ++i) {
-    const double along_m = 40.0 * test::random_unit(generator);
+    const double along_m = 40.0 * random_unit(generator);
     const Eigen::Vector3d across = i % 2 == 0 ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ();
     const Eigen::Vector3d normal =
         (across + lean(generator) * Eigen::Vector3d::UnitX()).normalized();
     const Eigen::Vector3d point_m =
         along_m * Eigen::Vector3d::UnitX() +
-        2.5 * (test::random_unit(generator) * Eigen::Vector3d(0, 1, 1) + across);
+        2.5 * (random_unit(generator) * Eigen::Vector3d(0, 1, 1) + across);
     tunnel.push_back(
         {point_m, normal, normal.dot(point_m), 1.0 / kSigma_m, kTilt * Eigen::Vector3d::UnitX()});
   }
-  const ScanInformation found = slam::scan_information(tunnel, Eigen::Matrix3d::Identity());
+  const ScanInformation found = scan_information(tunnel, Eigen::Matrix3d::Identity());
   CHECK(1.0 / std::sqrt(found.information(0, 0)) < 0.02);  // feigned: centimetres
-  const auto [known, is_complete] = slam::known_information(tunnel, Eigen::Matrix3d::Identity());
+  const auto [known, is_complete] = known_information(tunnel, Eigen::Matrix3d::Identity());
   CHECK_FALSE(is_complete);
   CHECK(known(0, 0) < 0.01 * found.information(0, 0));
   CHECK(known(1, 1) > 0.99 * found.information(1, 1));

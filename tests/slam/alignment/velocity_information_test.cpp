@@ -2,7 +2,6 @@
 #include "alignment/velocity_information.h"
 
 #include "slam/alignment/random_unit.h"
-#include "testing.h"
 
 using namespace hqslam;
 using slam::PlaneConstraint;
@@ -35,21 +34,17 @@ std::vector<PlaneConstraint> wrongly_corrected(bool with_times) {
   return result;
 }
 
-slam::MotionState improved(const std::vector<PlaneConstraint>& constraints) {
+}  // namespace
+
+TEST_CASE("a scan measures the velocity by which it should have been corrected for motion") {
+  const auto constraints = wrongly_corrected(true);
   const Eigen::Matrix3d level = Eigen::Matrix3d::Identity();
   slam::MotionState expected = slam::unknown_motion(Pose::Identity());
   expected.covariance *= 1e4;
   const slam::ScanInformation pose = slam::scan_information(constraints, level);
   const slam::VelocityInformation velocity = slam::velocity_information(constraints, level, pose);
-  slam::MotionState state = expected;
-  slam::ExpectedState(expected).improve(state, pose, &velocity);
-  return state;
-}
-
-}  // namespace
-
-TEST_CASE("a scan measures the velocity by which it should have been corrected for motion") {
-  const slam::MotionState found = improved(wrongly_corrected(true));
+  slam::MotionState found = expected;
+  slam::ExpectedState(expected).improve(found, pose, &velocity);
   CHECK((slam::vector_of(found.velocity) - kVelocityError).norm() < 0.01);
   CHECK(slam::vector_of(logarithm(found.T_map_sensor)).norm() < 1e-3);
 }

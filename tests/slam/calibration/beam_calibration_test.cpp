@@ -1,9 +1,6 @@
 #include "hqslam/slam/beam_calibration.h"
 
-#include "hqslam/core/angles.h"
-#include "hqslam/core/projection.h"
 #include "slam/yard.h"
-#include "testing.h"
 #include "thread_limit.h"
 
 namespace hqslam {

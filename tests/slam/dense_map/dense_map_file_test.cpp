@@ -1,5 +1,3 @@
-#include <cstring>
-
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/point_fields.h"
 #include "hqslam/slam/dense_map.h"

@@ -1,9 +1,6 @@
 #include "hqslam/slam/dense_map.h"
 
-#include <cstring>
-
 #include "slam/cloud_of.h"
-#include "testing.h"
 #include "thread_limit.h"
 
 using namespace hqslam;
@@ -160,8 +157,7 @@ TEST_CASE("a wall that beams of other scans cross vanishes; one that they meet s
   for (int i = 0; i < 2; ++i) insert(map, test::cloud_of(wall(5.05F)));
   std::vector<Eigen::Vector3f> behind_m = wall(10.05F);
   for (int i = 0; i < 6; ++i) insert(map, test::cloud_of(behind_m));
-  const std::size_t before = points_near_x(map.points(), 5.05F);
-  CHECK(before == 200);
+  CHECK(points_near_x(map.points(), 5.05F) == 200);
   for (int i = 0; i < 2; ++i) map.see_through(test::cloud_of(wall(5.05F)), kOrigin);
   // The far wall fills half of the near one's angle; a dense one crosses every voxel.
   for (int i = 0; i < 6; ++i) {

@@ -24,8 +24,7 @@ TEST_CASE("between stamps the sensor moves evenly, at another pace before than a
   CHECK(path.at(-0.1).isApprox(trajectory[0].T_map_sensor));
 }
 
-TEST_CASE(
-    "at the ends, and beside a stamp that does not rise, the motion on the other side continues") {
+TEST_CASE("at the ends, and beside a stamp that does not rise, the other side's motion goes on") {
   const Trajectory trajectory = {pose_at(0.0, 0.0), pose_at(0.1, 1.0), pose_at(0.1, 7.0)};
   CHECK(SensorPath(trajectory, 0).at(-0.05).translation().x() == doctest::Approx(-0.5));
   CHECK(SensorPath(trajectory, 1).at(0.05).translation().x() == doctest::Approx(1.5));

@@ -1,13 +1,10 @@
 #include "dense_map/voxel_grid.h"
 
-#include <tuple>
-
 #include "testing.h"
 
 using namespace hqslam::slam;
 
-TEST_CASE(
-    "a voxel extends from its index to the next, below zero too; what is nowhere is in none") {
+TEST_CASE("a voxel extends from its index to the next, below zero too; far away there is none") {
   const VoxelGrid grid(0.1);
   CHECK(*grid.voxel_of({0.05, 0.0999, 0.1}) == Eigen::Vector3i(0, 0, 1));
   CHECK(*grid.voxel_of({-0.01, -0.1, -0.11}) == Eigen::Vector3i(-1, -1, -2));

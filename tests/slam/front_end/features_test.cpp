@@ -1,8 +1,6 @@
 #include "front_end/features.h"
 
-#include "made_images.h"
 #include "slam/village.h"
-#include "testing.h"
 
 using namespace hqslam;
 
@@ -26,13 +24,6 @@ struct OneRow {
   }
   slam::Features features() const { return slam::extract_features(cloud, segmentation, {}); }
 };
-
-/// A circle about the sensor with a wedge that reaches in from it.
-std::vector<float> wedge_at(int tip) {
-  std::vector<float> range_m(360, 10.0F);
-  for (int i = -12; i <= 12; ++i) range_m[tip + i] = 9.0F + 0.08F * static_cast<float>(std::abs(i));
-  return range_m;
-}
 
 slam::Features yard_features(const SensorModel& sensor, const test::Yard& yard) {
   return test::scan_features(yard.scan(sensor, test::yard_pose(0, 0, 0)), sensor);
@@ -98,11 +89,13 @@ TEST_CASE("in a scan with computed rows the measured ones have features, the sam
   CHECK(features.ground.size() > 100);
 }
 
-TEST_CASE(
-    "the tip of a wedge is the sharpest edge, also at a section's end, but none in the ground") {
+TEST_CASE("the tip of a wedge is the sharpest edge, also at a section's end, not in the ground") {
   // Sections of 60 points: 119 is the last of the second.
   for (const int tip : {100, 119}) {
-    OneRow row(wedge_at(tip));
+    // A circle about the sensor with a wedge that reaches in from it.
+    std::vector<float> m(360, 10.0F);
+    for (int i = -12; i <= 12; ++i) m[tip + i] = 9.0F + 0.08F * static_cast<float>(std::abs(i));
+    OneRow row(m);
     const auto features = row.features();
     CHECK(std::ranges::any_of(features.sharp_edges, [&](const slam::FeaturePoint& edge) {
       return edge.point_m == row.cloud.points_m[tip];
@@ -190,8 +183,7 @@ TEST_CASE("a circle around the sensor and the curve of a distant wall have no ed
 
 TEST_CASE("edges of a yard are on its pillars and corners") {
   const test::Yard yard;
-  const SensorModel sensor = test::small_sensor(32, 1024);
-  const auto features = yard_features(sensor, yard);
+  const auto features = yard_features(test::small_sensor(32, 1024), yard);
   CHECK(features.sharp_edges.size() > 50);
   int on_pillar_or_corner = 0;
   for (const auto& edge : features.sharp_edges) {

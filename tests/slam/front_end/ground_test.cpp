@@ -1,8 +1,6 @@
 #include "front_end/ground.h"
 
-#include "made_images.h"
 #include "slam/yard.h"
-#include "testing.h"
 
 using namespace hqslam;
 

@@ -2,7 +2,6 @@
 
 #include "slam/steady_drive.h"
 #include "slam/yard.h"
-#include "testing.h"
 
 using namespace hqslam;
 using slam::FeaturePoint;

@@ -1,20 +1,14 @@
 #include "front_end/mounting.h"
 
-#include <tuple>
-
-#include "hqslam/core/angles.h"
-#include "hqslam/core/projection.h"
 #include "slam/yard.h"
-#include "testing.h"
 
 using namespace hqslam;
-using slam::R_level_sensor;
+using namespace hqslam::slam;
+using namespace hqslam::test;
 
 namespace {
 
-slam::MountingOptions mounted(double roll_rad, double pitch_rad) {
-  return {roll_rad, pitch_rad, false};
-}
+MountingOptions mounted(double roll_rad, double pitch_rad) { return {roll_rad, pitch_rad, false}; }
 
 Pose level_from_sensor(double roll_rad, double pitch_rad) {
   return pose_from_xyz_rpy(Eigen::Vector3d::Zero(), roll_rad, pitch_rad, 0.0);
@@ -22,27 +16,26 @@ Pose level_from_sensor(double roll_rad, double pitch_rad) {
 
 /// A scan of the yard by a tilted sensor.
 OrganizedCloud leaning_scan(const SensorModel& sensor, double roll_rad, double pitch_rad) {
-  return test::Yard().scan(sensor,
-                           test::yard_pose(2.0, 1.0, 0.4) * level_from_sensor(roll_rad, pitch_rad));
+  return Yard().scan(sensor, yard_pose(2.0, 1.0, 0.4) * level_from_sensor(roll_rad, pitch_rad));
 }
 
 }  // namespace
 
 TEST_CASE("a level sensor's scan is left as it is, and so are its poses, bit for bit") {
-  const SensorModel sensor = test::small_sensor(4, 16);
-  const slam::Mounting mounting({}, sensor);
+  const SensorModel sensor = small_sensor(4, 16);
+  const Mounting mounting({}, sensor);
   CHECK_FALSE(mounting.level(leaning_scan(sensor, 0.0, 0.0)).has_value());
   CHECK(mounting.upright_sensor() == sensor);
   CHECK(mounting.up_of_upright_sensor() == Eigen::Vector3d::UnitZ());
-  const Pose T = test::yard_pose(1.0, 2.0, 0.3);
+  const Pose T = yard_pose(1.0, 2.0, 0.3);
   CHECK(mounting.of_sensor(T).matrix() == T.matrix());
 }
 
 TEST_CASE("a scan upside down becomes one of an upright sensor: rows and columns from behind") {
-  SensorModel sensor = test::small_sensor(8, 64);
+  SensorModel sensor = small_sensor(8, 64);
   sensor.measured_rows = RowSelection{1, 3};  // rows 1, 4, 7
   sensor.beam_azimuth_offset_rad[0] = 0.01;
-  const slam::Mounting mounting(mounted(std::numbers::pi, 0.0), sensor);
+  const Mounting mounting(mounted(std::numbers::pi, 0.0), sensor);
   const SensorModel& upright = mounting.upright_sensor();
   CHECK_NOTHROW(validate(upright));
   CHECK(upright.beam_elevation_rad.front() == -sensor.beam_elevation_rad.back());
@@ -51,36 +44,34 @@ TEST_CASE("a scan upside down becomes one of an upright sensor: rows and columns
 
   const auto level = mounting.level(leaning_scan(sensor, std::numbers::pi, 0.0));
   REQUIRE(level.has_value());
-  const OrganizedCloud seen = test::Yard().scan(upright, test::yard_pose(2.0, 1.0, 0.4));
+  const OrganizedCloud seen = Yard().scan(upright, yard_pose(2.0, 1.0, 0.4));
   for (std::size_t i = 0; i < seen.range_m.size(); ++i) {
     CHECK((level->points_m[i] - seen.points_m[i]).norm() < 1e-3F * (1.0F + seen.range_m[i]));
   }
 }
 
 TEST_CASE("the vertical of an upright sensor is up, though the real one hangs") {
-  const SensorModel sensor = test::small_sensor(4, 16);
   const Eigen::Vector3d up =
-      slam::Mounting(mounted(std::numbers::pi, 0.2), sensor).up_of_upright_sensor();
+      Mounting(mounted(std::numbers::pi, 0.2), small_sensor(4, 16)).up_of_upright_sensor();
   CHECK(up.x() == doctest::Approx(-std::sin(0.2)));
   CHECK(std::abs(up.y()) < 1e-9);
   CHECK(up.z() == doctest::Approx(std::cos(0.2)));
 }
 
 TEST_CASE("a covariance turns with the sensor, and an infinite one stays") {
-  const slam::Mounting mounting(mounted(std::numbers::pi / 2.0 - 0.6, 0.0), test::small_sensor());
+  const Mounting mounting(mounted(std::numbers::pi / 2.0 - 0.6, 0.0), small_sensor());
   Eigen::Matrix<double, 6, 1> variance;
   variance << 1.0, 4.0, 9.0, 0.1, 0.4, 0.9;
   const Eigen::Matrix3d R = R_level_sensor(mounting.mounted());
-  const slam::Matrix6 turned = mounting.of_sensor(slam::Matrix6(variance.asDiagonal()));
+  const Matrix6 turned = mounting.of_sensor(Matrix6(variance.asDiagonal()));
   const Eigen::Matrix3d expected = R.transpose() * variance.head<3>().asDiagonal() * R;
   CHECK((turned.topLeftCorner<3, 3>() - expected).norm() < 1e-12);
-  const slam::Matrix6 unknown =
-      slam::Matrix6(slam::Vector6::Constant(std::numeric_limits<double>::infinity()).asDiagonal());
+  const Matrix6 unknown =
+      Matrix6(Vector6::Constant(std::numeric_limits<double>::infinity()).asDiagonal());
   CHECK(mounting.of_sensor(unknown).diagonal() == unknown.diagonal());
 }
 
-TEST_CASE(
-    "the tilt of a sensor, upright or not, follows from the ground of one scan, to 0.05 degrees") {
+TEST_CASE("a sensor's tilt, upright or not, follows from one scan's ground to 0.05 degrees") {
   for (const char* name : {"vlp-16", "os1-16", "os1-64"}) {
     const SensorModel sensor = sensor_preset(name);
     for (const auto& [mounted_roll_deg, roll_deg, pitch_deg] :
@@ -94,7 +85,7 @@ TEST_CASE(
       const double pitch_rad = pitch_deg * kDegree_rad;
       CAPTURE(roll_rad);
       CAPTURE(pitch_rad);
-      slam::Mounting mounting({mounted_roll_deg * kDegree_rad, 0.0, true}, sensor);
+      Mounting mounting({mounted_roll_deg * kDegree_rad, 0.0, true}, sensor);
       REQUIRE(mounting.correct_from_ground(leaning_scan(sensor, roll_rad, pitch_rad)));
       const Pose found(R_level_sensor(mounting.mounted()));
       CHECK(rotation_angle_rad(found.inverse() * level_from_sensor(roll_rad, pitch_rad)) <
@@ -114,7 +105,7 @@ TEST_CASE("a mounting is corrected without being asked where the ground is off b
                                                      {10.0, -10.0, true}}) {
     CAPTURE(stated_deg);
     CAPTURE(pitch_deg);
-    slam::Mounting mounting(mounted(0.0, stated_deg * kDegree_rad), sensor);
+    Mounting mounting(mounted(0.0, stated_deg * kDegree_rad), sensor);
     REQUIRE(mounting.correct_from_ground(leaning_scan(sensor, 0.0, pitch_deg * kDegree_rad)));
     CHECK(mounting.is_compared());
     CHECK(mounting.mounted().estimated == is_corrected);
@@ -140,15 +131,14 @@ TEST_CASE("a bank beside the road is not the ground of a sensor that leans") {
       image.at(row, column) = is_seen ? static_cast<float>(range_m) : 0.0F;
     }
   }
-  const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kMotionCorrected);
-  slam::Mounting mounting({}, sensor);
-  CHECK(mounting.correct_from_ground(cloud));
+  Mounting mounting({}, sensor);
+  CHECK(mounting.correct_from_ground(unproject(image, sensor, CaptureTime::kMotionCorrected)));
   CHECK_FALSE(mounting.mounted().estimated);
 }
 
 TEST_CASE("without ground nothing is estimated") {
   const SensorModel sensor = sensor_preset("os1-16");
-  slam::Mounting mounting(mounted(0.1, 0.0), sensor);
+  Mounting mounting(mounted(0.1, 0.0), sensor);
   const Eigen::Matrix3d R = R_level_sensor(mounting.mounted());
   CHECK_FALSE(mounting.correct_from_ground(OrganizedCloud(sensor.rows(), sensor.columns)));
   // Walls alone.

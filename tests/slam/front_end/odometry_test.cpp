@@ -1,7 +1,6 @@
 #include "front_end/odometry.h"
 
 #include "slam/village.h"
-#include "testing.h"
 
 using namespace hqslam;
 using slam::Status;
@@ -16,8 +15,7 @@ slam::Features seen_from(const Pose& T_yard_sensor) {
 }
 
 /// Between two scans that are a step apart, each with what change(features) leaves of it.
-template <typename Change>
-slam::OdometryResult motion_found(const Pose& step, const Change& change) {
+slam::OdometryResult motion_found(const Pose& step, const auto& change) {
   slam::Features first = seen_from(kFirst);
   slam::Features second = seen_from(kFirst * step);
   change(first);

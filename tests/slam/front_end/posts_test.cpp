@@ -2,7 +2,6 @@
 
 #include "hqslam/core/projection.h"
 #include "made_images.h"
-#include "testing.h"
 
 using namespace hqslam;
 
@@ -16,9 +15,8 @@ struct RowWithPosts {
 
   void put(int first, int last, float range) {
     std::fill(range_m.begin() + first, range_m.begin() + last + 1, range);
-    const auto pixel_class = range > 0.0F ? slam::PixelClass::kObject : slam::PixelClass::kNoReturn;
     std::fill(segmentation.pixel_class.begin() + first, segmentation.pixel_class.begin() + last + 1,
-              pixel_class);
+              range > 0.0F ? slam::PixelClass::kObject : slam::PixelClass::kNoReturn);
   }
   OrganizedCloud cloud() const {
     RangeImage image(1, sensor.columns);
@@ -65,8 +63,7 @@ TEST_CASE("a post is a little behind the mean of its points, at the time of the 
   CHECK(posts[0].row == 0);
 }
 
-TEST_CASE(
-    "of a trunk the middle is found, whatever the distance of columns and the trunk's width") {
+TEST_CASE("the middle of a trunk is found, at any distance of columns and width of trunk") {
   for (const int columns : {512, 1024, 2048}) {
     for (const double radius_m : {0.15, 0.3}) {
       double error_m = 0.0;

@@ -2,9 +2,7 @@
 
 #include "testing.h"
 
-using hqslam::slam::FeaturePoint;
-using hqslam::slam::RowOrderedCloud;
-using hqslam::slam::RowQuery;
+using namespace hqslam::slam;
 
 namespace {
 
@@ -41,9 +39,8 @@ FeaturesAndPoints rings(int count, unsigned seed) {
   return result;
 }
 
-template <typename Accept>
 float slow_nearest_m2(const FeaturesAndPoints& points, const Eigen::Vector3f& query_m,
-                      const Accept& accept) {
+                      const auto& accept) {
   float best_m2 = 25.0F;
   for (std::size_t i = 0; i < points.points_m.size(); ++i) {
     if (accept(points.features[i].row, points.points_m[i])) {

@@ -7,31 +7,21 @@ using hqslam::slam::ScanClock;
 namespace {
 
 /// Steps of the time from scan to scan, of a sensor with a period of 0.1 s.
-std::vector<double> steps_s(const std::vector<double>& stamps_s) {
-  ScanClock clock(0.1);
-  std::vector<double> result;
-  double last_s = clock.time_s(stamps_s.front());
-  for (std::size_t i = 1; i < stamps_s.size(); ++i) {
-    const double time_s = clock.time_s(stamps_s[i]);
-    result.push_back(time_s - last_s);
-    last_s = time_s;
-  }
-  return result;
-}
-
 void check_steps(const std::vector<double>& stamps_s, const std::vector<double>& expected_s) {
-  const std::vector<double> found_s = steps_s(stamps_s);
-  REQUIRE(found_s.size() == expected_s.size());
-  for (std::size_t i = 0; i < found_s.size(); ++i) {
+  REQUIRE(stamps_s.size() == expected_s.size() + 1);
+  ScanClock clock(0.1);
+  double last_s = clock.time_s(stamps_s.front());
+  for (std::size_t i = 0; i < expected_s.size(); ++i) {
     CAPTURE(i);
-    CHECK(found_s[i] == doctest::Approx(expected_s[i]).epsilon(1e-4));
+    const double time_s = clock.time_s(stamps_s[i + 1]);
+    CHECK(time_s - last_s == doctest::Approx(expected_s[i]).epsilon(1e-4));
+    last_s = time_s;
   }
 }
 
 }  // namespace
 
-TEST_CASE(
-    "stamps that run on, faster, slower or with scans missing, are the time to the last bit") {
+TEST_CASE("stamps that run on, at any rate or with scans missing, are the time to the bit") {
   ScanClock clock(0.1);
   for (const double stamp_s : {1.7e9, 1.7e9 + 0.1, 1.7e9 + 0.15, 1.7e9 + 0.6, 1.7e9 + 9.6}) {
     CHECK(clock.time_s(stamp_s) == stamp_s);

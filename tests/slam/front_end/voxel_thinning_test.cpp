@@ -1,23 +1,10 @@
 #include "front_end/voxel_thinning.h"
 
-#include <tuple>
-
 #include "testing.h"
 
-using hqslam::slam::FeaturePoint;
-using hqslam::slam::thin;
+using namespace hqslam::slam;
 
 namespace {
-
-std::vector<FeaturePoint> random_points(int count, float extent_m, unsigned seed) {
-  std::mt19937 generator(seed);
-  const auto random = [&] {
-    return extent_m * (static_cast<float>(generator() % 200001) / 100000.0F - 1.0F);
-  };
-  std::vector<FeaturePoint> points(count);
-  for (FeaturePoint& point : points) point.point_m = {random(), random(), random()};
-  return points;
-}
 
 /// The corner of a point's voxel of 0.5 m.
 Eigen::Array3f first_of_voxel_m(const FeaturePoint& point) {
@@ -47,7 +34,12 @@ TEST_CASE("points of one voxel become their mean: place, time, slope and what is
 TEST_CASE("there is one point per voxel, in the order of their first points") {
   // 10 points in each of some voxels of 0.5 m within 2 km, one of all voxels after the other.
   std::vector<FeaturePoint> points;
-  const std::vector<FeaturePoint> places = random_points(500, 1000.0F, 2);
+  std::mt19937 generator(2);
+  const auto random = [&] {
+    return 1000.0F * (static_cast<float>(generator() % 200001) / 100000.0F - 1.0F);
+  };
+  std::vector<FeaturePoint> places(500);
+  for (FeaturePoint& place : places) place.point_m = {random(), random(), random()};
   for (int i = 0; i < 10; ++i) {
     for (const FeaturePoint& place : places) {
       points.push_back({first_of_voxel_m(place) + 0.01F + 0.04F * static_cast<float>(i)});
@@ -67,9 +59,8 @@ TEST_CASE("there is one point per voxel, in the order of their first points") {
 }
 
 TEST_CASE("points that are not finite, or a million voxels away, are left out") {
-  const float nan = std::nanf("");
   const std::vector<FeaturePoint> points = {{{1.0F, 2.0F, 3.0F}, 0.0F, 0},
-                                            {{nan, 0.0F, 0.0F}, 0.0F, 0},
+                                            {{std::nanf(""), 0.0F, 0.0F}, 0.0F, 0},
                                             {{0.0F, 2.1e5F, 0.0F}, 0.0F, 0},
                                             {{0.0F, 0.0F, -3e38F}, 0.0F, 0}};
   const std::vector<FeaturePoint> thinned = thin(points, 0.2);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "hqslam/core/imu_sample.h"
+#include "testing.h"
 
 namespace hqslam::test {
 

@@ -1,14 +1,9 @@
 #include "imu/even_turning.h"
 
-#include <Eigen/Geometry>
-
 #include "testing.h"
 
 using namespace hqslam;
-using slam::EvenTurning;
-using slam::FeaturePoint;
-using slam::Features;
-using slam::ImuStep;
+using namespace hqslam::slam;
 
 namespace {
 

@@ -5,8 +5,7 @@
 #include "testing.h"
 
 using namespace hqslam;
-using slam::ImuBuffer;
-using slam::ImuStep;
+using namespace hqslam::slam;
 
 namespace {
 
@@ -107,8 +106,7 @@ TEST_CASE("a stamp of the future does not keep out later samples") {
   CHECK(buffer.steps(0.05, 0.2, kLevel).size() > 10);
 }
 
-TEST_CASE(
-    "a single rate far from those beside it is replaced by their mean, a lasting one is not") {
+TEST_CASE("a single rate far from its neighbours becomes their mean, a lasting one stays") {
   std::vector<ImuSample> spiked = samples(0, 10);
   spiked[5].angular_rate_rad_per_s.z() = 35.0;
   const std::vector<ImuStep> steps = buffer_of(spiked).steps(0.0, 0.1, kLevel);

@@ -13,8 +13,7 @@ Vector3d true_rate(int scan) {
 }
 
 /// The check after scans whose turns were measured so.
-template <typename Measured>
-InertialCheck check_of(const Measured& measured, int scans = 120) {
+InertialCheck check_of(const auto& measured, int scans = 120) {
   InertialCheck check;
   for (int scan = 0; scan < scans; ++scan) {
     check.compare_turns({0.1 * scan, measured(scan), true_rate(scan)});

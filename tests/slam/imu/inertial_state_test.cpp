@@ -1,19 +1,12 @@
 #include "imu/inertial_state.h"
 
 #include "alignment/scan_information.h"
-#include "hqslam/core/imu_sample.h"
 #include "slam/imu/accelerometer.h"
 #include "slam/steady_drive.h"
-#include "testing.h"
 
 using namespace hqslam;
-using slam::ImuStep;
-using slam::InertialPrediction;
-using slam::InertialState;
-using slam::Matrix18;
-using slam::Matrix6;
-using slam::MotionState;
-using slam::Vector6;
+using namespace hqslam::test;
+using namespace hqslam::slam;
 using Vector18 = Eigen::Matrix<double, 18, 1>;
 
 namespace {
@@ -62,21 +55,21 @@ std::vector<ImuStep> some_steps(int count) {
 }  // namespace
 
 TEST_CASE("a steady drive along a screw is integrated to its closed form") {
-  const test::SteadyDrive drive{
+  const SteadyDrive drive{
       pose_from_xyz_rpy({3, 4, 5}, 0.1, 0.2, 0.3), {2, -1, 0.5}, {0.3, -0.2, 0.8}};
   const InertialState inertial{.gyroscope_bias_rad_per_s = {0.01, 0.02, -0.01},
                                .accelerometer_bias_mps2 = {0.1, -0.2, 0.05},
-                               .gravity_map_mps2 = test::kGravity};
+                               .gravity_map_mps2 = kGravity};
   std::vector<ImuStep> steps;
   for (int k = 0; k < 500; ++k) {
     // a = w x v in the sensor's frame; at the middle of the step.
     const Eigen::Matrix3d R = drive.at(0.001 * (k + 0.5)).linear();
     steps.push_back({0.001, drive.turn_rad_per_s + inertial.gyroscope_bias_rad_per_s,
-                     drive.turn_rad_per_s.cross(drive.velocity_mps) -
-                         R.transpose() * test::kGravity + inertial.accelerometer_bias_mps2});
+                     drive.turn_rad_per_s.cross(drive.velocity_mps) - R.transpose() * kGravity +
+                         inertial.accelerometer_bias_mps2});
   }
   const InertialPrediction later =
-      slam::predicted(moving(drive.at(0.0), drive.velocity_mps), inertial, steps, {7, 8, 9});
+      predicted(moving(drive.at(0.0), drive.velocity_mps), inertial, steps, {7, 8, 9});
   CHECK((later.state.T_map_sensor.translation() - drive.at(0.5).translation()).norm() < 1e-3);
   CHECK(rotation_angle_rad(later.state.T_map_sensor.inverse() * drive.at(0.5)) < 1e-9);
   CHECK((later.state.velocity.linear - drive.velocity_mps).norm() < 5e-3);
@@ -85,10 +78,9 @@ TEST_CASE("a steady drive along a screw is integrated to its closed form") {
 
 TEST_CASE("every error grows into the others as it does when it is made") {
   const MotionState state = moving(pose_from_xyz_rpy({1, 2, 3}, 0.4, -0.3, 0.9), {1.2, -0.4, 0.3});
-  InertialState inertial{.gravity_map_mps2 = test::kGravity};
-  const std::vector<ImuStep> steps = some_steps(200);
+  InertialState inertial{.gravity_map_mps2 = kGravity};
   const auto moved = [&](const InertialPrediction& from) {
-    return slam::predicted(from.state, from.inertial, steps, Eigen::Vector3d::Zero());
+    return predicted(from.state, from.inertial, some_steps(200), Eigen::Vector3d::Zero());
   };
   const InertialPrediction exact = moved({state, inertial});
   const Matrix18 noise = exact.inertial.covariance;
@@ -109,8 +101,8 @@ TEST_CASE("at first gravity is against the specific force, and the pose as sure 
   MotionState state = moving(pose_from_xyz_rpy({1, 2, 3}, 0.2, 0, 0), {0, 0, 0});
   state.covariance(4, 4) = 0.25;
   const Eigen::Vector3d force = state.T_map_sensor.linear().transpose() * Eigen::Vector3d(0, 0, 10);
-  const InertialState inertial = slam::first_inertial_state(state, force);
-  CHECK(inertial.gravity_map_mps2.isApprox(test::kGravity, 1e-9));
+  const InertialState inertial = first_inertial_state(state, force);
+  CHECK(inertial.gravity_map_mps2.isApprox(kGravity, 1e-9));
   CHECK(inertial.covariance(4, 4) == 0.25);
   CHECK(inertial.covariance.diagonal().tail<9>().minCoeff() > 0.0);
 }
@@ -126,8 +118,8 @@ TEST_CASE("biases and gravity are estimated from a hand's turns, scan by scan") 
   const auto velocity_at = [&](double time_s) -> Eigen::Vector3d {
     return (pose_at(time_s + 1e-4).translation() - pose_at(time_s - 1e-4).translation()) / 2e-4;
   };
-  MotionState state = slam::unknown_motion(pose_at(0.0));
-  InertialState inertial = slam::first_inertial_state(state, {0, 0, 9.8});
+  MotionState state = unknown_motion(pose_at(0.0));
+  InertialState inertial = first_inertial_state(state, {0, 0, 9.8});
   for (int scan = 1; scan <= 600; ++scan) {
     std::vector<ImuStep> steps;
     for (int k = 0; k < 10; ++k) {
@@ -136,48 +128,46 @@ TEST_CASE("biases and gravity are estimated from a hand's turns, scan by scan") 
       const Eigen::Vector3d acceleration = (velocity_at(t + 0.005) - velocity_at(t - 0.005)) / 0.01;
       steps.push_back(
           {0.01, turn.angular / 0.01 + gyroscope,
-           pose_at(t).linear().transpose() * (acceleration - test::kGravity) + accelerometer});
+           pose_at(t).linear().transpose() * (acceleration - kGravity) + accelerometer});
     }
     const InertialPrediction prediction =
-        slam::predicted(state, inertial, steps, Eigen::Vector3d::Zero());
+        predicted(state, inertial, steps, Eigen::Vector3d::Zero());
     // A registration that finds the pose exactly.
-    state = slam::ExpectedState(prediction.state).given(pose_at(0.1 * scan));
+    state = ExpectedState(prediction.state).given(pose_at(0.1 * scan));
     state.covariance *= 1e-6;
     const Matrix6 of_scan = 1e6 * prediction.state.covariance.topLeftCorner<6, 6>().inverse();
-    inertial = slam::corrected(prediction, state, of_scan, of_scan);
+    inertial = corrected(prediction, state, of_scan, of_scan);
   }
   // Slowly, since registrations in rooms are often wrong: a fifth is left after a minute.
   CHECK((inertial.gyroscope_bias_rad_per_s - gyroscope).norm() < 0.2 * gyroscope.norm());
   CHECK((inertial.accelerometer_bias_mps2 - accelerometer).norm() < 0.03);
-  CHECK((inertial.gravity_map_mps2 - test::kGravity).norm() < 0.03);
+  CHECK((inertial.gravity_map_mps2 - kGravity).norm() < 0.03);
   CHECK(inertial.covariance.isApprox(inertial.covariance.transpose(), 1e-9));
   CHECK(inertial.covariance.diagonal().minCoeff() > 0.0);
 }
 
 TEST_CASE("a scan corrects as a Kalman update by its own information, and not where it has none") {
   const MotionState state = moving(pose_from_xyz_rpy({1, 2, 3}, 0.4, -0.3, 0.9), {1.2, -0.4, 0.3});
-  const InertialState inertial = slam::first_inertial_state(state, {0.1, 0.2, 9.7});
+  const InertialState inertial = first_inertial_state(state, {0.1, 0.2, 9.7});
   const std::vector<ImuStep> steps(10, {0.01, {0.1, -0.2, 0.3}, {0.4, 0.1, 9.9}});
-  const InertialPrediction prediction =
-      slam::predicted(state, inertial, steps, Eigen::Vector3d::Zero());
+  const InertialPrediction prediction = predicted(state, inertial, steps, Eigen::Vector3d::Zero());
   MotionState expected = prediction.state;
   SUBCASE("searched at the prediction") {}
   SUBCASE("searched farther away, at the pose of the odometry") {
-    expected = slam::with_innovation(expected, {{0.3, 0.1, 0.2}, {0.1, 0.1, 0.1}}, 0.1);
+    expected = with_innovation(expected, {{0.3, 0.1, 0.2}, {0.1, 0.1, 0.1}}, 0.1);
   }
   Vector6 z;  // the pose by the scan alone, relative to the prediction
   z << 0.01, 0.0, 0.03, 1e-3, -2e-3, 1e-3;
   Vector6 information;  // nothing along y
   information << 2500.0, 0.0, 1e4, 2.5e5, 1e6, 1e5;
-  slam::ScanInformation scan;
+  ScanInformation scan;
   scan.information = information.asDiagonal();
   scan.gradient = -scan.information * z;
-  const slam::ExpectedState prior(expected);
+  const ExpectedState prior(expected);
   MotionState joined = expected;
   prior.improve(joined, scan);
   joined.covariance = prior.covariance(scan.information);
-  const InertialState found =
-      slam::corrected(prediction, joined, scan.information, scan.information);
+  const InertialState found = corrected(prediction, joined, scan.information, scan.information);
 
   const Matrix18& P = prediction.inertial.covariance;
   Vector6 sigma;
@@ -194,13 +184,12 @@ TEST_CASE("a scan corrects as a Kalman update by its own information, and not wh
 
 TEST_CASE("feigned information about a direction leaves the covariance as predicted there") {
   const MotionState state = moving(pose_from_xyz_rpy({1, 2, 3}, 0.4, -0.3, 0.9), {1.2, -0.4, 0.3});
-  const InertialPrediction prediction =
-      slam::predicted(state, slam::first_inertial_state(state, {0.1, 0.2, 9.7}), some_steps(10),
-                      Eigen::Vector3d::Zero());
+  const InertialPrediction prediction = predicted(
+      state, first_inertial_state(state, {0.1, 0.2, 9.7}), some_steps(10), Eigen::Vector3d::Zero());
   Matrix6 known = 1e6 * Matrix6::Identity();
   known(2, 2) = 0.0;  // of the height only errors of normals speak
   const Matrix18 after =
-      slam::corrected(prediction, prediction.state, 1e6 * Matrix6::Identity(), known).covariance;
+      corrected(prediction, prediction.state, 1e6 * Matrix6::Identity(), known).covariance;
   const Matrix18& before = prediction.inertial.covariance;
   CHECK(after(0, 0) < 0.5 * before(0, 0));
   CHECK(after(2, 2) > 0.9 * before(2, 2));
@@ -208,11 +197,10 @@ TEST_CASE("feigned information about a direction leaves the covariance as predic
 
 TEST_CASE("after a gap biases and gravity are unchanged and uncorrelated with the pose") {
   const MotionState state = moving(pose_from_xyz_rpy({1, 2, 3}, 0.4, -0.3, 0.9), {1.2, -0.4, 0.3});
-  const InertialPrediction before =
-      slam::predicted(state, slam::first_inertial_state(state, {1, 2, 9}), some_steps(100),
-                      Eigen::Vector3d::Zero());
-  const MotionState found = slam::unknown_motion(state.T_map_sensor);
-  const InertialState after = slam::kept(before.inertial, found);
+  const InertialPrediction before = predicted(state, first_inertial_state(state, {1, 2, 9}),
+                                              some_steps(100), Eigen::Vector3d::Zero());
+  const MotionState found = unknown_motion(state.T_map_sensor);
+  const InertialState after = kept(before.inertial, found);
   CHECK(after.gravity_map_mps2 == before.inertial.gravity_map_mps2);
   CHECK(after.covariance.bottomRightCorner<9, 9>() ==
         before.inertial.covariance.bottomRightCorner<9, 9>());
@@ -221,9 +209,9 @@ TEST_CASE("after a gap biases and gravity are unchanged and uncorrelated with th
 }
 
 TEST_CASE("gravity turns with the map") {
-  InertialState inertial{.gravity_map_mps2 = test::kGravity};
+  InertialState inertial{.gravity_map_mps2 = kGravity};
   inertial.covariance(15, 15) = 4.0;
-  slam::turn(inertial, Eigen::AngleAxisd(M_PI_2, Eigen::Vector3d::UnitY()).matrix());
+  turn(inertial, Eigen::AngleAxisd(M_PI_2, Eigen::Vector3d::UnitY()).matrix());
   CHECK((inertial.gravity_map_mps2 - Eigen::Vector3d(-kGravity_mps2, 0, 0)).norm() < 1e-9);
   CHECK(inertial.covariance(17, 17) == doctest::Approx(4.0));
 }

@@ -2,7 +2,6 @@
 
 #include "hqslam/evaluation/trajectory_error.h"
 #include "slam/yard_drive.h"
-#include "testing.h"
 
 using namespace hqslam;
 using lego_loam::LegoLoam;
@@ -11,18 +10,13 @@ namespace {
 
 SensorModel yard_sensor() { return test::small_sensor(16, 512); }
 
-LegoLoam driven(int scans) {
-  LegoLoam system(yard_sensor());
-  for (int i = 0; i < scans; ++i) {
-    system.process(test::drive_scan(yard_sensor(), i), i * test::kDrivePeriod_s);
-  }
-  return system;
-}
-
 }  // namespace
 
 TEST_CASE("LeGO-LOAM follows a drive around a yard") {
-  const LegoLoam system = driven(40);
+  LegoLoam system(yard_sensor());
+  for (int i = 0; i < 40; ++i) {
+    system.process(test::drive_scan(yard_sensor(), i), i * test::kDrivePeriod_s);
+  }
   REQUIRE(system.trajectory().size() == 40);
   Trajectory truth;
   for (int i = 0; i < 40; ++i) {

@@ -4,8 +4,6 @@
 #include <pcl/io/pcd_io.h>
 #include <pcl/io/ply_io.h>
 
-#include <tuple>
-
 #include "front_end/voxel_thinning.h"
 #include "hqslam/core/cloud_file.h"
 #include "points.h"

@@ -1,9 +1,7 @@
 #include "segmentation.h"
 
-#include "hqslam/core/projection.h"
 #include "hqslam/lego_loam/lego_loam.h"
 #include "slam/village.h"
-#include "testing.h"
 
 using namespace hqslam;
 using lego_loam::ScanTrace;

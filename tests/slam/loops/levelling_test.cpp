@@ -1,13 +1,10 @@
 #include "loops/levelling.h"
 
-#include "hqslam/core/imu_sample.h"
 #include "slam/imu/accelerometer.h"
 #include "slam/poses.h"
-#include "testing.h"
 
 using namespace hqslam;
-using slam::FeltGravity;
-using slam::GravityAtNode;
+using namespace hqslam::slam;
 
 namespace {
 
@@ -85,8 +82,7 @@ TEST_CASE("motions in the sensor's frame stay as they were, and so does a path w
     const Pose motion = upright[i - 1].inverse() * upright[i];
     CHECK((motion.translation() - Eigen::Vector3d(kNode_m, 0, 0)).norm() < 1e-9);
   }
-  const std::vector<Pose> same = slam::levelled(path.registered, {}).value();
-  CHECK(same.back().matrix() == path.registered.back().matrix());
+  CHECK(slam::levelled(path.registered, {})->back().matrix() == path.registered.back().matrix());
 }
 
 TEST_CASE("an inertial sensor that moves on the vehicle levels nothing") {

@@ -1,11 +1,7 @@
 #include "loops/loop_candidates.h"
 
-#include <numeric>
-
 #include "slam/poses.h"
 #include "slam/village.h"
-#include "slam/yard.h"
-#include "testing.h"
 
 using namespace hqslam;
 using slam::PoseGraph;

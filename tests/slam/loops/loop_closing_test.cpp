@@ -3,12 +3,9 @@
 #include "slam/imu/accelerometer.h"
 #include "slam/poses.h"
 #include "slam/village.h"
-#include "slam/yard.h"
-#include "testing.h"
 
 using namespace hqslam;
-using slam::LoopStatus;
-using slam::Status;
+using namespace hqslam::slam;
 
 namespace {
 
@@ -108,8 +105,7 @@ TEST_CASE("a path that drifts by metres is closed, and path and map become right
   // Drift after that is noticed, though the map of the place is in the window again.
   CHECK(closed.count(LoopStatus::kAgrees) >= 1);
   CHECK(closed.count(LoopStatus::kImplausible) == 0);
-  const DrivenCircuit again = drive(circuit, {error, Status::kOk, true});
-  CHECK(again.map_points_m == closed.map_points_m);
+  CHECK(drive(circuit, {error, Status::kOk, true}).map_points_m == closed.map_points_m);
 }
 
 TEST_CASE("a path without drift is left exactly as it is where it meets itself") {

@@ -1,7 +1,6 @@
 #include "loops/loop_correction.h"
 
 #include "slam/poses.h"
-#include "testing.h"
 
 using namespace hqslam;
 using slam::PoseGraph;

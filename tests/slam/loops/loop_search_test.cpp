@@ -1,10 +1,6 @@
 #include "loops/loop_search.h"
 
-#include <numeric>
-
 #include "slam/village.h"
-#include "slam/yard.h"
-#include "testing.h"
 
 using namespace hqslam;
 using slam::LoopStatus;
@@ -68,8 +64,7 @@ TEST_CASE("a place is found from far away, and the pose with it") {
   CHECK(!street.search(50.0).loop);
 }
 
-TEST_CASE(
-    "a return in the other direction and lane is recognized, by the context of that lane alone") {
+TEST_CASE("a return in the other direction and lane is recognized by that lane's context alone") {
   const Pose truth = test::yard_pose(21.0, 3.8, std::numbers::pi);
   auto street = drive(test::street(31, -60.0, 200.0), test::yard_pose(35.0, 40.0, 3.0), truth);
   const auto result = street.search(100.0);
@@ -77,8 +72,7 @@ TEST_CASE(
   CHECK((result.loop->T_map_last.translation() - truth.translation()).norm() < 0.1);
   CHECK(rotation_angle_rad(truth.inverse() * result.loop->T_map_last) < 0.01);
   street.last_contexts.resize(1);
-  const auto own_lane = street.search(100.0);
-  CHECK(own_lane.candidates < result.candidates);
+  CHECK(street.search(100.0).candidates < result.candidates);
 }
 
 TEST_CASE("of two places that are alike none is taken") {
@@ -91,8 +85,7 @@ TEST_CASE("of two places that are alike none is taken") {
 
 TEST_CASE("where the estimated pose fits no other place is searched") {
   const Pose near_truth = test::yard_pose(20.2, 0.9, 0.1);
-  const auto street = drive(test::street_of_two_equal_halves(), near_truth);
-  const auto result = street.search(100.0);
+  const auto result = drive(test::street_of_two_equal_halves(), near_truth).search(100.0);
   REQUIRE(result.loop);
   CHECK(result.candidates == 1);
   CHECK((result.loop->T_map_last.translation() - near_truth.translation()).norm() < 0.3);

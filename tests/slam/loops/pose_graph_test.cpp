@@ -1,11 +1,9 @@
 #include "loops/pose_graph.h"
 
 #include "slam/poses.h"
-#include "testing.h"
 
 using namespace hqslam;
-using slam::optimized;
-using slam::PoseGraph;
+using namespace hqslam::slam;
 
 namespace {
 

@@ -2,13 +2,9 @@
 
 #include "slam/cloud_of.h"
 #include "slam/village.h"
-#include "slam/yard.h"
-#include "testing.h"
 
 using namespace hqslam;
-using slam::compare;
-using slam::scan_context;
-using slam::ScanContext;
+using namespace hqslam::slam;
 
 namespace {
 

@@ -16,8 +16,7 @@ slam::MappingResult fit(int close, int sought) {
 
 }  // namespace
 
-TEST_CASE(
-    "of a hundred close planes fifteen more are chance, of a thousand a hundred and fifty not") {
+TEST_CASE("of 100 close planes fifteen more are chance, of 1000 a hundred and fifty are not") {
   CHECK(slam::fits_better(fit(124, 514), fit(109, 514)));
   CHECK_FALSE(slam::fits_better_than_chance(fit(124, 514), fit(109, 514)));
   CHECK(slam::fits_better_than_chance(fit(150, 514), fit(109, 514)));

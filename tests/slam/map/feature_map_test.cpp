@@ -3,11 +3,7 @@
 #include "testing.h"
 
 using hqslam::Pose;
-using hqslam::slam::FeatureMap;
-using hqslam::slam::MapPoint;
-using hqslam::slam::NearbyPoints;
-using hqslam::slam::Neighbours;
-using hqslam::slam::Surroundings;
+using namespace hqslam::slam;
 
 namespace {
 
@@ -59,15 +55,13 @@ TEST_CASE("neighbours are those of a search through all points of the map, also 
   check_neighbours(emptied, random_points_m(200, 13.0F, 8));
 }
 
-TEST_CASE(
-    "points kept by a search give the neighbours of places beside, as far as they are known") {
+TEST_CASE("points kept by a search give neighbours of places beside, as far as they are known") {
   FeatureMap map(0.4, 1.0);
   map.insert(random_points_m(20000, 15.0F, 3));
   int known = 0;
   for (const auto& place_m : random_points_m(500, 15.0F, 4)) {
-    const NearbyPoints kept = map.nearby(place_m, 0.8F);
     const Eigen::Vector3f beside_m = place_m + Eigen::Vector3f(0.05F, -0.1F, 0.02F);
-    const Neighbours found = kept.nearest(beside_m);
+    const Neighbours found = map.nearby(place_m, 0.8F).nearest(beside_m);
     const Neighbours anew = map.nearest(beside_m);
     REQUIRE(found.count <= anew.count);
     for (int i = 0; i < found.count; ++i) CHECK(found.points_m[i] == anew.points_m[i]);
@@ -94,8 +88,7 @@ TEST_CASE("negative coordinates and cube borders are like any other place") {
   FeatureMap map(0.2, 1.0);
   map.insert({{-0.01F, -0.01F, -0.01F}, {0.01F, 0.01F, 0.01F}});
   CHECK(map.size() == 2);
-  const Neighbours found = map.nearest({0, 0, 0});
-  CHECK(found.count == 2);
+  CHECK(map.nearest({0, 0, 0}).count == 2);
 }
 
 TEST_CASE("points that are not finite or beyond every map are left out, and queries find nothing") {
@@ -171,9 +164,7 @@ TEST_CASE("a correction by the identity leaves the same bytes") {
   CHECK(map.points_m() == before);
 }
 
-TEST_CASE(
-    "points without recent observations are taken out, and later ones there become points of their "
-    "own") {
+TEST_CASE("points not observed recently are taken out; later ones there are points of their own") {
   FeatureMap map(0.4, 1.0);
   map.insert({{0.1F, 0.1F, 0.1F}, {1.1F, 0.1F, 0.1F}}, 0);
   map.insert({{1.15F, 0.1F, 0.1F}}, 5);

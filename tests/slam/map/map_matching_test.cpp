@@ -46,8 +46,7 @@ TEST_CASE("neighbours on a surface make a plane, those of one row a line") {
   CHECK(!fit_surface(five({{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {2, 2, 0}, {1, 1, 0.9F}}}), 0.2));
 }
 
-TEST_CASE(
-    "a point beyond the largest distance spoils a plane, one through the map's origin does not") {
+TEST_CASE("a point too far off spoils a plane; a plane may go through the map's origin") {
   const auto points = five({{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {2, 2, 0}, {1, 1, 0.9F}}});
   CHECK(!hqslam::slam::fit_plane(points, 0.2));
   CHECK(hqslam::slam::fit_plane(points, 0.8));

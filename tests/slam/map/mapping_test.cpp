@@ -2,7 +2,6 @@
 
 #include "map/rooms.h"
 #include "slam/village.h"
-#include "testing.h"
 
 using namespace hqslam;
 using slam::Status;
@@ -48,8 +47,7 @@ void add(double x, double y, double z, std::vector<slam::FeaturePoint>& to, int 
 
 /// A road and two walls, measured from 1.7 m above the road, from `offset_m` on.
 /// rise_m(y): of the ground.
-template <typename Rise>
-slam::MapFeatures road_with(double offset_m, double spacing_m, const Rise& rise_m) {
+slam::MapFeatures road_with(double offset_m, double spacing_m, const auto& rise_m) {
   slam::MapFeatures result;
   for (double along = -10.0 + offset_m; along < 10.0; along += spacing_m) {
     for (double y = -6.0 + offset_m; y < 6.0; y += spacing_m) {
@@ -165,9 +163,8 @@ TEST_CASE("ground that fits badly on one side hardly tilts the scan") {
   const auto roll_rad = [](double trusted_residual_m) {
     slam::Mapping mapping{{.trusted_residual_m = trusted_residual_m}};
     mapping.insert(road(0.1, 0.0), Pose::Identity(), {});
-    const slam::MapFeatures scan = road(0.0, -0.12);
     const auto result =
-        mapping.register_scan(scan, expected_at(Pose::Identity()), Pose::Identity());
+        mapping.register_scan(road(0.0, -0.12), expected_at(Pose::Identity()), Pose::Identity());
     REQUIRE(result.status == Status::kOk);
     return roll_pitch_yaw_rad(result.state.T_map_sensor).x();
   };

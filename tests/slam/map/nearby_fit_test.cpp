@@ -26,15 +26,6 @@ std::optional<MapPlane> mean_of(const Neighbours& neighbours) {
   return result;
 }
 
-std::optional<MapPlane> searched_anew(const FeatureMap& map, const Eigen::Vector3f& query_m,
-                                      double reach_m) {
-  const Neighbours found = map.nearest(query_m);
-  const bool near_enough =
-      found.count == Neighbours::kWanted &&
-      found.squared_distance_m2.back() <= static_cast<float>(reach_m * reach_m);
-  return near_enough ? mean_of(found) : std::nullopt;
-}
-
 }  // namespace
 
 TEST_CASE("the stored fit of a moving feature is that of a new search") {
@@ -51,12 +42,14 @@ TEST_CASE("the stored fit of a moving feature is that of a new search") {
     Eigen::Vector3f query_m = random_point(generator, 9.0F);
     float step_m = 0.1F;
     for (const double reach_m : {1.0, 1.0, 0.6, 0.6, 0.6, 1.0}) {
-      const auto expected = searched_anew(map, query_m, reach_m);
+      const Neighbours anew = map.nearest(query_m);
       const auto found = nearby.at(map, query_m, reach_m, counted);
-      REQUIRE(found.has_value() == expected.has_value());
+      const auto reach_m2 = static_cast<float>(reach_m * reach_m);
+      REQUIRE(found.has_value() ==
+              (anew.count == Neighbours::kWanted && anew.squared_distance_m2.back() <= reach_m2));
       if (found) {
         ++fits;
-        CHECK((found->point_m - expected->point_m).norm() < 1e-9);
+        CHECK((found->point_m - mean_of(anew)->point_m).norm() < 1e-9);
       }
       query_m += step_m * random_point(generator, 1.0F).normalized();
       step_m *= 0.3F;
@@ -69,9 +62,7 @@ TEST_CASE("the stored fit of a moving feature is that of a new search") {
 TEST_CASE("a fit of the nearest point alone is stored likewise") {
   std::mt19937 generator(3);
   const FeatureMap map = random_map(generator);
-  const auto first = [](const Neighbours& near) {
-    return std::optional<Eigen::Vector3f>(near.points_m[0]);
-  };
+  const auto first = [](const Neighbours& near) { return std::optional(near.points_m[0]); };
   int found = 0;
   for (int feature = 0; feature < 300; ++feature) {
     NearbyFit<Eigen::Vector3f, 1> nearby;

@@ -1,8 +1,6 @@
 #include "map/recent_features.h"
 
-#include "hqslam/core/pose.h"
 #include "slam/poses.h"
-#include "testing.h"
 
 using namespace hqslam;
 

@@ -26,8 +26,7 @@ std::string error_of(const std::string& yaml, const std::string& image) {
 
 }  // namespace
 
-TEST_CASE(
-    "a map is written as map_server reads it, the top row first, and read back cell by cell") {
+TEST_CASE("a map is written as map_server reads it, top row first, and read back by cells") {
   const TemporaryDirectory folder;
   write_occupancy_image(small_occupancy_map(), folder.file("map.pgm"));
   CHECK(file_contents(folder.file("map.pgm")) ==

@@ -1,8 +1,6 @@
 #include "hqslam/slam/occupancy_grid.h"
 
-#include "hqslam/core/angles.h"
 #include "slam/yard_drive.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::slam;
@@ -11,14 +9,6 @@ using namespace hqslam::test;
 namespace {
 
 constexpr int kScans = 30;
-
-Trajectory true_poses() {
-  Trajectory trajectory;
-  for (int i = 0; i < kScans; ++i) {
-    trajectory.push_back({i * kDrivePeriod_s, drive_pose(i * kDrivePeriod_s)});
-  }
-  return trajectory;
-}
 
 /// A box of a car's size that is in the yard during some scans.
 struct Car {
@@ -49,7 +39,10 @@ void put_in(const Car& car, const SensorModel& sensor, const SensorPath& path,
 OccupancyMap yard_map(const std::optional<Car>& car = std::nullopt, bool backwards = false) {
   // With a car, columns dense enough to detect that it left.
   const SensorModel sensor = small_sensor(16, car ? 1024 : 512);
-  const Trajectory trajectory = true_poses();
+  Trajectory trajectory;
+  for (int i = 0; i < kScans; ++i) {
+    trajectory.push_back({i * kDrivePeriod_s, drive_pose(i * kDrivePeriod_s)});
+  }
   OccupancyGrid grid({});
   const auto for_each_scan = [&](const auto& use) {
     for (int k = 0; k < kScans; ++k) {
@@ -102,8 +95,7 @@ TEST_CASE("the floor of a yard is free, its walls and pillars are occupied, beyo
 
 TEST_CASE("a parked car is in the map, one that drove away is not") {
   const Car car{{{6.0, -7.0, 0.0}, {10.0, -5.2, 1.5}}};
-  const OccupancyMap standing = yard_map(car);
-  CHECK(share(standing, {6.0, -5.3}, {10.0, -5.1}, Occupancy::kOccupied) > 0.3);
+  CHECK(share(yard_map(car), {6.0, -5.3}, {10.0, -5.1}, Occupancy::kOccupied) > 0.3);
   Car leaving = car;
   leaving.to_scan = 8;
   const OccupancyMap left = yard_map(leaving);

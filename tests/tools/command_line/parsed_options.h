@@ -1,10 +1,9 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <string>
-#include <vector>
 
 #include "program/program.h"
+#include "testing.h"
 
 namespace hqslam::tools {
 

@@ -1,12 +1,10 @@
 #include "product.h"
-#include "testing.h"
 #include "tools/command_line/parsed_options.h"
 #include "tools/parts_of_text.h"
 
 namespace hqslam::tools {
 
-TEST_CASE(
-    "the page of live is served to this computer alone, at port 8642 unless another is named") {
+TEST_CASE("the page of live is served to this computer alone, at port 8642 or another") {
   const auto plain = parsed_options<LiveOptions>({"live", "--sensor", "vlp-16", "--out", "x"});
   CHECK_FALSE(plain.view);
   CHECK(plain.view_address == "127.0.0.1");

@@ -1,5 +1,4 @@
 #include "laboratory.h"
-#include "testing.h"
 #include "tools/command_line/parsed_options.h"
 
 namespace hqslam::tools {

@@ -1,24 +1,11 @@
 #include "hqslam/pipeline/beam_check.h"
 
-#include "hqslam/core/angles.h"
 #include "slam/yard_drive.h"
-#include "testing.h"
 
 namespace hqslam::pipeline {
 namespace {
 
 const SensorModel kDriven = sensor_preset("os1-16");
-
-slam::BeamCalibration calibration(int beams) {
-  slam::BeamCalibration found;
-  for (int beam = 0; beam < beams; ++beam) {
-    found.beams.push_back({.elevation_rad = 0.001 * (beam + 1),
-                           .range_m = -0.01 * (beam + 1),
-                           .before = {},
-                           .after = {}});
-  }
-  return found;
-}
 
 }  // namespace
 
@@ -26,7 +13,14 @@ TEST_CASE("each row is corrected by its beam, one that was not used by the neare
   SensorModel sensor = sensor_preset("os1-64");
   sensor.elevation_correction_rad.assign(64, 0.5);
   sensor.range_correction_m.assign(64, 0.25);
-  const SensorModel result = corrected(sensor, RowSelection{3, 4}, calibration(16));
+  slam::BeamCalibration found;
+  for (int beam = 0; beam < 16; ++beam) {
+    found.beams.push_back({.elevation_rad = 0.001 * (beam + 1),
+                           .range_m = -0.01 * (beam + 1),
+                           .before = {},
+                           .after = {}});
+  }
+  const SensorModel result = corrected(sensor, RowSelection{3, 4}, found);
   const auto check = [&](std::size_t row, int beam) {
     CAPTURE(row);
     CHECK(result.elevation_correction_rad[row] == doctest::Approx(0.5 + 0.001 * (beam + 1)));
@@ -66,9 +60,7 @@ TEST_CASE("a scan is kept for each metre of path, as far as wanted, with the tra
   int processed = 0;
   for (; processed < 100 && !beams.is_complete(); ++processed) {
     const OrganizedCloud cloud = test::drive_scan(kDriven, processed);
-    const slam::ScanReport report =
-        pipeline.process(cloud, test::kDrivePeriod_s * processed).report;
-    beams.add(cloud, report, pipeline);
+    beams.add(cloud, pipeline.process(cloud, test::kDrivePeriod_s * processed).report, pipeline);
   }
   REQUIRE(beams.is_complete());
   CHECK_FALSE(beams.is_lost());

@@ -1,8 +1,6 @@
 #include "hqslam/pipeline/drive_memory.h"
 
 #include "hqslam/core/projection.h"
-#include "made_images.h"
-#include "testing.h"
 #include "tools/program/untrained_weights.h"
 
 namespace hqslam::pipeline {

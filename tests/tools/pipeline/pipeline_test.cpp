@@ -1,9 +1,7 @@
 #include "hqslam/pipeline/pipeline.h"
 
-#include "hqslam/core/projection.h"
 #include "hqslam/slam/scan_trace.h"
 #include "slam/yard_drive.h"
-#include "testing.h"
 #include "tools/program/untrained_weights.h"
 
 namespace hqslam::pipeline {
@@ -18,28 +16,23 @@ RecordedScan recorded_scan(int i) {
   return scan;
 }
 
-Pipeline driven(const PipelineOptions& options, int scans) {
-  Pipeline pipeline(kSensor, options);
-  for (int i = 0; i < scans; ++i) pipeline.process(recorded_scan(i));
-  pipeline.finish();
-  return pipeline;
-}
-
 }  // namespace
 
 TEST_CASE("without an upsampling the pipeline is SLAM, bit by bit, of a driver's points too") {
-  const Pipeline pipeline = driven({}, 8);
+  Pipeline pipeline(kSensor);
   Pipeline of_driver(kSensor);
   slam::ScanTrace trace;
   slam::Slam slam(kSensor);
   for (int i = 0; i < 8; ++i) {
     const RecordedScan scan = recorded_scan(i);
     slam.process(scan.cloud, scan.stamp_s);
+    pipeline.process(scan);
     Scan points = returns_of(scan.cloud);
     points.stamp_s = scan.stamp_s;
     of_driver.process(points, &trace);
     CHECK_FALSE(trace.features.empty());
   }
+  pipeline.finish();
   REQUIRE(pipeline.trajectory().size() == 8);
   for (std::size_t i = 0; i < 8; ++i) {
     const Pose& expected = slam.trajectory()[i].T_map_sensor;
@@ -59,9 +52,8 @@ TEST_CASE("a network with a memory recalls the scans before, as SLAM located the
     const LocatedScan located = pipeline.process(scan);
     CHECK(located.cloud.rows == 64);
     CHECK(located.upsampling_s > 0.0);
-    const bool is_as_alone =
-        located.cloud.range_m == alone.upsampled(alone.measured(scan.cloud)).range_m;
-    CHECK(is_as_alone == (i == 0));
+    CHECK((located.cloud.range_m == alone.upsampled(alone.measured(scan.cloud)).range_m) ==
+          (i == 0));
   }
 }
 

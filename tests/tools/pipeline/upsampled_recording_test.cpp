@@ -1,9 +1,6 @@
 #include "hqslam/pipeline/upsampled_recording.h"
 
-#include "hqslam/core/projection.h"
-#include "made_images.h"
 #include "points_file.h"
-#include "testing.h"
 #include "tools/program/untrained_weights.h"
 
 namespace hqslam::pipeline {
@@ -51,9 +48,8 @@ TEST_CASE("clouds of the measured rows alone find them by their points, those of
     CHECK(scan->cloud.rows == 16);
     CHECK(opened.upsampler.upsampled(opened.upsampler.measured(scan->cloud)).rows == 64);
   }
-  const std::string all = files.cloud("os1-64");
   for (const std::string& method : {files.weights, std::string("linear")}) {
-    CHECK(open_upsampled(all, {}, {.method = method}).upsampler.selected_rows());
+    CHECK(open_upsampled(files.cloud("os1-64"), {}, {.method = method}).upsampler.selected_rows());
   }
 }
 

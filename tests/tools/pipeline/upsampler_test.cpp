@@ -1,9 +1,6 @@
 #include "hqslam/pipeline/upsampler.h"
 
-#include "hqslam/core/angles.h"
 #include "hqslam/core/projection.h"
-#include "made_images.h"
-#include "testing.h"
 #include "tools/program/untrained_weights.h"
 
 namespace hqslam::pipeline {
@@ -12,8 +9,7 @@ namespace {
 using test::refused_with;
 
 /// Whether these options for a drive of this sensor are refused with these parts.
-template <typename... Parts>
-bool refused(const SensorModel& sensor, const UpsamplingOptions& options, const Parts&... parts) {
+bool refused(const SensorModel& sensor, const UpsamplingOptions& options, const auto&... parts) {
   return test::refused_with([&] { Upsampler(sensor, options, "drive"); }, parts...);
 }
 
@@ -82,9 +78,8 @@ TEST_CASE("a sensor that the weights were not made for is one line with what the
 }
 
 TEST_CASE("scans in more columns than the network's are projected into its columns") {
-  const std::string weights = test::untrained_file();
   const SensorModel fine = test::preset_with("os1-16", 2048);
-  const Upsampler upsampler(fine, {.method = weights});
+  const Upsampler upsampler(fine, {.method = test::untrained_file()});
   CHECK(upsampler.recorded().columns == 1024);
   const RangeImage image = test::flat_image(16, fine.columns, 10.0F);
   const OrganizedCloud measured = upsampler.measured(unproject(image, fine, CaptureTime::kRolling));

@@ -1,5 +1,3 @@
-#include <cstdlib>
-
 #include "hqslam/nn/instruction_set.h"
 #include "tools/program/program.h"
 #include "tools/program/untrained_weights.h"
@@ -36,8 +34,7 @@ TEST_CASE("bench measures every stage with 64, 16 and 16 upsampled rows, with on
 }
 
 TEST_CASE("bench --cpu prints the instruction set in use, which the environment may choose") {
-  const ProgramResult result = succeeds("bench --cpu --json");
-  const nlohmann::json json = nlohmann::json::parse(result.out);
+  const nlohmann::json json = nlohmann::json::parse(succeeds("bench --cpu --json").out);
   CHECK(json["instruction_set"] == nn::name(nn::chosen_instruction_set()));
   CHECK(json["available"].size() == nn::available_instruction_sets().size());
   setenv("HQSLAM_INSTRUCTION_SET", "portable", 1);

@@ -1,5 +1,3 @@
-#include "hqslam/core/npy.h"
-#include "hqslam/core/sensor_model.h"
 #include "made_images.h"
 #include "tools/program/program.h"
 
@@ -75,9 +73,7 @@ TEST_CASE("calibrate asks for a drive of measured scans") {
   CHECK(holds(error_of(upsampled), "found computed ones"));
 }
 
-TEST_CASE(
-    "run corrects beams that have errors as calibrate does, unless it is not to, and keeps "
-    "others") {
+TEST_CASE("run corrects beams as calibrate does, unless it is not to or they have no errors") {
   const LyingDrive lying(160);
   const ProgramResult result =
       succeeds("run '{}' --out '{}'", lying.drive, lying.folder.file("run"));

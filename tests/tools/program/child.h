@@ -3,9 +3,6 @@
 #include <signal.h>
 #include <unistd.h>
 
-#include <chrono>
-#include <thread>
-
 #include "tools/program/program.h"
 
 namespace hqslam::test {
@@ -29,8 +26,7 @@ class Child {
   Child& operator=(const Child&) = delete;
 
   /// Until `condition` holds or the program has ended by itself. Returns whether it has not.
-  template <typename Condition>
-  bool wait_until(const Condition& condition) {
+  bool wait_until(const auto& condition) {
     while (!condition()) {
       int status = 0;
       if (waitpid(pid_, &status, WNOHANG) != 0) {

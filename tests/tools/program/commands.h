@@ -1,14 +1,7 @@
 #pragma once
 
-#include <filesystem>
-#include <map>
-#include <string>
-#include <vector>
-
 #include "core/recordings/captures.h"
 #include "hqslam/core/npz.h"
-#include "hqslam/core/sensor_model.h"
-#include "hqslam/nn/network_json.h"
 #include "tools/program/arguments.h"
 #include "tools/program/untrained_weights.h"
 

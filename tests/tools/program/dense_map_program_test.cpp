@@ -1,7 +1,3 @@
-#include <sstream>
-
-#include "hqslam/core/cloud_file.h"
-#include "hqslam/core/trajectory.h"
 #include "made_images.h"
 #include "points_file.h"
 #include "tools/program/program.h"
@@ -33,8 +29,7 @@ std::vector<MapRow> rows_of(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE(
-    "an upsampled drive's dense map is more complete than a measured one's, and nearly as true") {
+TEST_CASE("an upsampled drive's dense map is more complete than a measured one's, nearly as true") {
   const TemporaryDirectory out;
   const std::string folder = out.path().string();
   const auto run = [&](const char* options, const char* name) {
@@ -96,8 +91,7 @@ TEST_CASE("scans whose poses a TUM file does not have are left out of the map, a
   CHECK(missing(first.out, {"of 2 scans", "3 scans without a pose left out"}) == "");
 }
 
-TEST_CASE(
-    "poses of a survey, a thousand kilometres from its origin, make no map, and that is said") {
+TEST_CASE("poses of a survey, thousands of kilometres from its origin, make no map") {
   const TemporaryDirectory out;
   Trajectory truth = read_tum(simulated_drive() + "/truth.tum");
   for (StampedPose& pose : truth) pose.T_map_sensor.translation() += Eigen::Vector3d(5e5, 5.4e6, 0);
@@ -108,8 +102,7 @@ TEST_CASE(
 }
 
 /// What `map` says of a drive's true poses after a change.
-template <typename Change>
-std::string said_of_poses(const std::string& drive, const Change& change) {
+std::string said_of_poses(const std::string& drive, const auto& change) {
   const TemporaryDirectory folder;
   const std::string poses = folder.file("poses.tum");
   Trajectory trajectory = read_tum(drive + "/truth.tum");

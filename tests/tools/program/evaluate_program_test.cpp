@@ -1,5 +1,3 @@
-#include "hqslam/core/cloud_file.h"
-#include "hqslam/core/trajectory.h"
 #include "made_images.h"
 #include "points_file.h"
 #include "tools/program/program.h"
@@ -31,9 +29,8 @@ TEST_CASE("evaluate names the alignment, which alone takes an offset away, and c
   for (const auto& [alignment, rmse] :
        {std::pair{"none", "2.0000"}, std::pair{"first", "0.0000"}, std::pair{"se3", "0.0000"}}) {
     CAPTURE(alignment);
-    const std::string label = fmt::format("APE m (align {})", alignment);
     CHECK(holds(printed(std::string("--align ") + alignment),
-                fmt::format("{:<26}{:>10}", label, rmse)));
+                fmt::format("{:<26}{:>10}", fmt::format("APE m (align {})", alignment), rmse)));
   }
   for (int i = 150; i < 300; ++i) estimate[i].T_map_sensor.translation().y() += 0.5;
   CHECK(holds(printed(""), fmt::format("{:<26}{:>10}{:>10} per 100 km", "slips", 1, "334.4")));
@@ -50,10 +47,9 @@ TEST_CASE("two stacks that differ by 0.5 m in every fourth pixel have the MAE th
   }
   write_stack(folder.file("truth.npy"), {truth});
   write_stack(folder.file("image.npy"), {image});
-  const ProgramResult result =
-      evaluate(folder.file("image.npy"), folder.file("truth.npy"), "--sensor os1-16");
-  CHECK(missing(result.out, {"MAE, all pixels       0.1250 m",
-                             "MAE, valid pixels     0.2500 m (8192 pixels)", "voxel F1"}) == "");
+  CHECK(missing(evaluate(folder.file("image.npy"), folder.file("truth.npy"), "--sensor os1-16").out,
+                {"MAE, all pixels       0.1250 m", "MAE, valid pixels     0.2500 m (8192 pixels)",
+                 "voxel F1"}) == "");
 }
 
 TEST_CASE("two clouds 1 m apart are all outliers with a Chamfer distance of 2 m^2") {

@@ -1,6 +1,4 @@
 #include "core/recordings/captures.h"
-#include "hqslam/core/sensor_model.h"
-#include "hqslam/core/trajectory.h"
 #include "made_images.h"
 #include "tools/program/program.h"
 
@@ -53,8 +51,7 @@ TEST_CASE("without a sensor info finds it in the points and writes it, and run t
 
 TEST_CASE("of points without times info says how they were captured, and names that to run") {
   const std::string bin = simulated_drive("--sensor os1-16 --scans 40 --seed 3") + "/bin";
-  const ProgramResult moving = succeeds("info '{}'", bin);
-  CHECK(missing(moving.out,
+  CHECK(missing(succeeds("info '{}'", bin).out,
                 {"counted in turns of the sensor from 0 s", "as captured while the sensor turned",
                  fmt::format("hqslam run {} --capture rolling", bin)}) == "");
   CHECK_FALSE(holds(succeeds("info '{}'", simulated_drive() + "/bin").out, "--capture"));

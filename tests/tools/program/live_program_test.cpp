@@ -1,21 +1,9 @@
 #include <fmt/ranges.h>
-#include <signal.h>
 
-#include <chrono>
-#include <cmath>
-#include <thread>
-
-#include "core/recordings/captures.h"
 #include "core/recordings/live/loopback.h"
-#include "hqslam/core/angles.h"
 #include "hqslam/core/cloud_file.h"
-#include "hqslam/core/npy.h"
-#include "hqslam/core/sensor_model.h"
-#include "hqslam/core/trajectory.h"
-#include "hqslam/recordings/ouster.h"
 #include "http_get.h"
 #include "tools/program/child.h"
-#include "tools/program/program.h"
 #include "tools/program/untrained_weights.h"
 #include "udp_socket.h"
 
@@ -30,25 +18,23 @@ struct OusterDrive {
   std::vector<Captured> packets;
 };
 
-std::string metadata_of(const SensorModel& sensor) {
-  std::vector<double> altitude_deg;
-  std::vector<double> azimuth_deg;
-  for (int row = 0; row < sensor.rows(); ++row) {
-    altitude_deg.push_back(degrees(sensor.beam_elevation_rad[row]));
-    // Clockwise, and from the left edge of a pixel.
-    azimuth_deg.push_back(
-        -degrees(sensor.beam_azimuth_offset_rad[row] - sensor.column_step_rad() / 2.0));
-  }
-  return fmt::format(
-      R"({{"beam_altitude_angles": [{}], "beam_azimuth_angles": [{}], "lidar_mode": "{}x10",
- "lidar_origin_to_beam_origin_mm": 0.0, "prod_line": "OS-1-{}"}})",
-      fmt::join(altitude_deg, ", "), fmt::join(azimuth_deg, ", "), sensor.columns, sensor.rows());
-}
-
 /// folder: written by `hqslam-lab simulate` for an os1-16 or os1-64.
 OusterDrive ouster_drive(const std::string& folder) {
+  const SensorModel simulated = read_sensor_json(folder + "/sensor.json");
+  std::vector<double> altitude_deg;
+  std::vector<double> azimuth_deg;
+  for (int row = 0; row < simulated.rows(); ++row) {
+    altitude_deg.push_back(degrees(simulated.beam_elevation_rad[row]));
+    // Clockwise, and from the left edge of a pixel.
+    azimuth_deg.push_back(
+        -degrees(simulated.beam_azimuth_offset_rad[row] - simulated.column_step_rad() / 2.0));
+  }
   OusterDrive drive;
-  drive.metadata = metadata_of(read_sensor_json(folder + "/sensor.json"));
+  drive.metadata = fmt::format(
+      R"({{"beam_altitude_angles": [{}], "beam_azimuth_angles": [{}], "lidar_mode": "{}x10",
+ "lidar_origin_to_beam_origin_mm": 0.0, "prod_line": "OS-1-{}"}})",
+      fmt::join(altitude_deg, ", "), fmt::join(azimuth_deg, ", "), simulated.columns,
+      simulated.rows());
   const auto metadata = recordings::ouster_metadata_from_json(drive.metadata, folder);
   const SensorModel& sensor = metadata.sensor;
   NpyStackReader images(folder + "/scans.npy");
@@ -188,8 +174,7 @@ TEST_CASE("live makes the maps that run makes of its capture, and one to be loca
   CHECK((end_m(again) - end_m(first)).norm() < 0.1);
 }
 
-TEST_CASE(
-    "killed while it records, live leaves a capture to run on, which it does not write over") {
+TEST_CASE("killed while recording, live leaves a capture to run on and does not overwrite it") {
   LiveProgram live("--record '{0}/kept.pcap'");
   const std::string kept = live.path("kept.pcap");
   live.send_drive();
@@ -247,8 +232,7 @@ TEST_CASE("live upsamples scans, serves the page, and ends with SIGTERM as with 
   const auto port = static_cast<std::uint16_t>(at);
   CHECK(holds(live::http_get(kLoopback, port, "/"), "hqslam live"));
   live.send_drive();
-  const auto state = nlohmann::json::parse(live::http_get(kLoopback, port, "/state"));
-  CHECK(state["scans"] >= 5);
+  CHECK(nlohmann::json::parse(live::http_get(kLoopback, port, "/state"))["scans"] >= 5);
   const auto view = nlohmann::json::parse(live::http_get(kLoopback, port, "/view"));
   CHECK(view["paths"][0]["pieces"][0].size() >= 3);
   CHECK(view["clouds"][0]["points"].get<std::string>().size() > 5000);

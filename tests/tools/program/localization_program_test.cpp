@@ -1,4 +1,3 @@
-#include "hqslam/core/trajectory.h"
 #include "tools/program/program.h"
 
 namespace hqslam::test {

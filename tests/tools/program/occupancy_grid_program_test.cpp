@@ -1,4 +1,3 @@
-#include "hqslam/core/trajectory.h"
 #include "hqslam/slam/occupancy_grid.h"
 #include "tools/program/program.h"
 
@@ -32,17 +31,6 @@ TEST_CASE("a run gives the same bytes with one thread and with two") {
   }
   CHECK(results[0].size() > 1000);
   CHECK(results[0] == results[1]);
-}
-
-TEST_CASE("an invalid band is refused before anything is done") {
-  const TemporaryDirectory out;
-  for (const char* band : {"2,0.25", "0,2", "nan,2", "1"}) {
-    CAPTURE(band);
-    const ProgramResult run =
-        refused(fmt::format("run '{}' --occupancy-grid --grid-band {} --out '{}'",
-                            simulated_drive(), band, out.file("x")));
-    CHECK_FALSE(fs::exists(out.file("x")));
-  }
 }
 
 }  // namespace hqslam::test

@@ -1,5 +1,4 @@
 #include "tools/program/arguments.h"
-#include "tools/program/program.h"
 #include "tools/program/untrained_weights.h"
 
 // Input that users hand over by mistake: results among the input, contents that steer a
@@ -24,7 +23,7 @@ TEST_CASE("no command writes among the scans, also where they are in a folder be
   CHECK(std::distance(fs::directory_iterator(folder.path()), {}) == 1);
 }
 
-TEST_CASE("options that would do nothing are refused with what they need") {
+TEST_CASE("options that would do nothing, or cannot be, are refused with what they need") {
   const TemporaryDirectory out;
   const std::string input = fmt::format("'{0}/pcd' --sensor os1-16 --out '{1}/x' ",
                                         simulated_drive(), out.path().string());
@@ -33,6 +32,10 @@ TEST_CASE("options that would do nothing are refused with what they need") {
         std::pair("--spacing 0.5", "--upsample"), std::pair("--map-voxel 0.2", "--dense-map"),
         std::pair("--stamps ''", "expected a file or 'names', found nothing"),
         std::pair("--slam lego-loam --imu '/dev/null'", "leave --imu out"),
+        std::pair("--occupancy-grid --grid-band 2,0.25", "highest_obstacle_m is 0.25"),
+        std::pair("--occupancy-grid --grid-band 0,2", "lowest_obstacle_m is 0,"),
+        std::pair("--occupancy-grid --grid-band nan,2", "lowest_obstacle_m is nan"),
+        std::pair("--occupancy-grid --grid-band 1", "--grid-band"),
         std::pair("--stream /points", "leave --stream out")}) {
     CAPTURE(options);
     CHECK(holds(refused("run " + input + options).error, needs));
@@ -53,9 +56,8 @@ TEST_CASE("options that would do nothing are refused with what they need") {
                           "--capture does not apply to a stack of range images");
   }
   for (const auto& [command, says] : refusals) {
-    const std::string out_of = out.file("y");
-    CHECK(
-        holds(refused(fmt::format(fmt::runtime(command), simulated_drive(), out_of)).error, says));
+    CHECK(holds(refused(fmt::format(fmt::runtime(command), simulated_drive(), out.file("y"))).error,
+                says));
   }
 }
 

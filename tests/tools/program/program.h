@@ -2,10 +2,9 @@
 
 #include <sys/wait.h>
 
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 
-#include "testing.h"
+#include "hqslam/core/trajectory.h"
 #include "tools/parts_of_text.h"
 
 namespace hqslam::test {
@@ -106,6 +105,17 @@ inline const std::string& simulated_drive(
     run_hqslam("simulate --drive block {} --bin --pcd --out '{}'", options, drive);
   }
   return drive;
+}
+
+/// Of the position that a run's results have for a drive's last scan, in the frame of the first.
+inline double end_error_m(const std::string& results, const std::string& drive) {
+  const Trajectory found = read_tum(results + "/trajectory.tum");
+  const Trajectory truth = read_tum(drive + "/truth.tum");
+  REQUIRE(found.size() == truth.size());
+  const auto motion_m = [](const Trajectory& path) -> Eigen::Vector3d {
+    return (path.front().T_map_sensor.inverse() * path.back().T_map_sensor).translation();
+  };
+  return (motion_m(found) - motion_m(truth)).norm();
 }
 
 /// The drive that maps are made of.

@@ -1,9 +1,7 @@
-#include "hqslam/core/trajectory.h"
 #include "tools/program/program.h"
 
 namespace hqslam::test {
-TEST_CASE(
-    "behind a bad file, which is named, scans keep their own stamps and poses of a reference") {
+TEST_CASE("behind a bad file, which is named, scans keep their stamps and reference poses") {
   const TemporaryDirectory folder;
   fs::copy(simulated_drive() + "/bin", folder.file("bin"));
   fs::resize_file(folder.file("bin/000005.bin"), 1001);

@@ -1,7 +1,3 @@
-#include <signal.h>
-
-#include "hqslam/core/trajectory.h"
-#include "hqslam/nn/weights_file.h"
 #include "tools/program/child.h"
 #include "tools/program/commands.h"
 

@@ -1,18 +1,8 @@
-#include <signal.h>
-
 #include "golden_folder.h"
-#include "hqslam/core/trajectory.h"
 #include "tools/program/child.h"
-#include "tools/program/program.h"
 
 namespace hqslam::test {
 namespace {
-
-constexpr const char* kMethods = "rows-16,linear,du-or,rows-64";
-
-ProgramResult make_table(const std::string& out) {
-  return run_hqslam("table --drives block --scans 16 --methods {} --out '{}'", kMethods, out);
-}
 
 /// The file of a method's only run on a drive; "" before it.
 std::string run_file(const std::string& out, const std::string& drive, const std::string& method) {
@@ -30,40 +20,24 @@ std::string run_file(const std::string& out, const std::string& drive, const std
   return "";
 }
 
-/// Starts the same table and stops it with Ctrl-C once a method's run is finished. Returns its exit
-/// status.
-int interrupted_table(const std::string& out, const std::string& method) {
-  Child child(
-      fmt::format("table --drives block --scans 16 --methods {} --out '{}'", kMethods, out));
-  const bool is_there =
-      child.wait_until([&] { return !run_file(out, "block-typical", method).empty(); });
-  return is_there ? child.end(SIGINT) : -1;
-}
-
-/// The number after `label` in a program's output.
-double number_after(const std::string& text, const std::string& label) {
-  return std::stod(text.substr(text.find(label) + label.size()));
-}
-
-/// APE RMSE of `hqslam run` with these arguments, as `hqslam evaluate` prints it.
-double evaluated_ape_m(const std::string& arguments, const std::string& out,
-                       const std::string& reference) {
-  succeeds("run {} --out '{}'", arguments, out);
-  return number_after(run_hqslam("evaluate '{}/trajectory.tum' '{}'", out, reference).out,
-                      "APE m (align se3)");
-}
-
 }  // namespace
 
 TEST_CASE("a table is interrupted, finished, repeated and repaired, always with the same figures") {
   const TemporaryDirectory folder;
   const std::string out = folder.file("table");
-  CHECK(interrupted_table(out, "rows-16") == 130);
-  const std::string first = run_file(out, "block-typical", "rows-16");
+  const std::string arguments =
+      "table --drives block --scans 16 --methods rows-16,linear,du-or,rows-64 --out '" + out + "'";
+  const auto rows_16 = [&] { return run_file(out, "block-typical", "rows-16"); };
+  {
+    Child child(arguments);
+    CHECK(child.wait_until([&] { return !rows_16().empty(); }));
+    CHECK(child.end(SIGINT) == 130);
+  }
+  const std::string first = rows_16();
   REQUIRE_FALSE(first.empty());
   const auto written = fs::last_write_time(first);
 
-  const ProgramResult finished = make_table(out);
+  const ProgramResult finished = run_hqslam(arguments);
   CAPTURE(finished.error);
   REQUIRE(finished.status == 0);
   CHECK(fs::last_write_time(first) == written);  // it was not run again
@@ -79,20 +53,23 @@ TEST_CASE("a table is interrupted, finished, repeated and repaired, always with 
   // The figures are those of run and evaluate.
   const std::string drive = out + "/drives/block-typical";
   const std::string weights = golden_folder() + "/../../weights/du-or_os1_16to64.npz";
-  const std::string arguments =
-      fmt::format("'{}' --upsample '{}' --no-loop-closing", drive, weights);
+  const std::string run = folder.file("run");
+  succeeds("run '{}' --upsample '{}' --no-loop-closing --out '{}'", drive, weights, run);
+  const std::string ape = "APE m (align se3)";
+  const std::string evaluated =
+      succeeds("evaluate '{}/trajectory.tum' '{}/truth.tum'", run, drive).out;
   const nlohmann::json& du_or = table["methods"][2]["block-typical against the truth"];
-  CHECK(evaluated_ape_m(arguments, folder.file("run"), drive + "/truth.tum") ==
+  CHECK(std::stod(evaluated.substr(evaluated.find(ape) + ape.size())) ==
         doctest::Approx(du_or["ape_m"]["value"].get<double>()).epsilon(0.01));
   CHECK(file_contents(folder.file("run/trajectory.tum")) ==
         file_contents(run_file(out, "block-typical", "du-or")));
 
   // Repeated: everything is there. Repaired: the damaged one is computed anew.
   const std::string whole = file_contents(out + "/table.json");
-  CHECK(make_table(out).error.empty());
+  CHECK(run_hqslam(arguments).error.empty());
   CHECK(file_contents(out + "/table.json") == whole);
   write_file(run_file(out, "block-typical", "linear"), "0.05 1");
-  const ProgramResult repaired = make_table(out);
+  const ProgramResult repaired = run_hqslam(arguments);
   CHECK(repaired.status == 0);
   CHECK(holds(repaired.error, "block-typical, linear: 16/16 scans"));
   CHECK(file_contents(out + "/table.json") == whole);
@@ -188,8 +165,7 @@ TEST_CASE("over seeds drives too short for any figure are refused, not passed ov
   CHECK(holds(result.error, "--scans"));
 }
 
-TEST_CASE(
-    "scans that cannot be understood are left out of a table, which says how many they were") {
+TEST_CASE("scans that cannot be understood are left out of a table, which says how many") {
   const TemporaryDirectory folder;
   const std::string bins = folder.file("bin");
   fs::copy(simulated_drive("--sensor os1-64 --scans 6") + "/bin", bins);

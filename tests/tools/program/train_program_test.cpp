@@ -1,10 +1,5 @@
-#include <iterator>
-#include <sstream>
-
-#include "hqslam/nn/network_json.h"
 #include "hqslam/nn/super_resolver.h"
 #include "hqslam/recordings/recording.h"
-#include "made_images.h"
 #include "tools/program/program.h"
 #include "tools/program/untrained_weights.h"
 
@@ -65,8 +60,7 @@ TEST_CASE("training leaves weights that load, a checkpoint and a learning curve"
   CHECK(holds(other.error, "another training configuration"));
 }
 
-TEST_CASE(
-    "a training is validated with a stack that names the network's own sensor, and no other") {
+TEST_CASE("a training is validated with a stack of the network's own sensor, and no other") {
   const TemporaryDirectory folder;
   const std::string stack =
       R"({"stack": ")" + simulated_drive("--sensor os1-64 --scans 1 --seed 9") + "\"";
@@ -201,8 +195,7 @@ TEST_CASE("a network of two modes is trained, and upsamples with a confidence") 
     CHECK(holds(pcd, "FIELDS x y z intensity ring timestamp confidence\n"));
     return computed;
   };
-  const int all = upsampled_returns("all", "--confidence 0");
-  CHECK(all > 40'000);
+  CHECK(upsampled_returns("all", "--confidence 0") > 40'000);
   CHECK(upsampled_returns("none", "--confidence 1") < 100);
 
   const ProgramResult linear = refused("upsample '{}' --method linear --confidence 0.5 --out '{}'",

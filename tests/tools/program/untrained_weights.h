@@ -1,16 +1,9 @@
 #pragma once
 
-#include <fmt/format.h>
-
-#include <map>
-#include <string>
-
-#include "hqslam/core/sensor_model.h"
 #include "hqslam/nn/network.h"
 #include "hqslam/nn/network_json.h"
 #include "hqslam/nn/weights_file.h"
 #include "made_images.h"
-#include "temporary_directory.h"
 
 namespace hqslam::test {
 

@@ -1,6 +1,4 @@
-#include "hqslam/core/npy.h"
 #include "hqslam/core/point_fields.h"
-#include "hqslam/core/trajectory.h"
 #include "hqslam/recordings/recording.h"
 #include "tools/program/program.h"
 #include "tools/program/untrained_weights.h"
@@ -40,9 +38,8 @@ TEST_CASE("a stack of 16 rows and one of 64 of which 16 are measured give the sa
     std::vector<std::string> stacks;
     for (const std::string& input : {files.measured, files.drive + "/scans.npy", files.drive}) {
       const TemporaryDirectory out;
-      const ProgramResult result =
-          succeeds("upsample '{}' {} --out '{}'", input, method, out.path().string());
-      CHECK(missing(result.out, {"4 scans, 16 rows -> 64 rows of 1024 columns", "scans/s"}) == "");
+      CHECK(missing(succeeds("upsample '{}' {} --out '{}'", input, method, out.path().string()).out,
+                    {"4 scans, 16 rows -> 64 rows of 1024 columns", "scans/s"}) == "");
       stacks.push_back(file_contents(out.file("scans.npy")));
     }
     CHECK(stacks[0].size() == 128U + std::size_t{4} * kScans * 64 * 1024);
@@ -81,8 +78,7 @@ TEST_CASE("upsampling and then running is running with --upsample") {
   }
 }
 
-TEST_CASE(
-    "corrections of a calibration are applied to ranges once, and computed rows are between") {
+TEST_CASE("a calibration corrects ranges once; computed rows have corrections in between") {
   const Material& files = material();
   const TemporaryDirectory folder;
   SensorModel sensor = sensor_preset("os1-64");

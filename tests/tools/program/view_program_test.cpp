@@ -1,5 +1,4 @@
 #include "tools/page_data.h"
-#include "tools/parts_of_text.h"
 #include "tools/program/arguments.h"
 
 namespace hqslam::test {
@@ -21,8 +20,7 @@ TEST_CASE("view shows maps, saved maps, files of points and scans of recordings,
   CHECK(count(html, R"("origin")") == 6);
 }
 
-TEST_CASE(
-    "view shows several trajectories, aligned to the first, over a map and an occupancy grid") {
+TEST_CASE("view shows trajectories, aligned to the first, over a map and an occupancy grid") {
   const TemporaryDirectory folder;
   const auto path = [&](const char* name) { return folder.file(name); };
   std::string tum, kitti, late;
@@ -84,9 +82,7 @@ TEST_CASE("--open hands the page to xdg-open; without one, or if it fails, a lin
   }
 }
 
-TEST_CASE(
-    "view refuses the image of an occupancy grid alone, two grids, a scan that a recording does "
-    "not have and files without points") {
+TEST_CASE("view refuses a grid's image alone, two grids, scans that are not there and no points") {
   const TemporaryDirectory folder;
   write_file(folder.file("map.pgm"), "P5 1 1 255\n\xFE");
   write_file(folder.file("one.yaml"),

@@ -1,7 +1,4 @@
-#include <fstream>
-
 #include "hqslam/core/npz.h"
-#include "hqslam/nn/network_json.h"
 #include "hqslam/nn/super_resolver.h"
 #include "tools/program/program.h"
 #include "tools/program/untrained_weights.h"

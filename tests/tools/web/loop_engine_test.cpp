@@ -1,10 +1,8 @@
 #include <nlohmann/json.hpp>
 
-#include "hqslam/nn/network_json.h"
 #include "hqslam/nn/super_resolver.h"
 #include "hqslam/nn/trace.h"
 #include "inspect/what_if.h"
-#include "testing.h"
 #include "tools/program/untrained_weights.h"
 
 extern "C" {

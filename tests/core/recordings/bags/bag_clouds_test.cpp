@@ -1,7 +1,6 @@
 #include <ctime>
 
 #include "made_bags.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;
@@ -47,13 +46,14 @@ TEST_CASE("clouds of every unit and origin of times get the recording's stamps")
 }
 
 TEST_CASE("messages of half a turn, of a twentieth and of two turns are scans of one turn") {
-  const auto messages_of = [&](double message_s) {
-    std::vector<CloudPoint> all;  // six turns
-    for (int turn = 0; turn < 6; ++turn) {
-      auto of_turn = round_cloud(0.1, 1.0, 0.1 * turn);
-      for (CloudPoint& point : of_turn) point.x *= 1.0F + 1e-4F * static_cast<float>(turn);
-      all.insert(all.end(), of_turn.begin(), of_turn.end());
-    }
+  std::vector<CloudPoint> all;  // six turns
+  for (int turn = 0; turn < 6; ++turn) {
+    auto of_turn = round_cloud(0.1, 1.0, 0.1 * turn);
+    for (CloudPoint& point : of_turn) point.x *= 1.0F + 1e-4F * static_cast<float>(turn);
+    all.insert(all.end(), of_turn.begin(), of_turn.end());
+  }
+  for (const double message_s : {0.1, 0.05, 0.005, 0.2}) {
+    CAPTURE(message_s);
     std::vector<BagMessage> messages;
     const auto each =
         static_cast<std::size_t>(std::lround(message_s / 0.6 * static_cast<double>(all.size())));
@@ -66,11 +66,7 @@ TEST_CASE("messages of half a turn, of a twentieth and of two turns are scans of
       messages.push_back(
           {"/points", kCloudType, stamp_ns, cloud_message(stamp_ns, points, false, 7)});
     }
-    return messages;
-  };
-  for (const double message_s : {0.1, 0.05, 0.005, 0.2}) {
-    CAPTURE(message_s);
-    const Bag bag(messages_of(message_s));
+    const Bag bag(messages);
     for (const std::string sensor : {"", "vlp-16"}) {
       auto source = bag.open({.sensor = sensor});
       CHECK(source.sensor().scan_period_s == doctest::Approx(0.1).epsilon(0.01));

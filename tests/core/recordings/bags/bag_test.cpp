@@ -4,7 +4,6 @@
 
 #include "made_bags.h"
 #include "streams/stream_reader.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;
@@ -97,8 +96,7 @@ TEST_CASE("messages that were compressed by themselves are read") {
   CHECK(all_scans(Recording::open(directory.file("a.db3"))).size() == 4);
 }
 
-TEST_CASE(
-    "a bag whose recorder left the serialization format empty is read, one of another is not") {
+TEST_CASE("a bag with an empty serialization format is read, one with another is not") {
   const TemporaryDirectory directory;
   write_db3(velodyne_messages(false), directory.file("a.db3"), "");
   CHECK(all_scans(Recording::open(directory.file("a.db3"))).size() == 4);
@@ -121,8 +119,7 @@ TEST_CASE("a bag in write-ahead mode is read without a file being written beside
   std::string bytes = file_contents(path);
   bytes[18] = bytes[19] = 2;  // of SQLite's header: the versions that write and read such a file
   write_file(path, bytes);
-  auto source = Recording::open(path);
-  CHECK(all_scans(source).size() == 4);
+  CHECK(all_scans(Recording::open(path)).size() == 4);
   const std::filesystem::directory_iterator files(directory.file("."));
   CHECK(std::distance(begin(files), end(files)) == 1);
 }
@@ -185,8 +182,7 @@ TEST_CASE("a topic is passed over whose name or type is longer than any is, in e
   }
 }
 
-TEST_CASE(
-    "a ROS 1 bag's connection longer than any is refused, so is a view of messages without end") {
+TEST_CASE("in a ROS 1 bag too long a connection and a view of messages without end are refused") {
   const TemporaryDirectory directory;
   write_file(directory.file("a.bag"),
              ros1_bytes({{"/a", std::string(1U << 20U, 't'), 1, Payload(8)}}, "bz2"));

@@ -1,10 +1,7 @@
 #include "bags/imu_stream.h"
 
 #include "bags.h"
-#include "captures.h"
-#include "hqslam/recordings/recording.h"
 #include "near.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;
@@ -94,9 +91,7 @@ TEST_CASE("of several sensor_msgs/Imu the one of the scans' frame or namespace i
   CHECK(unclear.warnings[0].find("/camera/imu and /imu may be") != std::string::npos);
 }
 
-TEST_CASE(
-    "a sensor_msgs/Imu whose frame nothing joins to the scans', or in g, is named with what to "
-    "do") {
+TEST_CASE("a sensor_msgs/Imu in an unjoined frame, or in g, is named with what to do") {
   const TemporaryDirectory folder;
   const RecordingInfo info = info_of(folder, {{"/imu", "imu"}});
   CHECK(info.imu.used == 60);

@@ -2,7 +2,6 @@
 
 #include "bags.h"
 #include "hqslam/recordings/recording.h"
-#include "testing.h"
 
 // Bags of a VLP-16, of its packets or clouds.
 namespace hqslam::test {

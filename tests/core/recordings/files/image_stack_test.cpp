@@ -1,9 +1,7 @@
-#include "files/scan_files.h"
 #include "hqslam/core/trajectory.h"
 #include "hqslam/recordings/recording.h"
 #include "made_images.h"
 #include "recording_complaint.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;
@@ -162,8 +160,7 @@ TEST_CASE("rows that hold nothing in the images of a stack are left out, and nam
   CHECK(with_holes->warnings().at(0).find("31 of the 38 rows 3 to 40") != std::string::npos);
 }
 
-TEST_CASE(
-    "a stack has the sensor of the file beside it, if that has as many rows, or a named one") {
+TEST_CASE("a stack has the sensor of the file beside it, if its rows fit, or a named one") {
   const TemporaryDirectory directory;
   SensorModel sensor = sensor_preset("os1-16");
   sensor.name = "mine";

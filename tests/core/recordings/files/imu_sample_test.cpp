@@ -2,7 +2,6 @@
 
 #include "files/scan_files.h"
 #include "made_scans.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

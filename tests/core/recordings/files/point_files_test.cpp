@@ -1,7 +1,5 @@
-#include "files/scan_files.h"
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/point_fields.h"
-#include "testing.h"
 #include "vlp16_files.h"
 
 using namespace hqslam;
@@ -126,8 +124,7 @@ TEST_CASE("confidence and intensity come with their points, whatever the field i
 
 TEST_CASE("the unit of times is that in which they last a turn") {
   const auto last_s = [](double span, bool whole, double period_s) {
-    const auto times = point_times({"t", whole, {0.0, span / 2.0, span}}, period_s, "a test");
-    return times->offset_s.back();
+    return point_times({"t", whole, {0.0, span / 2.0, span}}, period_s, "a test")->offset_s.back();
   };
   CHECK(last_s(0.1, false, 0.1) == doctest::Approx(0.05));
   CHECK(last_s(99.0, false, 0.1) == doctest::Approx(0.0495));

@@ -1,7 +1,6 @@
 #include "hqslam/core/left_out.h"
 #include "hqslam/recordings/recording.h"
 #include "recording_complaint.h"
-#include "testing.h"
 #include "vlp16_files.h"
 
 using namespace hqslam;

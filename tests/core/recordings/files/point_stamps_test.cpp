@@ -1,4 +1,3 @@
-#include "testing.h"
 #include "vlp16_files.h"
 
 using namespace hqslam;

@@ -1,11 +1,9 @@
 #include <sys/stat.h>
 
-#include "files/scan_files.h"
 #include "hqslam/core/kitti_bin.h"
 #include "made_images.h"
 #include "points_file.h"
 #include "recording_complaint.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;
@@ -29,15 +27,6 @@ Scan as_scan(const RangeImage& image, const SensorModel& sensor) {
   return scan;
 }
 
-double largest_difference_m(const OrganizedCloud& cloud, const RangeImage& image) {
-  REQUIRE(cloud.range_m.size() == image.range_m.size());
-  double difference_m = 0.0;
-  for (std::size_t i = 0; i < image.range_m.size(); ++i) {
-    difference_m = std::max<double>(difference_m, std::abs(cloud.range_m[i] - image.range_m[i]));
-  }
-  return difference_m;
-}
-
 }  // namespace
 
 TEST_CASE("a folder of KITTI files gives the images that they were made from, in natural order") {
@@ -57,7 +46,8 @@ TEST_CASE("a folder of KITTI files gives the images that they were made from, in
       REQUIRE(scan);
       CHECK(scan->name == directory.file(std::to_string(8 + i) + ".bin"));
       CHECK(scan->stamp_s == doctest::Approx(0.1 * i));
-      CHECK(largest_difference_m(scan->cloud, an_image(sensor, 8 + i)) < 1e-3);
+      CHECK(std::ranges::equal(scan->cloud.range_m, an_image(sensor, 8 + i).range_m,
+                               [](float a, float b) { return std::abs(a - b) < 1e-3F; }));
       CHECK(scan->cloud.time_offset_s.empty());
     }
     CHECK_FALSE(source->next());
@@ -120,8 +110,7 @@ TEST_CASE("a simulated drive is opened with the sensor it was made with and no o
   write_sensor_json(sensor, directory.file("sensor.json"));
   write_stack(directory.file("scans.npy"), {image});
   const std::string path = directory.path().string();
-  const auto source = open_scan_files(path, sensor);
-  const auto scan = source->next();
+  const auto scan = open_scan_files(path, sensor)->next();
   CHECK(scan->cloud.range_m == image.range_m);
   CHECK_FALSE(scan->cloud.time_offset_s.empty());
   SensorModel tilted = sensor;

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <functional>
-#include <memory>
 
 #include "files/scan_files.h"
 #include "hqslam/core/angles.h"

@@ -1,8 +1,6 @@
-#include "core/recordings/captures.h"
 #include "hqslam/live/live.h"
 #include "hqslam/recordings/recording.h"
 #include "loopback.h"
-#include "testing.h"
 #include "udp_socket.h"
 
 using namespace hqslam;

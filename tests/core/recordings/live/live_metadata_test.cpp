@@ -2,14 +2,9 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
-#include <thread>
-
-#include "core/recordings/captures.h"
-#include "hqslam/core/file_descriptor.h"
 #include "hqslam/live/live.h"
 #include "http_get.h"
 #include "loopback.h"
-#include "testing.h"
 #include "udp_socket.h"
 
 // The metadata of an Ouster that is only named, asked for over HTTP.
@@ -96,8 +91,7 @@ void send_packet(const LiveOptions& options) {
 }  // namespace
 
 TEST_CASE("an Ouster that is only named is asked for its metadata where its packets come from") {
-  std::string text = ouster_metadata_text(OusterProfile::kLegacy, 16);
-  OneAnswer server(http_answer(text));
+  OneAnswer server(http_answer(ouster_metadata_text(OusterProfile::kLegacy, 16)));
   const LiveOptions options = named(server);
   LiveSensor sensor(options);
   send_packet(options);

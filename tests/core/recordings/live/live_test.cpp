@@ -1,12 +1,7 @@
 #include "hqslam/live/live.h"
 
-#include <sstream>
-#include <thread>
-
-#include "core/recordings/captures.h"
 #include "hqslam/recordings/recording.h"
 #include "loopback.h"
-#include "testing.h"
 #include "udp_socket.h"
 
 using namespace hqslam;
@@ -134,9 +129,8 @@ TEST_CASE("an Ouster's turn is complete with its last packet, whatever its metad
   options.record = folder.file("kept.pcap");
   LiveSensor sensor(options);
   const LoopbackSender sender(options.port);
-  const auto first = ouster_turn(profile, 7);
   sender.send(Payload(48));  // inertial data
-  sender.send(first[0].payload);
+  sender.send(ouster_turn(profile, 7)[0].payload);
   REQUIRE(sensor.recognize(kPatience_s));
   CHECK(sensor.sensor().rows() == 8);
   CHECK(sensor.format() == "Ouster packets, RNG19_RFL8_SIG16_NIR16");
@@ -166,8 +160,7 @@ TEST_CASE("a port in use, an unknown sensor and packets of another one are refus
   CHECK(refused_with([&] { LiveSensor sensor(options); }, "vlp-17"));
 }
 
-TEST_CASE(
-    "packets of another sensor are named while one waits, and the sensor is found after them") {
+TEST_CASE("packets of another sensor are named while waiting, and the sensor is found after them") {
   const LiveOptions options = vlp16();
   LiveSensor sensor(options);
   CHECK(sensor.complaint().empty());

@@ -4,11 +4,6 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
-#include <chrono>
-#include <stdexcept>
-#include <string>
-#include <thread>
-
 #include "udp_socket.h"
 
 namespace hqslam::test {

@@ -1,11 +1,5 @@
 #pragma once
 
-#include <array>
-#include <chrono>
-#include <cstdint>
-#include <thread>
-#include <vector>
-
 #include "core/recordings/captures.h"
 #include "hqslam/core/file_descriptor.h"
 
@@ -29,8 +23,7 @@ class LoopbackSender {
 /// More than what is waited for takes on any computer.
 inline constexpr double kPatience_s = 20.0;
 /// Waits until it is so, but no longer than that.
-template <typename Condition>
-void wait_until(const Condition& is_so) {
+void wait_until(const auto& is_so) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kPatience_s);
   while (!is_so() && std::chrono::steady_clock::now() < end) {
     std::this_thread::sleep_for(std::chrono::microseconds(200));

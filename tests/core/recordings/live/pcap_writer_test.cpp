@@ -1,15 +1,13 @@
 #include "pcap_writer.h"
 
 #include "core/recordings/captures.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::live;
 using namespace hqslam::recordings;
 using namespace hqslam::test;
 
-TEST_CASE(
-    "captures are written with any sender and size, not over another file, nor without a packet") {
+TEST_CASE("captures have packets of any sender and size, overwrite nothing and are never empty") {
   const TemporaryDirectory folder;
   std::vector<Captured> packets;
   for (const std::size_t bytes : {0, 1, 1206, 12609, 65000}) {

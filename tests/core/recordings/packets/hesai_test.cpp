@@ -1,9 +1,7 @@
 #include "bags.h"
-#include "captures.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/recordings/recording.h"
 #include "packets/hesai_decoder.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;
@@ -113,8 +111,7 @@ TEST_CASE("Hesai packets that are damaged, late, lost or another's are counted")
   std::swap(packets[20], packets[21]);
   packets.erase(packets.begin() + 30, packets.begin() + 33);
   HesaiDecoder decoder(nominal_hesai(32));
-  const auto scans = decoded(decoder, packets);
-  CHECK(scans.size() == 2);
+  CHECK(decoded(decoder, packets).size() == 2);
   CHECK(decoder.counts().foreign == 4);
   CHECK(decoder.counts().late == 1);
   CHECK(decoder.counts().lost == 4 + 1 + 3);  // the late one too, as its number was missing
@@ -148,9 +145,7 @@ TEST_CASE("a capture and a bag of Hesai packets give the same scans, by the angl
   CHECK(inspect(folder.file("a.pcap")).format == "Hesai XT16 packets, dual return");
 }
 
-TEST_CASE(
-    "without an angle file the manual's angles are taken, with a warning, as of another sensor's "
-    "angles; a wrong file is refused") {
+TEST_CASE("without a fitting angle file the manual's serve, with a warning; a wrong one fails") {
   const TemporaryDirectory folder;
   const std::string capture = folder.file("a.pcap");
   write_file(capture, pcap_bytes(hesai_capture(32, 0.15)));

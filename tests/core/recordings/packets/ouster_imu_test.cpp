@@ -1,11 +1,7 @@
 #include "bags.h"
-#include "captures.h"
 #include "files/scan_files.h"
-#include "hqslam/recordings/recording.h"
-#include "imu_queue.h"
 #include "near.h"
 #include "packets/ouster_decoder.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;
@@ -14,11 +10,6 @@ using namespace hqslam::test;
 namespace {
 
 constexpr OusterProfile kProfile = OusterProfile::kRng19;
-
-/// Metadata with these fields more.
-std::string metadata_text(const std::string& fields) {
-  return replaced_in(ouster_metadata_text(kProfile), "\"prod_sn\"", fields + ", \"prod_sn\"");
-}
 
 /// Turns 2 to 5, 50 ms each, and inertial data every 10 ms by the same clock, from when turn 2
 /// begins on. Both come 2 ms after they were measured.
@@ -60,8 +51,10 @@ TEST_CASE("an Ouster's inertial packet says what Ouster's own decoder reads, in 
 }
 
 TEST_CASE("inertial data are turned into the frame of the scans by the metadata's transforms") {
-  const auto R_of = [](const std::string& fields) {
-    return ouster_metadata_from_json(metadata_text(fields), "a test").R_sensor_imu;
+  const auto R_of = [](const std::string& more_fields) {
+    const std::string text = ouster_metadata_text(kProfile);
+    const std::string with = replaced_in(text, "\"prod_sn\"", more_fields + ", \"prod_sn\"");
+    return ouster_metadata_from_json(with, "a test").R_sensor_imu;
   };
   const std::string usual =
       R"("lidar_to_sensor_transform": [-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 36, 0, 0, 0, 1])";
@@ -84,8 +77,7 @@ TEST_CASE("inertial data are turned into the frame of the scans by the metadata'
 
 TEST_CASE("a scan of an Ouster's capture carries the inertial data up to its end, by its clock") {
   const TemporaryDirectory folder;
-  auto source = Recording::open(ouster_capture(folder, turns_with_imu()));
-  const auto scans = all_scans(source);
+  const auto scans = all_scans(Recording::open(ouster_capture(folder, turns_with_imu())));
   REQUIRE(scans.size() == 4);
   std::vector<ImuSample> samples;
   for (const RecordedScan& scan : scans) {
@@ -123,8 +115,7 @@ TEST_CASE("scans are the same with inertial data beside them, on the lidar's por
   }
 }
 
-TEST_CASE(
-    "inertial data of another sender are not the Ouster's, of two ports the nearer one's are") {
+TEST_CASE("inertial data of another sender are not the Ouster's, those of the nearer port are") {
   const TemporaryDirectory folder;
   auto packets = turns_with_imu();
   for (Captured packet : turns_with_imu(7510)) {

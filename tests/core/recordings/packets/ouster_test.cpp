@@ -1,10 +1,7 @@
-#include <tuple>
-
 #include "captures.h"
 #include "core/real_data.h"
 #include "hash.h"
 #include "packets/ouster_decoder.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;
@@ -121,8 +118,7 @@ TEST_CASE("a pixel's point is that of the documented formula") {
       const Eigen::Vector3f expected_m(static_cast<float>(-1e-3 * lidar_mm.x()),
                                        static_cast<float>(-1e-3 * lidar_mm.y()),
                                        static_cast<float>(1e-3 * lidar_mm.z()));
-      const int shift = metadata.sensor.column_shift(row);
-      const int column = (measured - shift + 512) % 512;
+      const int column = (measured - metadata.sensor.column_shift(row) + 512) % 512;
       const std::size_t pixel = scan->cloud.index(row, column);
       CHECK((scan->cloud.points_m[pixel] - expected_m).norm() < 2e-6F);
       // The pixel is the one that contains the beam's direction.
@@ -137,8 +133,7 @@ TEST_CASE("a pixel's point is that of the documented formula") {
         doctest::Approx(1600000005.15 + 0.05 * 255.5 / 512).scale(0).epsilon(1e-15));
 }
 
-TEST_CASE(
-    "lost packets leave empty columns and are counted, doubled and overtaken ones are left out") {
+TEST_CASE("lost packets are counted and leave empty columns; doubled and late ones are left out") {
   const OusterProfile profile = OusterProfile::kRng15;
   auto packets = ouster_turns(profile, {10, 11, 12, 15});
   packets.erase(packets.begin() + 32 + 4);            // of turn 11: columns 64 to 79
@@ -153,8 +148,7 @@ TEST_CASE(
   CHECK(decoder.counts().foreign == 1);
   CHECK(decoder.lost_scans() == 2);
   for (std::size_t column = 0; column < 512; ++column) {
-    const bool missing = column >= 64 && column < 80;
-    CHECK((frames[1].range_mm[column] == 0) == missing);
+    CHECK((frames[1].range_mm[column] == 0) == (column >= 64 && column < 80));
     CHECK(frames[2].range_mm[column] > 0);
   }
 }

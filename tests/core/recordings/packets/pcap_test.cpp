@@ -1,7 +1,5 @@
 #include "captures.h"
-#include "hqslam/recordings/packet.h"
 #include "packets/ip_datagram.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;
@@ -107,8 +105,7 @@ TEST_CASE("a fragment waits for the others of its datagram for at most 4096 pack
     for (int i = 0; i < between; ++i) add(ethernet_frames({1000, 2368, Payload(8), 201}).front());
     // The numbers begin again after 65,536 datagrams: a seventh one of other content.
     const auto later = frames_of(7, 2);
-    const Payload first = add(later[0]);
-    CHECK(first.empty() == (between == 4096));
+    CHECK(add(later[0]).empty() == (between == 4096));
     CHECK(add(later[1]) == (between == 4096 ? Payload(2000, 2) : Payload()));
     CHECK(datagrams.incomplete() == 1);
   }
@@ -126,8 +123,7 @@ TEST_CASE("a fragment that reaches beyond the largest datagram is damage") {
   }
 }
 
-TEST_CASE(
-    "a length in the IP header beyond the frame is no damage where UDP's own length is whole") {
+TEST_CASE("an IP length beyond the frame is no damage where UDP's own length is whole") {
   Captured positions{1'600'000'000'000'000'000, 8308, Payload(512, 3)};
   Payload frame = ethernet_frames(positions).front();
   frame[16] = 1234 >> 8;

@@ -2,7 +2,6 @@
 #include "hqslam/core/angles.h"
 #include "hqslam/recordings/recording.h"
 #include "packets/robosense_decoder.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

@@ -2,8 +2,6 @@
 #include "hqslam/core/angles.h"
 #include "hqslam/recordings/recording.h"
 #include "packets/velodyne_decoder.h"
-#include "packets/velodyne_tables.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;
@@ -48,13 +46,6 @@ void set_on(std::vector<Captured>& packets, std::size_t begin, std::int64_t late
         static_cast<std::uint32_t>((time_us + later_us) % 3'600'000'000));
     packets[i].time_ns += 1000 * captured_later_us;
   }
-}
-
-/// Azimuths of twelve blocks, this many hundredths of a degree apart.
-std::vector<int> azimuths(int first, int step) {
-  std::vector<int> result;
-  for (int i = 0; i < 12; ++i) result.push_back((first + i * step) % 36000);
-  return result;
 }
 
 }  // namespace
@@ -231,7 +222,7 @@ TEST_CASE("a gap of nearly a turn, which leaves the azimuth as it was, ends a sc
     const int azimuth = static_cast<int>(std::lround(360.0 * time_ms)) % 36000;
     packets.push_back({std::llround(1e6 * time_ms), 2368,
                        velodyne_packet(static_cast<std::uint32_t>(std::lround(1e3 * time_ms)),
-                                       azimuths(azimuth, 0))});
+                                       std::vector(12, azimuth))});
   };
   for (int i = 0; i <= 13; ++i) add(10.0 * i);         // up to 108 degrees of the second turn
   for (int i = 0; i < 20; ++i) add(229.5 + 10.0 * i);  // from 106.2 degrees of the third turn on

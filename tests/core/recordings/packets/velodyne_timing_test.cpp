@@ -1,7 +1,6 @@
 #include "captures.h"
 #include "hqslam/core/angles.h"
 #include "packets/velodyne_decoder.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;
@@ -40,9 +39,7 @@ std::map<int, Seen> decoded(const Payload& packet, VelodyneModel model, bool dua
                    degrees(std::asin(point_m.z() / point_m.norm())), scans[0].intensity[i]};
     const double beam_rad = sensor.beam_elevation_rad[scans[0].row[i]];
     CHECK(std::abs(one.elevation_deg - degrees(beam_rad)) < 0.02);
-    const bool first =
-        seen.emplace(static_cast<int>(std::lround(1000.0 * point_m.norm())), one).second;
-    CHECK(first);
+    CHECK(seen.emplace(static_cast<int>(std::lround(1000.0 * point_m.norm())), one).second);
   }
   return seen;
 }

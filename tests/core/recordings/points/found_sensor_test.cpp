@@ -7,24 +7,6 @@ using namespace hqslam;
 using namespace hqslam::recordings;
 using namespace hqslam::test;
 
-namespace {
-
-/// The points of a cloud alone, row after row or column after column.
-RawPoints points_alone(const OrganizedCloud& cloud, bool by_columns) {
-  RawPoints raw{Scan{}};
-  const int outer = by_columns ? cloud.columns : cloud.rows;
-  const int inner = by_columns ? cloud.rows : cloud.columns;
-  for (int i = 0; i < outer; ++i) {
-    for (int j = 0; j < inner; ++j) {
-      const std::size_t pixel = by_columns ? cloud.index(j, i) : cloud.index(i, j);
-      if (cloud.range_m[pixel] > 0.0F) raw.scan.points_m.push_back(cloud.points_m[pixel]);
-    }
-  }
-  return raw;
-}
-
-}  // namespace
-
 TEST_CASE("the beams that packets tell are found within 0.1 degrees in their points alone") {
   for (const std::string name :
        {"packets/velodyne/hdl-32e_driving_18rev.pcap", "packets/velodyne/vlp-16_dual_return.db3",
@@ -39,7 +21,15 @@ TEST_CASE("the beams that packets tell are found within 0.1 degrees in their poi
       while (scans.size() < 5) {
         const auto scan = source.next();
         if (!scan) break;
-        scans.push_back(points_alone(scan->cloud, by_columns));
+        const OrganizedCloud& cloud = scan->cloud;
+        scans.push_back(RawPoints{Scan{}});
+        for (int i = 0; i < (by_columns ? cloud.columns : cloud.rows); ++i) {
+          for (int j = 0; j < (by_columns ? cloud.rows : cloud.columns); ++j) {
+            const std::size_t pixel = by_columns ? cloud.index(j, i) : cloud.index(i, j);
+            if (cloud.range_m[pixel] <= 0.0F) continue;
+            scans.back().scan.points_m.push_back(cloud.points_m[pixel]);
+          }
+        }
       }
       const FoundSensor found = find_sensor(scans, std::nullopt, name);
       const std::vector<double>& table_rad = source.sensor().beam_elevation_rad;

@@ -42,9 +42,8 @@ struct Ray {
 
 /// What a sensor without noise sees where a ray of it meets something after distance_m(ray) along
 /// the ground, if that is within `reach_m`. `laser_m`: of a row.
-template <typename Distance, typename Laser>
-KnownScan scan_of(const SensorModel& sensor, double reach_m, const Laser& laser_m,
-                  const Distance& distance_m, const RingOrder& order = {}) {
+KnownScan scan_of(const SensorModel& sensor, double reach_m, const auto& laser_m,
+                  const auto& distance_m, const RingOrder& order = {}) {
   KnownScan known;
   for (int row = 0; row < sensor.rows(); ++row) {
     for (int step = 0; step < 1000; ++step) {

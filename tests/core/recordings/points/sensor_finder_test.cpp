@@ -19,9 +19,8 @@ RawPoints a_scan(const SensorModel& sensor, RowsFrom rows_from, double shift_m =
   RawPoints raw{Scan{}};
   const auto add = [&](int row, int column) {
     if ((row + column / 100) % 7 == 3) return;  // nothing comes back
-    const double elevation_rad = sensor.beam_elevation_rad[row];
     const double wall_m = 12.0 + shift_m + 4.0 * std::cos(12.57 * column / sensor.columns);
-    const double slope = -std::tan(elevation_rad);
+    const double slope = -std::tan(sensor.beam_elevation_rad[row]);
     const double level_m = std::min(wall_m, slope > 0.0 ? (1.7 + up_m) / slope : 1e3);
     const double azimuth_rad = sensor.azimuth_rad(row, column);
     raw.scan.points_m.emplace_back(level_m * std::cos(azimuth_rad), level_m * std::sin(azimuth_rad),

@@ -1,8 +1,5 @@
 #include "pages/drive_scans.h"
 
-#include <nlohmann/json.hpp>
-
-#include "testing.h"
 #include "tools/page_data.h"
 
 namespace hqslam::tools {

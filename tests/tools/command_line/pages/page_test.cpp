@@ -3,7 +3,6 @@
 #include <regex>
 
 #include "pages/web_files.h"
-#include "testing.h"
 #include "tools/page_data.h"
 #include "tools/parts_of_text.h"
 

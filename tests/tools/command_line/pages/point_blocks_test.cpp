@@ -1,7 +1,5 @@
 #include "pages/point_blocks.h"
 
-#include <tuple>
-
 #include "testing.h"
 
 namespace hqslam::tools {
@@ -128,9 +126,8 @@ TEST_CASE("a confidence stays as it is within a 62nd, and of one place the sures
 }
 
 TEST_CASE("brightness goes with its point, in 255 steps, and of one place the brighter one") {
-  const float nan = std::nanf("");
   const Points points_m = {{5.0F, 0.0F, 0.0F}, {5.001F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}};
-  const PointBlocks blocks = point_blocks(points_m, {}, 10, {0.2F, 0.4F, nan});
+  const PointBlocks blocks = point_blocks(points_m, {}, 10, {0.2F, 0.4F, std::nanf("")});
   CHECK(blocks.brightness == std::vector<std::uint8_t>{0, 102});
   CHECK(point_blocks(points_m, {}, 10).brightness.empty());
 }

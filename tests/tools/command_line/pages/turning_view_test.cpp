@@ -2,7 +2,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "testing.h"
 #include "tools/parts_of_text.h"
 
 namespace hqslam::tools {

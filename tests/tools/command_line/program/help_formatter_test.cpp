@@ -1,9 +1,6 @@
 #include "program/help_formatter.h"
 
-#include <sstream>
-
 #include "product.h"
-#include "testing.h"
 #include "tools/command_line/parsed_options.h"
 
 namespace hqslam::tools {

@@ -1,10 +1,8 @@
 #include "recording/reading.h"
 
 #include <csignal>
-#include <functional>
 
 #include "made_scans.h"
-#include "testing.h"
 
 namespace hqslam::tools {
 namespace {

@@ -1,6 +1,5 @@
 #include "recording/reference.h"
 
-#include "testing.h"
 #include "tools/example_run.h"
 
 namespace hqslam::tools {

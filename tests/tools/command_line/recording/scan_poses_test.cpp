@@ -1,9 +1,6 @@
 #include "recording/scan_poses.h"
 
-#include <memory>
-
 #include "made_scans.h"
-#include "testing.h"
 
 namespace hqslam::tools {
 namespace {

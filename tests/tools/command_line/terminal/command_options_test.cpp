@@ -1,13 +1,9 @@
 #include "terminal/command_options.h"
 
-#include <CLI/CLI.hpp>
-
-#include "testing.h"
 #include "tools/command_line/parsed_options.h"
 
 using namespace hqslam;
-using tools::Given;
-using tools::OptionRules;
+using namespace hqslam::tools;
 
 namespace {
 

@@ -4,8 +4,7 @@
 
 namespace hqslam::tools {
 
-TEST_CASE(
-    "statistics of 1..20, of a single value, which it is itself, and of none, which are zeros") {
+TEST_CASE("statistics of 1..20, of a single value (itself) and of none (zeros)") {
   std::vector<double> values;
   for (int i = 20; i >= 1; --i) values.push_back(i);
   const Distribution distribution = distribution_of(values);

@@ -1,8 +1,5 @@
 #include "inspect/layers_page.h"
 
-#include <nlohmann/json.hpp>
-
-#include "testing.h"
 #include "tools/page_data.h"
 #include "tools/parts_of_text.h"
 
@@ -108,6 +105,9 @@ TEST_CASE("a tensor that was asked for is shown channel by channel, each on its 
   const auto& first = images[images.size() - 2];
   CHECK(first["group"] == "a");
   CHECK(first["low"].dump() == "0.0");  // no zero has a sign
+  CHECK(images.back()["channel"] == 1);
+  CHECK(images.back()["rows"] == 1);
+  CHECK(images.back()["columns"] == 2);
   CHECK(images.back()["low"] == -0.5);
   CHECK(images.back()["high"] == 1.5);
   CHECK(test::numbers_of(images.back()["values"])[1] == doctest::Approx(1.5));

@@ -2,8 +2,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "hqslam/nn/network_json.h"
-#include "testing.h"
 #include "tools/program/untrained_weights.h"
 
 namespace hqslam::tools {

@@ -4,12 +4,7 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
-#include <chrono>
-#include <nlohmann/json.hpp>
-
 #include "live/live_run.h"
-#include "live/view_server.h"
-#include "testing.h"
 #include "tools/page_data.h"
 #include "tools/parts_of_text.h"
 
@@ -233,8 +228,7 @@ TEST_CASE("a port in use and an invalid address are refused in one line") {
   CHECK(test::refused_with([&] { ViewServer("localhost", 0, nothing); }, "localhost", "127.0.0.1"));
 }
 
-TEST_CASE(
-    "the line of a second has pose, rate, latency and what was lost, and more only if there is") {
+TEST_CASE("the line of a second has pose, rate, latency and losses, and more only if there is") {
   LiveStatus status;
   status.elapsed_s = 12.2;
   CHECK(status_line(status) == "12 s  0 scans  0.0 scans/s  0 packets lost  0 scans dropped");

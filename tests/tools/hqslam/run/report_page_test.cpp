@@ -1,10 +1,8 @@
 #include "run/report_page.h"
 
-#include <nlohmann/json.hpp>
 #include <regex>
 
 #include "program/invocation.h"
-#include "testing.h"
 #include "tools/example_run.h"
 #include "tools/page_data.h"
 #include "tools/parts_of_text.h"
@@ -43,12 +41,10 @@ TEST_CASE("the report says how it was made and when") {
                          std::regex(R"(20\d\d-\d\d-\d\d \d\d:\d\d UTC)")));
 }
 
-TEST_CASE(
-    "every pose has its status; where the motion to the next is unknown is a gap and no path") {
+TEST_CASE("every pose has its status; where the next motion is unknown is a gap and no path") {
   SlamRun run = example_run(30);
   const auto gaps = [&] {
-    const std::vector<float> gap = numbers_of(report_json(run)["trajectory"]["gap"]);
-    return std::ranges::count(gap, 1.0F);
+    return std::ranges::count(numbers_of(report_json(run)["trajectory"]["gap"]), 1.0F);
   };
   CHECK(gaps() == 0);
   std::fill(run.segment_of_scan.begin() + 10, run.segment_of_scan.end(), 1);
@@ -161,10 +157,9 @@ TEST_CASE("the path ends where the relative pose is unknown, and other submaps a
 }
 
 TEST_CASE("the dense map comes first, with its confidence") {
-  const SlamRun run = example_run(3);
   DenseMapRun map;
   map.points = {{{1.0F, 2.0F, 3.0F}, 0.7F, 2}};
-  const TurningView view = view_of(run, &map);
+  const TurningView view = view_of(example_run(3), &map);
   REQUIRE(view.clouds.size() == 2);
   CHECK(view.clouds[0].confidence == std::vector<float>{0.7F});
   CHECK(view.clouds[1].points_m.size() == 3);

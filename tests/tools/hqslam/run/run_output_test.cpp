@@ -1,9 +1,7 @@
 #include "run/run_output.h"
 
 #include <nlohmann/json.hpp>
-#include <sstream>
 
-#include "testing.h"
 #include "tools/example_run.h"
 
 namespace hqslam::tools {
@@ -83,9 +81,7 @@ TEST_CASE("the results are six files, and a checkpoint leaves nothing of an earl
   CHECK(read_tum(out + "/trajectory.tum").size() == 4);
 }
 
-TEST_CASE(
-    "the covariances are a line per scan: stamp, status, part and six rows of six, named above "
-    "them") {
+TEST_CASE("the covariances are a line per scan: stamp, status, part and six rows of six") {
   SlamRun run = example_run(3);
   for (int i = 0; i < 36; ++i) run.scans[1].report.covariance(i / 6, i % 6) = 0.25 * i;
   run.scans[1].report.mapping_status = slam::Status::kTooFewFeatures;

@@ -1,7 +1,5 @@
 #include "run/dense_map.h"
 #include "run/run_summary.h"
-#include "run/slam_run.h"
-#include "testing.h"
 #include "tools/example_run.h"
 #include "tools/parts_of_text.h"
 

@@ -1,10 +1,8 @@
 #include "upsample/upsample_output.h"
 
 #include "hqslam/core/cloud_file.h"
-#include "hqslam/core/projection.h"
 #include "hqslam/recordings/recording.h"
 #include "made_images.h"
-#include "testing.h"
 #include "tools/parts_of_text.h"
 
 namespace hqslam::tools {

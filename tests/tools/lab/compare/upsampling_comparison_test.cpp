@@ -2,7 +2,6 @@
 
 #include "hqslam/core/projection.h"
 #include "made_images.h"
-#include "testing.h"
 
 namespace hqslam::tools {
 

@@ -2,9 +2,6 @@
 
 #include <omp.h>
 
-#include <stdexcept>
-#include <thread>
-
 #include "testing.h"
 
 namespace hqslam::tools {

@@ -1,7 +1,6 @@
 #include "hqslam/sim/drive.h"
 #include "hqslam/sim/write_drive.h"
 #include "small_city.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::sim;
@@ -73,8 +72,7 @@ TEST_CASE("a drive is read as it was written, with its mount and conditions") {
   }
 }
 
-TEST_CASE(
-    "what is no drive.json, or of another revision, is an error of one line that names the file") {
+TEST_CASE("what is no drive.json, or of another revision, is one line that names the file") {
   const auto refuses = [](const std::string& json, const auto&... parts) {
     CHECK(refused_with([&] { from_file("drive.json", json, read_drive_json); }, parts...));
   };

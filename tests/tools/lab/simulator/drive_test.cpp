@@ -2,8 +2,6 @@
 
 #include "hash.h"
 #include "small_city.h"
-#include "style.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::sim;
@@ -24,19 +22,15 @@ DriveSpec short_drive(const char* name, std::int64_t scans) {
   return spec;
 }
 
-/// Of ranges in whole millimetres.
-std::uint64_t hash_of_ranges(const RangeImage& image) {
+std::uint64_t hash_of_scan(const DriveSpec& spec, std::int64_t scan) {
+  DriveSimulator simulator(spec, small_sensor());
+  simulator.skip(scan);
   std::vector<std::uint32_t> ranges_mm;
+  const RangeImage image = simulator.next()->image;
   for (const float range_m : image.range_m) {
     ranges_mm.push_back(static_cast<std::uint32_t>(std::lround(1000.0 * range_m)));
   }
   return hash_of(ranges_mm);
-}
-
-std::uint64_t hash_of_scan(const DriveSpec& spec, std::int64_t scan) {
-  DriveSimulator simulator(spec, small_sensor());
-  simulator.skip(scan);
-  return hash_of_ranges(simulator.next()->image);
 }
 
 }  // namespace
@@ -61,8 +55,7 @@ TEST_CASE("a shorter drive is the beginning of a longer one") {
   }
 }
 
-TEST_CASE(
-    "stamps are the middles of scans, the truth starts at the identity and fits the columns") {
+TEST_CASE("stamps are the middles of scans; the truth starts at the identity and fits columns") {
   const auto scans = drive(short_drive("block", 30));
   const SensorModel sensor = small_sensor();
   CHECK(scans[0].T_map_sensor.matrix() == Pose::Identity().matrix());

@@ -1,9 +1,7 @@
 #include "echo.h"
 
-#include "random.h"
 #include "sample_statistics.h"
 #include "small_city.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::sim;

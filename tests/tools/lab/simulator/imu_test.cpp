@@ -4,7 +4,6 @@
 #include "sample_statistics.h"
 #include "scenario.h"
 #include "small_city.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::sim;
@@ -44,9 +43,8 @@ TEST_CASE("noise has the data sheet's size, biases walk, and a standing sensor f
     const double stamp_s = imu.next_stamp_s();
     const SimulatedImuSample sample = imu.next(still);
     REQUIRE(sample.stamp_s == stamp_s);
-    const Eigen::Vector3d rate = sample.angular_rate_rad_per_s - sample.gyroscope_bias_rad_per_s;
     const Eigen::Vector3d force = sample.specific_force_mps2 - sample.accelerometer_bias_mps2;
-    rates.push_back(rate.x());
+    rates.push_back((sample.angular_rate_rad_per_s - sample.gyroscope_bias_rad_per_s).x());
     forces.push_back(force.z() - kGravity_mps2);
   }
   CHECK(deviation_of(rates) == doctest::Approx(0.15 * std::numbers::pi / 180.0).epsilon(0.02));
@@ -74,7 +72,6 @@ TEST_CASE("a drive's inertial samples are written beside it if asked for, skippe
   const std::string samples = file_contents(written(true, "with") + "/imu.csv");
   CHECK(std::ranges::count(samples, '\n') == 41);
   CHECK(samples.rfind("stamp_s,angular_rate_x_rad_per_s", 0) == 0);
-  const std::string biases = file_contents(folder.file("with") + "/imu_biases.csv");
-  CHECK(std::ranges::count(biases, '\n') == 41);
+  CHECK(std::ranges::count(file_contents(folder.file("with") + "/imu_biases.csv"), '\n') == 41);
   CHECK_FALSE(std::filesystem::exists(written(false, "without") + "/imu.csv"));
 }

@@ -1,9 +1,7 @@
 #include "lidar.h"
 
 #include "hqslam/core/projection.h"
-#include "hqslam/core/sensor_model.h"
 #include "small_city.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::sim;

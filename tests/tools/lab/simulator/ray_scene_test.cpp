@@ -1,26 +1,15 @@
 #include "ray_scene.h"
 
 #include "small_city.h"
-#include "testing.h"
 
 using namespace hqslam::sim;
 using namespace hqslam::test;
 
-namespace {
-
-/// A wall at 100 m and a cube of two metres that may be placed before it.
-City city_with_cube(Material material) {
-  City city = empty_city();
+TEST_CASE("a moving thing is met where it is at the ray's time") {
+  City city = empty_city();  // a wall at 100 m and a cube of two metres
   add_wall(city.fixed, 100.0, -1.0, 1.0);
   add_box(city.prototypes.emplace_back(), Eigen::Isometry3d::Identity(), {-1.0, -1.0, -1.0},
-          {1.0, 1.0, 1.0}, {material, 1});
-  return city;
-}
-
-}  // namespace
-
-TEST_CASE("a moving thing is met where it is at the ray's time") {
-  const City city = city_with_cube(Material::kCloth);
+          {1.0, 1.0, 1.0}, {Material::kCloth, 1});
   RayScene scene(city);
   ActorMotion actor;
   actor.T_world_at_start = Eigen::Translation3d(10.0, 0.0, 0.0);

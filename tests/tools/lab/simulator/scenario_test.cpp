@@ -2,7 +2,6 @@
 
 #include "ray_scene.h"
 #include "testing.h"
-#include "traffic.h"
 
 using namespace hqslam;
 using namespace hqslam::sim;
@@ -78,8 +77,7 @@ struct Expectation {
 
 }  // namespace
 
-TEST_CASE(
-    "every drive moves smoothly, at its pace and clear of all that stands, a car where it looks") {
+TEST_CASE("every drive moves smoothly, at its pace, clear of what stands, a car where it looks") {
   const std::vector<Expectation> expectations = {
       {"block", 10.5, 4.3, 1.3, 1.2, 0.03}, {"town", 15.0, 4.0, 1.1, 1.2, 0.03},
       {"hills", 20.0, 6.2, 1.9, 1.0, 0.03}, {"meadow", 20.5, 4.5, 1.5, 2.0, 0.03},

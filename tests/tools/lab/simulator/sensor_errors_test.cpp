@@ -1,14 +1,12 @@
 #include "hqslam/sim/sensor_errors.h"
 
 #include <nlohmann/json.hpp>
-#include <numeric>
 
 #include "hqslam/core/angles.h"
 #include "hqslam/sim/write_drive.h"
 #include "lidar.h"
 #include "sample_statistics.h"
 #include "small_city.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::sim;
@@ -108,8 +106,7 @@ TEST_CASE("of the echoes at an edge a share is between the surfaces, if these ar
   CHECK(share_between(12.5) == 0.0);
 }
 
-TEST_CASE(
-    "before a wall every beam is off by what was drawn for it, and as bright as its gain says") {
+TEST_CASE("before a wall each beam is off by what was drawn for it, as bright as its gain says") {
   constexpr int kScans = 60;
   const BeforeWall bad;
   std::vector<RangeImage> images;

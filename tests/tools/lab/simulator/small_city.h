@@ -1,10 +1,8 @@
 #pragma once
 
-#include <numbers>
-
 #include "city.h"
 #include "hqslam/core/sensor_model.h"
-#include "style.h"
+#include "testing.h"
 
 namespace hqslam::test {
 

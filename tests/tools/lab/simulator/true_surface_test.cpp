@@ -1,9 +1,7 @@
 #include "true_surface.h"
 
 #include "echo.h"
-#include "random.h"
 #include "small_city.h"
-#include "testing.h"
 
 using namespace hqslam::sim;
 using namespace hqslam::test;
@@ -54,14 +52,6 @@ double distance_by_all_triangles_m(const City& city, const Eigen::Vector3d& poin
   return nearest_m;
 }
 
-/// A window in the plane x = 10 whose shade decides what it shows.
-City city_with_window(std::uint8_t shade) {
-  City city = empty_city();
-  add_quad(city.fixed, {10.0, -2.0, -2.0}, {10.0, 2.0, -2.0}, {10.0, 2.0, 2.0}, {10.0, -2.0, 2.0},
-           {Material::kGlass, shade});
-  return city;
-}
-
 }  // namespace
 
 TEST_CASE("the nearest surface is that of a search through all triangles, placed ones too") {
@@ -80,7 +70,9 @@ TEST_CASE("the nearest surface is that of a search through all triangles, placed
 TEST_CASE("what a window shows is true where it is seen to be, and nowhere else") {
   for (const std::uint8_t shade : {std::uint8_t{1}, std::uint8_t{77}, std::uint8_t{200}}) {
     CAPTURE(shade);
-    const City city = city_with_window(shade);
+    City city = empty_city();  // a window in the plane x = 10 whose shade decides what it shows
+    add_quad(city.fixed, {10.0, -2.0, -2.0}, {10.0, 2.0, -2.0}, {10.0, 2.0, 2.0}, {10.0, -2.0, 2.0},
+             {Material::kGlass, shade});
     const RayScene scene(city);
     const Eigen::Vector3d eye(0.0, 1.0, 0.0);
     const Eigen::Vector3d direction = Eigen::Vector3d(10.0, -1.0, 0.5).normalized();

@@ -2,11 +2,9 @@
 
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/kitti_bin.h"
-#include "hqslam/core/npy.h"
 #include "hqslam/core/trajectory.h"
 #include "hqslam/recordings/recording.h"
 #include "small_city.h"
-#include "testing.h"
 
 using namespace hqslam;
 using namespace hqslam::sim;

@@ -1,8 +1,7 @@
 #pragma once
 
-#include <cmath>
-
 #include "table/table_run.h"
+#include "testing.h"
 
 namespace hqslam::test {
 

@@ -1,16 +1,11 @@
 #include "table/table_parts.h"
 
-#include "testing.h"
 #include "tools/lab/table/example_drives.h"
 
 namespace hqslam::tools {
 namespace {
 
-using test::bumpy_half_circle;
-using test::example_drives;
-using test::example_plan;
-using test::finished_drive;
-using test::straight_drive;
+using namespace hqslam::test;
 
 /// LiDAR-16 off by 0.4 m, linear by 0.1 m, LiDAR-64 by 0.05 m the other way.
 FinishedDrive bumpy_drive() {

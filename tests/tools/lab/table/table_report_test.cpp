@@ -1,6 +1,5 @@
 #include "table/table_report.h"
 
-#include "testing.h"
 #include "tools/lab/table/example_drives.h"
 #include "tools/parts_of_text.h"
 
@@ -34,9 +33,8 @@ TEST_CASE("the texts have a row per method and a part per kind of drive") {
   for (const TextTable& text : {summary, pairs}) {
     for (const auto& row : text.rows) CHECK(row.size() == text.columns.size());
   }
-  const std::string markdown = markdown_of(reports);
-  CHECK(missing(markdown, {"## All drives", "## town", "## <hills>", "seed 4", "| LiDAR-64 |",
-                           "300 scans, 299 m"}) == "");
+  CHECK(missing(markdown_of(reports), {"## All drives", "## town", "## <hills>", "seed 4",
+                                       "| LiDAR-64 |", "300 scans, 299 m"}) == "");
   CHECK(missing(printed(reports), {"All drives\n", "<hills>: seed 5", "\nLiDAR-64 "}) == "");
   CHECK_FALSE(holds(printed(reports), "\ntown\n"));
 }

@@ -1,9 +1,6 @@
 #include "table/table_run.h"
 
-#include <functional>
-
 #include "made_images.h"
-#include "testing.h"
 
 namespace hqslam::tools {
 namespace {

@@ -1,16 +1,12 @@
 #include "table/table_statistics.h"
 
 #include "table/table_parts.h"
-#include "testing.h"
 #include "tools/lab/table/example_drives.h"
 
 namespace hqslam::tools {
 namespace {
 
-using test::example_drives;
-using test::example_plan;
-using test::finished_drive;
-using test::straight_drive;
+using namespace hqslam::test;
 
 /// All drives over seeds.
 TableSample sample_of(const std::vector<FinishedDrive>& drives) {

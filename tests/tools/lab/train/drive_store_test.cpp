@@ -3,18 +3,13 @@
 #include <csignal>
 
 #include "files/result_files.h"
-#include "hqslam/core/npy.h"
-#include "hqslam/sim/drive.h"
 #include "made_images.h"
-#include "testing.h"
 
 namespace hqslam::tools {
 namespace {
 
 namespace fs = std::filesystem;
-using test::file_contents;
-using test::TemporaryDirectory;
-using test::write_file;
+using namespace hqslam::test;
 
 StoredDrive block(std::uint64_t seed, std::int64_t scans, std::int64_t every) {
   return {{"block", seed, scans, {}, {}}, test::preset_with("os1-16", 64), every};

@@ -1,6 +1,5 @@
 #include "train/right_share.h"
 
-#include "hqslam/nn/training/augmentation.h"
 #include "testing.h"
 
 namespace hqslam::tools {

@@ -1,14 +1,10 @@
 #include "train/training_scans.h"
 
-#include <thread>
-
 #include "hqslam/core/projection.h"
 #include "hqslam/nn/network_json.h"
 #include "hqslam/nn/training/drawn_beams.h"
-#include "hqslam/sim/drive.h"
 #include "made_images.h"
 #include "points_file.h"
-#include "testing.h"
 
 namespace hqslam::tools {
 namespace {
