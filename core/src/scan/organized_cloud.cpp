@@ -1,7 +1,6 @@
 #include "hqslam/core/organized_cloud.h"
 
 #include <cmath>
-#include <cstdint>
 
 #include "hqslam/core/error.h"
 
@@ -87,24 +86,6 @@ RangeImage range_image(const OrganizedCloud& cloud) {
   image.columns = cloud.columns;
   image.range_m = cloud.range_m;
   return image;
-}
-
-double mean_column_step(const OrganizedCloud& cloud) {
-  constexpr int kLargestGap = 10;
-  std::int64_t columns = 0;
-  std::int64_t steps = 0;
-  for (int row = 0; row < cloud.rows; ++row) {
-    int last = -kLargestGap - 1;
-    for (int column = 0; column < cloud.columns; ++column) {
-      if (!(cloud.range_m[cloud.index(row, column)] > 0.0F)) continue;
-      if (column - last <= kLargestGap) {
-        columns += column - last;
-        ++steps;
-      }
-      last = column;
-    }
-  }
-  return steps == 0 ? 1.0 : static_cast<double>(columns) / static_cast<double>(steps);
 }
 
 std::vector<Eigen::Vector3f> points_of(const OrganizedCloud& cloud) {

@@ -24,8 +24,6 @@ constexpr Neighbourhood kOfClearAir = {3, 1, 0.3F, 0.1F, 2};
 /// the returns of surfaces do.
 constexpr Neighbourhood kOfFog = {6, 2, 0.15F, 0.05F, 3};
 constexpr double kShareInClearAir = 0.1;
-/// mean_column_step() of clouds that were thinned out, whose returns all stand alone.
-constexpr double kThinned = 1.8;
 /// What stands alone farther away is kept: fog thins surfaces, too, and along a street those that
 /// are far away carry the motion.
 constexpr float kFarthestEcho_m = 10.0F;
@@ -62,9 +60,7 @@ std::vector<std::uint8_t> scattered_returns(const OrganizedCloud& cloud,
 }  // namespace
 
 std::optional<OrganizedCloud> without_scattered(const OrganizedCloud& cloud) {
-  if (cloud.columns <= kOfFog.columns_beside || mean_column_step(cloud) > kThinned) {
-    return std::nullopt;
-  }
+  if (cloud.columns <= kOfFog.columns_beside) return std::nullopt;
   const auto returns = std::ranges::count_if(cloud.range_m, [](float r) { return r > 0.0F; });
   const auto scattered = std::ranges::count(scattered_returns(cloud, kOfClearAir), 1);
   if (static_cast<double>(scattered) <= kShareInClearAir * static_cast<double>(returns)) {

@@ -45,10 +45,6 @@ OrganizedCloud calibrated(OrganizedCloud cloud, const SensorModel& sensor);
 /// The ranges of a cloud.
 RangeImage range_image(const OrganizedCloud& cloud);
 
-/// Mean step in columns from a return to the next one of its row, gaps of more than 10 left out: 1
-/// for whole scans, more for clouds that were thinned out. 1 without returns.
-double mean_column_step(const OrganizedCloud& cloud);
-
 /// The points of the pixels that have a return.
 std::vector<Eigen::Vector3f> points_of(const OrganizedCloud& cloud);
 
