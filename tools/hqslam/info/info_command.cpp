@@ -89,7 +89,7 @@ std::string capture_line(const CaptureCheck& check) {
   return check.verdict ? fit : fit + ": the difference is too small to decide";
 }
 
-/// pipeline::OwnParts::text() after the first scans.
+/// pipeline::OwnParts::text() after the first scans that can be read.
 std::string own_parts(const InfoOptions& options, const recordings::RecordingInfo& info) {
   constexpr int kScans = 100;
   recordings::OpenOptions open;
@@ -98,10 +98,14 @@ std::string own_parts(const InfoOptions& options, const recordings::RecordingInf
   auto source = recordings::Recording::open(options.input, open);
   pipeline::OwnParts parts(source.sensor());
   LeftOut left_out;
-  for (int i = 0; i < kScans; ++i) {
-    auto scan = next_usable(source, left_out);
-    if (!scan) break;
-    parts.without(std::move(scan->cloud));
+  try {
+    for (int i = 0; i < kScans; ++i) {
+      auto scan = next_usable(source, left_out);
+      if (!scan) break;
+      parts.without(std::move(scan->cloud));
+    }
+  } catch (const Error&) {
+    // The recording is cut off, of which its description warns.
   }
   return parts.text();
 }
