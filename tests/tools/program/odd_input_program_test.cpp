@@ -32,7 +32,7 @@ TEST_CASE("options that would do nothing, or cannot be, are refused with what th
         std::pair("--spacing 0.5", "--upsample"), std::pair("--map-voxel 0.2", "--dense-map"),
         std::pair("--stamps ''", "expected a file or 'names', found nothing"),
         std::pair("--slam lego-loam --imu '/dev/null'", "leave --imu out"),
-        std::pair("--occupancy-grid --grid-band 2,0.25", "highest_obstacle_m is 0.25"),
+        std::pair("--occupancy-grid --grid-band 2,0.25", "expected LOW,HIGH"),
         std::pair("--occupancy-grid --grid-band 0,2", "lowest_obstacle_m is 0,"),
         std::pair("--occupancy-grid --grid-band nan,2", "lowest_obstacle_m is nan"),
         std::pair("--occupancy-grid --grid-band 1", "--grid-band"),

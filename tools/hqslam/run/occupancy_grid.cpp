@@ -33,7 +33,7 @@ slam::OccupancyGridOptions options_of(const OccupancyGridChoice& choice) {
   options.resolution_m = choice.resolution_m;
   options.lowest_obstacle_m = choice.band_m.at(0);
   options.highest_obstacle_m = choice.band_m.at(1);
-  if (!(options.lowest_obstacle_m < options.highest_obstacle_m)) {
+  if (options.lowest_obstacle_m >= options.highest_obstacle_m) {
     throw Error("--grid-band {},{}: expected LOW,HIGH, the lower height first",
                 options.lowest_obstacle_m, options.highest_obstacle_m);
   }

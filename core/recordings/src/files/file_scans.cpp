@@ -152,7 +152,8 @@ class FileScanSource : public ScanSource {
     const std::optional<RawPoints> first = first_points_[0];
     if (!first) return;
     try {
-      const double step = mean_column_step(recorded(0).cloud);
+      const double step =
+          mean_column_step(recorded_scan(scan_at(0), sensor_, paths_.front()).cloud);
       is_thinned_ = step > kThinned;
       if (is_thinned_) {
         sensor_.columns /= static_cast<int>(std::lround(step));
@@ -176,11 +177,17 @@ class FileScanSource : public ScanSource {
     return points;
   }
 
-  RecordedScan recorded(std::size_t index) {
+  Scan scan_at(std::size_t index) {
     const std::string& path = paths_[index];
     Scan scan = scan_of(points_of(index), &sensor_, path);
     // A .pcd file is a driver's, with rings where they are known; else elevations determine rows.
     if (!path.ends_with(".pcd")) set_rows_by_order(scan, sensor_, path);
+    return scan;
+  }
+
+  RecordedScan recorded(std::size_t index) {
+    const std::string& path = paths_[index];
+    Scan scan = scan_at(index);
     if (without_times_ == CaptureTime::kMotionCorrected) scan.time_offset_s.clear();
     const bool has_times = !scan.time_offset_s.empty();
     if (!has_times && without_times_ == CaptureTime::kRolling) {
