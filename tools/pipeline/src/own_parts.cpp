@@ -131,26 +131,28 @@ std::vector<bool> OwnParts::end_there(const RangeImage& candidates,
   const auto tan_min_angle = static_cast<float>(std::tan(kMinAngle_rad));
   std::vector<Border> borders(found.components.size());
   const auto compare = [&](std::size_t pixel, std::size_t other, double alpha_rad) {
-    const bool is_border = candidates.range_m[pixel] > 0.0F &&
-                           !(candidates.range_m[other] > 0.0F) && range_m[other] > 0.0F;
-    if (!is_border) return;
+    if (candidates.range_m[other] > 0.0F || !(range_m[other] > 0.0F)) return;
     Border& border = borders[static_cast<std::size_t>(found.label[pixel])];
     ++border.pixels;
     border.continued += ComponentLabeler::connected(
         candidates.range_m[pixel], range_m[other], static_cast<float>(std::sin(alpha_rad)),
         static_cast<float>(std::cos(alpha_rad)), tan_min_angle);
   };
+  const std::vector<double>& rows_rad = sensor_.beam_elevation_rad;
+  const double column_step_rad = sensor_.column_step_rad();
+  const int columns = candidates.columns;
   for (int row = 0; row < candidates.rows; ++row) {
-    for (int column = 0; column < candidates.columns; ++column) {
+    for (int column = 0; column < columns; ++column) {
       const std::size_t pixel = candidates.index(row, column);
-      const std::size_t beside = candidates.index(row, (column + 1) % candidates.columns);
-      compare(pixel, beside, sensor_.column_step_rad());
-      compare(beside, pixel, sensor_.column_step_rad());
-      if (row + 1 == candidates.rows) continue;
-      const std::size_t below = candidates.index(row + 1, column);
-      const double step_rad = sensor_.beam_elevation_rad[row] - sensor_.beam_elevation_rad[row + 1];
-      compare(pixel, below, step_rad);
-      compare(below, pixel, step_rad);
+      if (!(candidates.range_m[pixel] > 0.0F)) continue;
+      for (const int step : {1, columns - 1}) {
+        compare(pixel, candidates.index(row, (column + step) % columns), column_step_rad);
+      }
+      for (const int beside : {row - 1, row + 1}) {
+        if (beside < 0 || beside == candidates.rows) continue;
+        compare(pixel, candidates.index(beside, column),
+                std::abs(rows_rad[row] - rows_rad[beside]));
+      }
     }
   }
   std::vector<bool> result;
