@@ -26,13 +26,19 @@ constexpr int kFewestPlanesInFog = 600;
 
 Matrix6 pose_covariance(const MotionState& state) { return state.covariance.topLeftCorner<6, 6>(); }
 
-/// Whether a sensor that is not carried can deviate this much from its expected motion.
-bool is_plausible(const Twist& innovation, double duration_s) {
+/// Whether a sensor that is not carried can deviate this much from its expected state.
+bool is_plausible(const MotionState& expected, const Twist& innovation, double duration_s) {
   constexpr double kAccelerated_m_s2 = 10.0;
   constexpr double kTurned_rad_s2 = 5.0;
+  constexpr double kDeviations = 2.0;
   const double half_square_s2 = 0.5 * duration_s * duration_s;
-  return innovation.linear.norm() <= 0.5 + kAccelerated_m_s2 * half_square_s2 &&
-         innovation.angular.norm() <= 0.2 + kTurned_rad_s2 * half_square_s2;
+  const Vector6 variance = expected.covariance.diagonal().head<6>();
+  const double deviation_m = std::sqrt(variance.head<3>().sum());
+  const double deviation_rad = std::sqrt(variance.tail<3>().sum());
+  return innovation.linear.norm() <=
+             std::max(0.5 + kAccelerated_m_s2 * half_square_s2, kDeviations * deviation_m) &&
+         innovation.angular.norm() <=
+             std::max(0.2 + kTurned_rad_s2 * half_square_s2, kDeviations * deviation_rad);
 }
 
 /// Leaves the pose as uncertain as its prediction.
@@ -116,7 +122,8 @@ Registered Slam::Implementation::judged(const Tracking& last, const Scan& scan,
                               matched.close_ratio < kLeastShareOfInlierRatio * last.close_ratio;
   const double duration_s = scan.time_s - last.reference.time_s;
   const auto is_possible = [&](const Pose& T_map_sensor) {
-    return is_plausible(logarithm(expected.T_map_sensor.inverse() * T_map_sensor), duration_s);
+    return is_plausible(expected, logarithm(expected.T_map_sensor.inverse() * T_map_sensor),
+                        duration_s);
   };
   const bool is_elsewhere =
       fits_elsewhere || (!is_possible(matched.state.T_map_sensor) &&
@@ -143,6 +150,11 @@ Registered Slam::Implementation::judged(const Tracking& last, const Scan& scan,
   found.is_motion_plausible = found.by_odometry && !is_elsewhere && is_moved;
   found.is_contradiction = scan.has_enough_features && is_precise(expected) &&
                            (is_elsewhere || (found.by_odometry && !found.is_motion_plausible));
+  if (found.is_contradiction && !is_moved) {
+    // Either may be wrong: the sensor was moved between two scans, or the odometry went astray.
+    const Twist rejected = logarithm(expected.T_map_sensor.inverse() * T_map_moved);
+    found.state.covariance.topLeftCorner<6, 6>().diagonal() += vector_of(rejected).cwiseAbs2();
+  }
   return found;
 }
 
@@ -209,7 +221,7 @@ Registered Slam::Implementation::registered(const Tracking& last, const Scan& sc
   found.inertial = inertial_after(reference, measured, matched, found);
   const Pose motion = reference.state.T_map_sensor.inverse() * found.state.T_map_sensor;
   found.against_map =
-      found.is_registered ? drift.against_map(found.state) : grown(reference, expected, motion);
+      found.is_registered ? drift.against_map(found.state) : grown(reference, found.state, motion);
   put_report(reference, scan, matched, found, notes);
   if (notes.trace != nullptr) {
     ScanTrace& trace = *notes.trace;

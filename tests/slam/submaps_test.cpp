@@ -56,6 +56,16 @@ Driven drive(const Village& village, const std::vector<Pose>& path, const Villag
   return driven;
 }
 
+/// Shortens a fifth of the returns at random, so that the scan fits less well than the last one.
+void add_clutter(OrganizedCloud& cloud) {
+  std::mt19937 generator(1);
+  for (std::size_t i = 0; i < cloud.range_m.size(); i += 5) {
+    const float share = static_cast<float>(generator() % 1000) / 1000.0F;
+    cloud.range_m[i] *= share;
+    cloud.points_m[i] *= share;
+  }
+}
+
 }  // namespace
 
 TEST_CASE("a sensor carried to a place passed before, either way, is joined with the path there") {
@@ -135,6 +145,29 @@ TEST_CASE("a sensor carried to a new place is tracked there, in a submap and a m
   CHECK(driven.map_points == driven.map_points_of_submap[0] + driven.map_points_of_submap[1]);
   CHECK(driven.map_points_of_submap[0] > 1000);
   CHECK(driven.map_points_of_submap[1] > 1000);
+}
+
+TEST_CASE(
+    "a sensor moved by a metre between two scans is uncertain by as much until it is located") {
+  constexpr int kMoved = 20;
+  const Village village = street(31);
+  for (const double aside_m : {1.0, -1.0}) {
+    CAPTURE(aside_m);
+    Slam slam(street_sensor());
+    std::vector<Pose> T_street_sensor;
+    ScanReport moved;
+    for (int i = 0; i < kMoved + 5; ++i) {
+      T_street_sensor.push_back(yard_pose(i, i < kMoved ? 0.0 : aside_m, 0.0));
+      OrganizedCloud cloud = village.scan(T_street_sensor.back());
+      if (i == kMoved) add_clutter(cloud);
+      const ScanReport report = slam.process(cloud, 0.1 * i);
+      if (i == kMoved) moved = report;
+      if (i > kMoved) CHECK(report.mapping_status == Status::kOk);
+    }
+    CHECK(moved.mapping_status == Status::kTooFewFeatures);
+    CHECK(std::sqrt(moved.covariance(1, 1)) > 0.5);
+    CHECK(worst_error_m(poses_of(slam.trajectory()), T_street_sensor, kMoved + 1) < 0.05);
+  }
 }
 
 TEST_CASE("a sensor that is covered and carried elsewhere continues in a submap of its own") {
