@@ -21,6 +21,18 @@ constexpr std::int64_t kFewestReturns = 500;
 constexpr double kMostExchanged = 2.5;
 /// The scan that follows, and one more, to tell a scan that is late from a clock that was set back.
 constexpr std::size_t kAhead = 3;
+/// A first scan with returns in less than this share of the columns in which both scans after it
+/// have some is the end of a turn.
+constexpr double kWholeTurn = 0.75;
+
+/// How many columns have a return.
+int seen_columns(const OrganizedCloud& cloud) {
+  std::vector<char> is_seen(cloud.columns, 0);
+  for (std::size_t i = 0; i < cloud.range_m.size(); ++i) {
+    if (cloud.range_m[i] > 0.0F) is_seen[i % is_seen.size()] = 1;
+  }
+  return static_cast<int>(std::ranges::count(is_seen, 1));
+}
 
 /// A scan that was read ahead, or why it cannot be understood.
 struct Ahead {
@@ -63,6 +75,7 @@ class OrderedScans : public ScanSource {
       std::swap(ahead_[0], ahead_[1]);
       ++exchanged_;
     }
+    if (!std::exchange(has_begun_, true)) leave_out_part_of_turn();
     Ahead first = std::move(ahead_.front());
     ahead_.pop_front();
     if (!first.scan) throw ScanError(first.complaint);
@@ -101,6 +114,22 @@ class OrderedScans : public ScanSource {
            stamp_0_s - stamp_1_s < kMostExchanged * sensor().scan_period_s;
   }
 
+  /// Drivers that start within a turn write its rest as the first scan. A map would begin with it.
+  void leave_out_part_of_turn() {
+    if (ahead_.size() < kAhead) return;
+    std::vector<int> seen;
+    for (const Ahead& ahead : ahead_) {
+      if (!ahead.scan) return;
+      seen.push_back(seen_columns(ahead.scan->cloud));
+    }
+    const int whole = std::min(seen[1], seen[2]);
+    if (seen[0] >= kWholeTurn * whole) return;
+    ahead_.front() = {std::nullopt,
+                      fmt::format("{}: has returns in {} columns, the next scans in {}: the "
+                                  "recording begins within a turn",
+                                  ahead_.front().scan->name, seen[0], whole)};
+  }
+
   bool is_repeated(const RecordedScan& scan) const {
     return repeats_ == Repeats::kLeftOut && scan.counts.kept >= kFewestReturns &&
            scan.cloud.range_m == last_range_m_;
@@ -136,6 +165,7 @@ class OrderedScans : public ScanSource {
   std::unique_ptr<ScanSource> source_;
   Repeats repeats_;
   std::deque<Ahead> ahead_;
+  bool has_begun_ = false;
   bool ended_ = false;
   std::exception_ptr broken_;  ///< why the source cannot be read on
   std::optional<double> last_s_;

@@ -14,6 +14,7 @@ enum class Repeats { kLeftOut, kKept };
 ///
 /// - A scan with the same ranges as the one before, as where a message was recorded twice or a
 ///   driver stood still, is left out (ScanError).
+/// - A first scan that is the end of a turn is left out (ScanError).
 /// - Two scans that change places, as in a bag that was written out of order, change back.
 /// - A single scan that is stamped before the one before is late, and left out (ScanError).
 /// - Stamps that stand, or fall and stay behind, are of a clock that is coarse, was not set or set

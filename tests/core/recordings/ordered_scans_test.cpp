@@ -16,15 +16,21 @@ struct ReadScans {
 };
 
 /// Scans of the rooms of these widths, read with these stamps.
-ReadScans read(const std::vector<double>& stamps_s, std::vector<float> widths_m = {}) {
+ReadScans read(const std::vector<double>& stamps_s, std::vector<float> widths_m = {},
+               const std::vector<int>& seen_columns = {}) {
   for (std::size_t i = widths_m.size(); i < stamps_s.size(); ++i) {
-    widths_m.push_back(static_cast<float>(i));
+    widths_m.push_back(static_cast<float>(i + 1));
   }
   const auto source = ordered(std::make_unique<MadeScans>(stamps_s.size(), [=](std::size_t i) {
     RecordedScan scan;
     scan.stamp_s = stamps_s[i];
     scan.cloud = OrganizedCloud(16, 100);
     scan.cloud.range_m.assign(1600, widths_m[i]);
+    if (i < seen_columns.size()) {
+      for (int row = 0; row < 16; ++row) {
+        std::fill_n(&scan.cloud.range_m[row * 100], 100 - seen_columns[i], 0.0F);
+      }
+    }
     scan.counts.kept = 1600;
     return scan;
   }));
@@ -45,6 +51,21 @@ TEST_CASE("a scan that was recorded twice, with its stamp or another, is left ou
     const ReadScans result = read({0.1, second_s, 0.2, 0.3}, {5.0F, 5.0F, 6.0F, 7.0F});
     CHECK(result.stamps_s == Stamps{0.1, 0.2, 0.3});
     CHECK(result.left_out.scans == 1);
+  }
+}
+
+TEST_CASE(
+    "a first scan that is the end of a turn is left out, a narrow view or a later gap is not") {
+  const std::vector<double> stamps_s = {0.1, 0.2, 0.3, 0.4};
+  const ReadScans result = read(stamps_s, {}, {60, 100, 90, 100});
+  CHECK(result.stamps_s == Stamps{0.2, 0.3, 0.4});
+  CHECK(result.left_out.first.find("returns in 60 columns, the next scans in 90") !=
+        std::string::npos);
+  for (const std::vector<int>& whole : {std::vector<int>{70, 90, 100, 100},
+                                        {50, 50, 50, 50},
+                                        {100, 30, 100, 100},
+                                        {60, 100, 60, 100}}) {
+    CHECK(read(stamps_s, {}, whole).left_out.scans == 0);
   }
 }
 
