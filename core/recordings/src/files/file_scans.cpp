@@ -144,6 +144,23 @@ class FileScanSource : public ScanSource {
       return found && found->absolute;
     });
     ring_numbers_ = ring_numbers(with_rings, sensor_);
+    if (!has_stamps_) count_missing_scans();
+  }
+
+  void count_missing_scans() {
+    numbers_ = numbers_with_gaps(paths_);
+    if (numbers_.empty()) return;
+    warnings_.push_back(fmt::format(
+        "{}: files are numbered {} to {}, and {} of these numbers are missing: {} s are counted "
+        "for "
+        "each; --stamps gives other stamps",
+        paths_.front(), numbers_.front(), numbers_.back(),
+        numbers_.back() - numbers_.front() + 1 - numbers_.size(), sensor_.scan_period_s));
+  }
+
+  /// How many periods after the first scan this one was captured, without stamps.
+  std::size_t periods_at(std::size_t index) const {
+    return numbers_.empty() ? index : numbers_[index] - numbers_.front();
   }
 
   /// Clouds that were thinned out get as few columns as they have points: single ones in an image
@@ -191,12 +208,12 @@ class FileScanSource : public ScanSource {
     if (without_times_ == CaptureTime::kMotionCorrected) scan.time_offset_s.clear();
     const bool has_times = !scan.time_offset_s.empty();
     if (!has_times && without_times_ == CaptureTime::kRolling) {
-      azimuth_times_.set(scan, sensor_, index);
+      azimuth_times_.set(scan, sensor_, periods_at(index));
     }
     if (!stamps_s_.empty()) {
       scan.stamp_s = stamps_s_[index];
     } else if (scan.stamp_s == 0.0) {
-      scan.stamp_s = static_cast<double>(index) * sensor_.scan_period_s;
+      scan.stamp_s = static_cast<double>(periods_at(index)) * sensor_.scan_period_s;
     }
     RecordedScan result = recorded_scan(scan, sensor_, path);
     if (!has_times && !without_times_) warn_of_missing_times();
@@ -214,6 +231,7 @@ class FileScanSource : public ScanSource {
   std::vector<std::string> paths_;
   SensorModel sensor_;
   std::vector<double> stamps_s_;
+  std::vector<std::size_t> numbers_;  ///< of the files, if some are missing
   std::vector<std::string> warnings_;
   std::optional<CaptureTime> without_times_;
   AzimuthTimes azimuth_times_{0.0};

@@ -35,7 +35,8 @@ using ChooseSensor = std::function<FoundSensor(const std::function<FoundSensor()
 /// Files are taken in the natural order of their names. The stamp of a scan is what options.stamps
 /// says, else that of a timestamps.txt in the folder or, beside files, the one above it (KITTI's
 /// drives), else the middle of its points' times where those are a clock's or as
-/// options.without_times says, else its index times sensor.scan_period_s. In a folder of images
+/// options.without_times says, else its index times sensor.scan_period_s, which counts scans that
+/// are missing between numbered files. In a folder of images
 /// with truth.tum and no timestamps.txt the stamps are those of truth.tum: (index + 1/2) times the
 /// period for a simulated drive, the middle of each scan. Pixels of images that are not finite or
 /// negative count as invalid points. Throws Error: which file, what was expected, what was found,
@@ -80,5 +81,10 @@ std::vector<double> read_stamps_s(const std::string& path);
 /// The number in the name of each file: seconds, or nano-, micro- or milliseconds since 1970 by its
 /// size. Throws Error for a name without one.
 std::vector<double> stamps_from_names_s(const std::vector<std::string>& paths);
+
+/// The numbers of scans in the names of their files where some are missing, as of every third scan:
+/// they rise, somewhere by more than 1, and somewhere by 10 at most (else they may be a clock's).
+/// Empty otherwise.
+std::vector<std::size_t> numbers_with_gaps(const std::vector<std::string>& paths);
 
 }  // namespace hqslam::recordings

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <cmath>
@@ -49,6 +50,16 @@ std::optional<double> date_s(std::string_view text) {
          part(17, 2) + *fraction;
 }
 
+/// The last number in a file's name without its extension, of digits and points; empty without one.
+std::string last_number(const std::string& path) {
+  const std::string stem = std::filesystem::path(path).stem().string();
+  const std::size_t end = stem.find_last_of("0123456789");
+  if (end == std::string::npos) return {};
+  const std::size_t before = stem.find_last_not_of("0123456789.", end);
+  const std::size_t begin = before == std::string::npos ? 0 : before + 1;
+  return stem.substr(begin, end + 1 - begin);
+}
+
 /// By the size of a number of this century: nanoseconds have 19 digits, seconds 10.
 double seconds_of(double value) {
   if (value > 1e17) return 1e-9 * value;
@@ -89,14 +100,7 @@ std::vector<double> read_stamps_s(const std::string& path) {
 std::vector<double> stamps_from_names_s(const std::vector<std::string>& paths) {
   std::vector<double> stamps_s;
   for (const std::string& path : paths) {
-    const std::string stem = std::filesystem::path(path).stem().string();
-    const std::size_t end = stem.find_last_of("0123456789");
-    const std::size_t before =
-        end == std::string::npos ? end : stem.find_last_not_of("0123456789.", end);
-    const std::size_t begin = before == std::string::npos ? 0 : before + 1;
-    const auto value = end == std::string::npos
-                           ? std::nullopt
-                           : finite_number(std::string_view(stem).substr(begin, end + 1 - begin));
+    const auto value = finite_number(last_number(path));
     if (!value) {
       throw Error(
           "{}: expected a stamp in the file's name, found no number; give the stamps in a "
@@ -106,6 +110,22 @@ std::vector<double> stamps_from_names_s(const std::vector<std::string>& paths) {
     stamps_s.push_back(seconds_of(*value));
   }
   return stamps_s;
+}
+
+std::vector<std::size_t> numbers_with_gaps(const std::vector<std::string>& paths) {
+  constexpr std::size_t kMostDigits = 9;
+  constexpr std::size_t kMostThinned = 10;
+  std::vector<std::size_t> numbers;
+  std::size_t least_step = kMostThinned + 1;
+  for (const std::string& path : paths) {
+    const std::string text = last_number(path);
+    const auto number = text.size() > kMostDigits ? std::nullopt : number_from<std::size_t>(text);
+    if (!number || (!numbers.empty() && *number <= numbers.back())) return {};
+    if (!numbers.empty()) least_step = std::min(least_step, *number - numbers.back());
+    numbers.push_back(*number);
+  }
+  const bool has_gaps = !numbers.empty() && numbers.back() - numbers.front() >= numbers.size();
+  return has_gaps && least_step <= kMostThinned ? numbers : std::vector<std::size_t>();
 }
 
 }  // namespace hqslam::recordings

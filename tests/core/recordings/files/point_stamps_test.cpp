@@ -36,6 +36,33 @@ TEST_CASE("stamps come from KITTI's timestamps.txt, from a file, or from the fil
   CHECK(one_line_with(complaint("10.5\nyesterday\n11\n"), "line 2", "yesterday"));
 }
 
+TEST_CASE("scans without stamps whose files are numbered with gaps are that many periods apart") {
+  // In: names of files. Out: periods from the first scan to each.
+  const auto found = [](const std::vector<std::string>& names, CaptureTime capture) {
+    const TemporaryDirectory directory;
+    for (const std::string& name : names) {
+      write_file(directory.file(name + ".txt"), firing_order(0.0, 360.0));
+    }
+    const auto source = open_vlp16(directory, capture);
+    const std::vector<double> found_s = stamps_s(*source);
+    std::vector<long> periods;
+    for (const double stamp_s : found_s) {
+      periods.push_back(std::lround(10.0 * (stamp_s - found_s.front())));
+    }
+    return std::pair(periods, fmt::format("{}", fmt::join(source->warnings(), " ")));
+  };
+  using Periods = std::vector<long>;
+  for (const CaptureTime capture : {CaptureTime::kMotionCorrected, CaptureTime::kRolling}) {
+    const auto [periods, warning] = found({"scan_07", "scan_10", "scan_11"}, capture);
+    CHECK(periods == Periods{0, 3, 4});
+    CHECK(warning.find("numbered 7 to 11, and 2 of") != std::string::npos);
+    CHECK(found({"8", "9"}, capture).first == Periods{0, 1});
+    for (const char* clock : {"0100", "1600000000003"}) {
+      CHECK(found({"0", clock}, capture).first == Periods{0, 1});
+    }
+  }
+}
+
 TEST_CASE("times that rise from scan to scan are a clock's, whatever its zero") {
   const auto found_from = [](double first_s, double step_s) {
     const TemporaryDirectory directory;
@@ -53,7 +80,8 @@ TEST_CASE("times that rise from scan to scan are a clock's, whatever its zero") 
       CHECK(found_s[scan] == doctest::Approx(uptime_s + 0.1 * turn + 0.05).epsilon(1e-9));
     }
   }
-  CHECK(found_from(0.0, 0.0) == std::vector<double>{0.0, 0.1, 0.2});  // each scan's own
+  // Times within each scan: the files' numbers count the missing one.
+  CHECK(found_from(0.0, 0.0) == std::vector<double>{0.0, 0.1, 3 * 0.1});
 }
 
 TEST_CASE("points without times get that of their azimuth, counted on from scan to scan") {
