@@ -16,6 +16,7 @@
 #include "points/recorded_scan.h"
 #include "points/ring_numbers.h"
 #include "points/sensor_finder.h"
+#include "points/thinned_clouds.h"
 
 namespace hqslam::recordings {
 
@@ -25,30 +26,6 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kScansToTry = 10;
 constexpr std::size_t kScansToLearnFrom = 5;
-/// mean_column_step() of clouds that were thinned out so far that single points look like fog.
-/// Every second point does no harm.
-constexpr double kThinned = 2.9;
-
-/// From a return to the next one of its row, gaps of more than 10 columns left out: 1 for whole
-/// scans, more for clouds that were thinned out. 1 without returns.
-double mean_column_step(const OrganizedCloud& cloud) {
-  constexpr int kLargestGap = 10;
-  std::int64_t columns = 0;
-  std::int64_t steps = 0;
-  for (int row = 0; row < cloud.rows; ++row) {
-    int last = -kLargestGap - 1;
-    for (int column = 0; column < cloud.columns; ++column) {
-      if (!(cloud.range_m[cloud.index(row, column)] > 0.0F)) continue;
-      if (column - last <= kLargestGap) {
-        columns += column - last;
-        ++steps;
-      }
-      last = column;
-    }
-  }
-  return steps == 0 ? 1.0 : static_cast<double>(columns) / static_cast<double>(steps);
-}
-
 class FileScanSource : public ScanSource {
  public:
   FileScanSource(std::vector<std::string> paths, const ChooseSensor& choose,
@@ -70,7 +47,7 @@ class FileScanSource : public ScanSource {
     }
     azimuth_times_ = AzimuthTimes(sensor_.scan_period_s);
     look_at_first_scans();
-    fit_columns();
+    fit_columns_to_first();
   }
 
   const SensorModel& sensor() const override { return sensor_; }
@@ -163,22 +140,14 @@ class FileScanSource : public ScanSource {
     return numbers_.empty() ? index : numbers_[index] - numbers_.front();
   }
 
-  /// Clouds that were thinned out get as few columns as they have points: single ones in an image
-  /// of the sensor's columns look like fog, and no network was trained for such gaps.
-  void fit_columns() {
+  void fit_columns_to_first() {
     const std::optional<RawPoints> first = first_points_[0];
     if (!first) return;
+    const std::string& path = paths_.front();
     try {
-      const double step =
-          mean_column_step(recorded_scan(scan_at(0), sensor_, paths_.front()).cloud);
-      is_thinned_ = step > kThinned;
-      if (is_thinned_) {
-        sensor_.columns /= static_cast<int>(std::lround(step));
-        warnings_.push_back(fmt::format(
-            "{}: the points of a row are {:.1f} columns apart: thinned out, and read with {} "
-            "columns",
-            paths_.front(), step, sensor_.columns));
-      }
+      std::string text = fit_columns(recorded_scan(scan_at(0), sensor_, path).cloud, path, sensor_);
+      is_thinned_ = !text.empty();
+      if (is_thinned_) warnings_.push_back(std::move(text));
     } catch (const Error&) {
       // Reported when its turn comes.
     }

@@ -18,6 +18,7 @@
 #include "points/recorded_scan.h"
 #include "points/ring_numbers.h"
 #include "points/sensor_finder.h"
+#include "points/thinned_clouds.h"
 #include "streams/stream_scans.h"
 
 namespace hqslam::recordings {
@@ -43,6 +44,7 @@ struct CloudForm {
   std::optional<double> turn_s = {};              ///< where a message is not one turn
   std::optional<CaptureTime> without_times = {};  ///< as RecordingOptions has it
   bool with_points = true;                        ///< otherwise scans are timed alone
+  bool is_thinned = false;                        ///< read with fewer columns than the sensor's
 };
 
 /// Scans of a topic of point clouds.
@@ -57,7 +59,7 @@ class CloudScans : public StreamScans {
  private:
   std::optional<RecordedScan> read() override {
     std::optional<RecordedScan> scan = form_.turn_s ? read_turn() : read_message();
-    if (scan && form_.with_points && !std::exchange(any_read_, true)) {
+    if (scan && form_.with_points && !std::exchange(any_read_, true) && !form_.is_thinned) {
       if (std::string text = fit_warning(*scan, info_.sensor); !text.empty()) {
         info_.warnings.push_back(std::move(text));
       }
@@ -212,6 +214,19 @@ FoundSensor sensor_of_clouds(const std::vector<RawPoints>& clouds, std::optional
   return name.empty() ? find() : held_against_points(load_sensor(name), found_if_any(find), path);
 }
 
+/// Gives the sensor of clouds that were thinned out fewer columns; returns a warning, or "".
+std::string fit_columns_to(RawPoints first, const CloudForm& form, const std::string& name,
+                           SensorModel& sensor) {
+  form.ring_numbers.count_from_0(first.ring);
+  try {
+    Scan scan = scan_of(std::move(first), nullptr, name);
+    if (!form.turn_s) set_rows_by_order(scan, sensor, name);
+    return fit_columns(recorded_scan(scan, sensor, name).cloud, name, sensor);
+  } catch (const Error&) {
+    return "";  // reported when its turn comes
+  }
+}
+
 }  // namespace
 
 std::unique_ptr<StreamScans> open_clouds(StreamReader reader, const OpenOptions& options,
@@ -248,6 +263,11 @@ std::unique_ptr<StreamScans> open_clouds(StreamReader reader, const OpenOptions&
   form.has_clock = form.with_points && has_clock(first, form.message_s);
   form.ring_numbers = ring_numbers(turns, info.sensor);
   form.without_times = options.files.without_times;
+  if (options.columns == 0 && !turns.empty()) {
+    std::string text = fit_columns_to(turns.front(), form, reader.path(), info.sensor);
+    form.is_thinned = !text.empty();
+    if (form.is_thinned) info.warnings.push_back(std::move(text));
+  }
   return std::make_unique<CloudScans>(std::move(reader), std::move(info), form);
 }
 

@@ -81,11 +81,21 @@ TEST_CASE("messages of half a turn, of a twentieth and of two turns are scans of
   }
 }
 
+TEST_CASE("clouds that were thinned out get as few columns as they have points, unless stated") {
+  const Bag bag(cloud_messages());  // of 360 columns
+  for (const int stated : {0, 1800}) {
+    auto source = bag.open({.sensor = "vlp-16", .columns = stated});
+    CHECK(source.sensor().columns == (stated == 0 ? 360 : stated));
+    CHECK(source.next()->cloud.columns == source.sensor().columns);
+    CHECK(source.warnings().size() == (stated == 0 ? 1 : 0));
+  }
+}
+
 TEST_CASE("clouds whose stamps were never set have those of their recording, and a note") {
   auto messages = cloud_messages();
   for (BagMessage& message : messages) message.bytes = cloud_message(0, round_cloud(0.1), false, 7);
   const Bag bag(messages);
-  auto source = bag.open();
+  auto source = bag.open({.sensor = "vlp-16", .columns = 720});
   CHECK(source.next()->stamp_s == doctest::Approx(1.6e9 + 0.055).epsilon(1e-12));
   REQUIRE(source.warnings().size() == 1);
   CHECK(source.warnings()[0].find("without stamps") != std::string::npos);

@@ -41,7 +41,7 @@ std::vector<BagMessage> clouds_with_imu(const std::vector<ImuTopic>& topics, boo
 
 RecordingInfo info_of(const TemporaryDirectory& folder, const std::vector<ImuTopic>& topics) {
   write_file(folder.file("b.mcap"), mcap_bytes(clouds_with_imu(topics, false), ""));
-  return inspect(folder.file("b.mcap"), {.sensor = "vlp-16"});
+  return inspect(folder.file("b.mcap"), {.sensor = "vlp-16", .columns = 720});
 }
 
 }  // namespace
@@ -62,7 +62,7 @@ TEST_CASE("a bag's clouds come with its sensor_msgs/Imu, turned as /tf_static sa
           transform_message("mast", "/lidar", upside_down, ros1)}});
     const std::string path = folder.file(ros1 ? "a.bag" : "a.mcap");
     write_file(path, ros1 ? ros1_bytes(messages, "none") : mcap_bytes(messages, ""));
-    auto source = Recording::open(path, {.sensor = "vlp-16"});
+    auto source = Recording::open(path, {.sensor = "vlp-16", .columns = 720});
     const auto scans = all_scans(source);
     REQUIRE(scans.size() == 6);
     CHECK(scans[0].imu.size() == 10);
@@ -136,7 +136,7 @@ TEST_CASE("a sensor_msgs/Imu that says it has no angular rates, or is cut off, i
   auto messages = clouds_with_imu({{"/imu", "lidar"}}, false);
   messages[4].bytes.resize(messages[4].bytes.size() - 200);
   write_file(folder.file("b.mcap"), mcap_bytes(messages, ""));
-  const RecordingInfo info = inspect(folder.file("b.mcap"), {.sensor = "vlp-16"});
+  const RecordingInfo info = inspect(folder.file("b.mcap"), {.sensor = "vlp-16", .columns = 720});
   CHECK(info.imu.used == 59);
   CHECK(info.imu.left_out == 1);
   CHECK(info.scans == 6);
