@@ -1,4 +1,5 @@
 #include "core/recordings/captures.h"
+#include "hqslam/core/cloud_file.h"
 #include "made_images.h"
 #include "tools/program/program.h"
 
@@ -55,6 +56,32 @@ TEST_CASE("of points without times info says how they were captured, and names t
                 {"counted in turns of the sensor from 0 s", "as captured while the sensor turned",
                  fmt::format("hqslam run {} --capture rolling", bin)}) == "");
   CHECK_FALSE(holds(succeeds("info '{}'", simulated_drive() + "/bin").out, "--capture"));
+}
+
+TEST_CASE("run takes points without times as its scans show, KITTI's as corrected with a hint") {
+  const std::string bin = simulated_drive("--sensor os1-16 --scans 40 --seed 3") + "/bin";
+  const TemporaryDirectory folder;
+  const std::string pcd = folder.file("pcd");
+  fs::create_directory(pcd);
+  for (const auto& file : fs::directory_iterator(bin)) {
+    write_cloud(read_cloud(file.path().string()),
+                fmt::format("{}/{}.pcd", pcd, file.path().stem().string()));
+  }
+  const auto ran = [&](const std::string& input, const char* options) {
+    const std::string error =
+        succeeds("run '{}' --sensor os1-16 --out '{}' {}", input, folder.file("out"), options)
+            .error;
+    return std::pair(error, file_contents(folder.file("out/trajectory.tum")));
+  };
+  const auto [error, trajectory] = ran(pcd, "");
+  CHECK(holds(error, "read as with --capture rolling"));
+  const auto [none, rolling] = ran(pcd, "--capture rolling");
+  CHECK_FALSE(holds(none, "points have no times"));
+  CHECK(trajectory == rolling);
+  const auto [hint, corrected] = ran(bin, "");
+  CHECK(holds(hint, "to read them so, give --capture rolling"));
+  CHECK(corrected == ran(bin, "--capture corrected").second);
+  CHECK(corrected != rolling);
 }
 
 TEST_CASE("info and run distinguish a folder of captures from one of scans") {

@@ -85,8 +85,8 @@ void declare_reading(Command& command, InputChoice& choice) {
               "The scans of a .npy stack are already corrected for the sensor's motion")
       .option("--capture", &choice.capture,
               "How points were captured: rolling, while the sensor turned (those without times get "
-              "the time of their azimuth), or corrected for motion (times are not used; default "
-              "for points without)",
+              "the time of their azimuth), or corrected for motion (times are not used); default "
+              "of points without times: corrected, unless hqslam run finds otherwise",
               {.one_of = {"rolling", "corrected"}})
       .option("--stamps", &choice.stamps,
               "File with the stamp of each scan (seconds, or dates as in KITTI's timestamps.txt), "

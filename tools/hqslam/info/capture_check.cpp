@@ -1,11 +1,13 @@
 #include "info/capture_check.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <vector>
 
 #include "hqslam/core/median.h"
-#include "hqslam/recordings/recording.h"
 #include "hqslam/slam/scan_trace.h"
 #include "hqslam/slam/slam.h"
 #include "recording/reading.h"
@@ -39,10 +41,8 @@ std::optional<double> median_distance_m(const slam::ScanTrace& trace) {
 }
 
 std::vector<ScanFit> fits(const std::string& input, const SensorModel& sensor,
-                          const std::string& stream, CaptureTime capture_time) {
-  recordings::OpenOptions options;
-  options.stream = stream;
-  options.all_rows = sensor;
+                          recordings::OpenOptions options, CaptureTime capture_time) {
+  if (options.sensor.empty()) options.all_rows = sensor;
   if (input.ends_with(".npy") || !file_of_drive(input, "scans.npy").empty()) {
     options.files.capture_time = capture_time;
   } else {
@@ -67,9 +67,10 @@ std::vector<ScanFit> fits(const std::string& input, const SensorModel& sensor,
 }  // namespace
 
 CaptureCheck check_capture(const std::string& input, const SensorModel& sensor,
-                           const std::string& stream) {
-  const std::vector<ScanFit> rolling = fits(input, sensor, stream, CaptureTime::kRolling);
-  const std::vector<ScanFit> corrected = fits(input, sensor, stream, CaptureTime::kMotionCorrected);
+                           recordings::OpenOptions options) {
+  const std::vector<ScanFit> rolling = fits(input, sensor, options, CaptureTime::kRolling);
+  const std::vector<ScanFit> corrected =
+      fits(input, sensor, options, CaptureTime::kMotionCorrected);
   CaptureCheck check;
   double sum = 0.0;
   double sum_of_squares = 0.0;
@@ -93,6 +94,33 @@ CaptureCheck check_capture(const std::string& input, const SensorModel& sensor,
     check.verdict = mean < 0.0 ? CaptureTime::kRolling : CaptureTime::kMotionCorrected;
   }
   return check;
+}
+
+std::optional<CaptureCheck> check_clouds_without_times(const std::string& input,
+                                                       const recordings::OpenOptions& options) {
+  const bool can_be_read_twice =
+      std::filesystem::is_regular_file(input) || std::filesystem::is_directory(input);
+  if (!can_be_read_twice || options.files.without_times) return std::nullopt;
+  try {
+    auto source = recordings::Recording::open(input, options);
+    LeftOut left_out;
+    const auto first = next_usable(source, left_out);
+    if (!first || !first->cloud.time_offset_s.empty() || source.sensor().motion_corrected) {
+      return std::nullopt;
+    }
+    CaptureCheck check = check_capture(input, source.sensor(), options);
+    check.is_of_kitti = first->name.ends_with(".bin");
+    return check;
+  } catch (const Error&) {
+    return std::nullopt;  // whoever reads the recording reports it
+  }
+}
+
+std::string fit_text(const CaptureCheck& check) {
+  return fmt::format(
+      "{} scans that moved fit each other within {:.1f} mm as captured while the sensor turned, "
+      "within {:.1f} mm as corrected for motion",
+      check.scans, 1e3 * check.rolling_m, 1e3 * check.corrected_m);
 }
 
 }  // namespace hqslam::tools

@@ -5,6 +5,7 @@
 
 #include "hqslam/core/projection.h"
 #include "hqslam/core/sensor_model.h"
+#include "hqslam/recordings/recording.h"
 
 namespace hqslam::tools {
 
@@ -14,6 +15,8 @@ struct CaptureCheck {
   double rolling_m = 0.0;    ///< median distance of features from their surfaces, mean over scans
   double corrected_m = 0.0;  ///< the same
   std::optional<CaptureTime> verdict;  ///< nothing where both fit alike
+  bool is_of_kitti =
+      false;  ///< of .bin files, which by convention are corrected; KITTI's raw are not
 };
 
 /// Points without times do not determine which of the two they are, and corrected ones may still
@@ -22,7 +25,17 @@ struct CaptureCheck {
 /// With d_i the median distance of what is not ground from its line or plane in the map, of scan i,
 /// the mean of log(d_i rolling / d_i corrected) over scans in which the sensor moved must differ
 /// from 0 by 2.5 of its standard errors. Throws Error where the recording cannot be opened.
+/// options: those of the recording apart from its sensor.
 CaptureCheck check_capture(const std::string& input, const SensorModel& sensor,
-                           const std::string& stream = "");
+                           recordings::OpenOptions options = {});
+
+/// check_capture() of clouds without times, whose capture was not stated. Nothing for other
+/// recordings, or those that cannot be read twice.
+std::optional<CaptureCheck> check_clouds_without_times(const std::string& input,
+                                                       const recordings::OpenOptions& options);
+
+/// "74 scans that moved fit each other within 62.1 mm as captured while the sensor turned, within
+/// 67.5 mm as corrected for motion"
+std::string fit_text(const CaptureCheck& check);
 
 }  // namespace hqslam::tools

@@ -80,13 +80,9 @@ std::string what_is_in(const recordings::Stream& stream) {
 
 /// Whether clouds or images were corrected for motion.
 std::string capture_line(const CaptureCheck& check) {
-  const std::string fit = fmt::format(
-      "{} scans that moved fit each other within {:.1f} mm as captured while the sensor "
-      "turned, within {:.1f} mm as corrected for motion",
-      check.scans, 1e3 * check.rolling_m, 1e3 * check.corrected_m);
   if (check.scans == 0)
     return "too few scans that moved to tell whether they are corrected for motion";
-  return check.verdict ? fit : fit + ": the difference is too small to decide";
+  return fit_text(check) + (check.verdict ? "" : ": the difference is too small to decide");
 }
 
 /// pipeline::OwnParts::text() after the first scans that can be read.
@@ -177,7 +173,7 @@ int run(const InfoOptions& options) {
                                                : info.format.starts_with("point clouds");
   // A folder's sensor.json may state it.
   if (complaint.empty() && !info.sensor.motion_corrected && (is_stack || has_clouds)) {
-    const CaptureCheck check = check_capture(options.input, info.sensor, info.stream);
+    const CaptureCheck check = check_capture(options.input, info.sensor, {.stream = info.stream});
     print_line("captured", capture_line(check));
     capture = capture_option(check.verdict, is_stack, info.has_point_times);
   }

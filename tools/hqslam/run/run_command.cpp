@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "hqslam/core/error.h"
+#include "info/capture_check.h"
 #include "pages/open_page.h"
 #include "recording/recording_choice.h"
 #include "run/beam_correction.h"
@@ -143,6 +144,17 @@ void check_idle_options(const RunOptions& options) {
   }
 }
 
+/// Determines how points without times were captured, where that was not stated and the scans show
+/// it: a wrong assumption costs decimetres.
+void determine_capture(RunOptions& options) {
+  const auto check = check_clouds_without_times(options.input, open_options(options));
+  if (!check || !check->verdict) return;
+  const char* found = *check->verdict == CaptureTime::kRolling ? "rolling" : "corrected";
+  if (!check->is_of_kitti) options.capture = found;
+  to_stderr("hqslam: points have no times: {}{} --capture {}\n", fit_text(*check),
+            check->is_of_kitti ? "; to read them so, give" : ": read as with", found);
+}
+
 /// Files that are read; the recording too, where it is one.
 Paths inputs_of(const RunOptions& options) {
   return {options.input,    options.sensor,    options.stamps,   options.imu,
@@ -240,6 +252,7 @@ std::optional<SlamRun> followed(const RunOptions& options, RunOutput& output,
 SlamRun run_and_write(RunOptions options, const InterruptGuard& interrupt) {
   use_threads(options.threads);
   refuse_to_write_into_recording(options.input, options.out);
+  determine_capture(options);
   pipeline::UpsampledRecording input = upsampled_recording(options, options);
   print_warnings(input.recording, options.input);
   const std::optional<TrajectoryFile> reference = reference_of(options, input.recording);

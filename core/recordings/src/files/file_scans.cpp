@@ -17,6 +17,7 @@
 #include "points/ring_numbers.h"
 #include "points/sensor_finder.h"
 #include "points/thinned_clouds.h"
+#include "points/time_check.h"
 
 namespace hqslam::recordings {
 
@@ -175,9 +176,14 @@ class FileScanSource : public ScanSource {
     const std::string& path = paths_[index];
     Scan scan = scan_at(index);
     if (without_times_ == CaptureTime::kMotionCorrected) scan.time_offset_s.clear();
+    if (const std::string text = time_check_.check(scan, sensor_.scan_period_s); !text.empty()) {
+      warnings_.push_back(fmt::format("{}: {}", path, text));
+    }
     const bool has_times = !scan.time_offset_s.empty();
     if (!has_times && without_times_ == CaptureTime::kRolling) {
+      const double clock_s = scan.stamp_s;
       azimuth_times_.set(scan, sensor_, periods_at(index));
+      if (clock_s != 0.0) scan.stamp_s = clock_s;
     }
     if (!stamps_s_.empty()) {
       scan.stamp_s = stamps_s_[index];
@@ -203,6 +209,7 @@ class FileScanSource : public ScanSource {
   std::vector<std::size_t> numbers_;  ///< of the files, if some are missing
   std::vector<std::string> warnings_;
   std::optional<CaptureTime> without_times_;
+  TimeCheck time_check_;
   AzimuthTimes azimuth_times_{0.0};
   std::array<std::optional<RawPoints>, kScansToLearnFrom> first_points_;
   RingNumbers ring_numbers_;

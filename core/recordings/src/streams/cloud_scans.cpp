@@ -19,6 +19,7 @@
 #include "points/ring_numbers.h"
 #include "points/sensor_finder.h"
 #include "points/thinned_clouds.h"
+#include "points/time_check.h"
 #include "streams/stream_scans.h"
 
 namespace hqslam::recordings {
@@ -135,6 +136,8 @@ class CloudScans : public StreamScans {
     if (!form_.turn_s && form_.without_times == CaptureTime::kMotionCorrected) {
       scan.time_offset_s.clear();
     }
+    const std::string text = form_.turn_s ? "" : time_check_.check(scan, form_.message_s);
+    if (!text.empty()) info_.warnings.push_back(fmt::format("{}: {}", name, text));
     if (scan.time_offset_s.empty() && form_.without_times == CaptureTime::kRolling) {
       const double stamp_s = scan.stamp_s;  // the message's remains
       azimuth_times_.set(scan, info_.sensor, static_cast<std::size_t>(index_));
@@ -145,6 +148,7 @@ class CloudScans : public StreamScans {
 
   CloudForm form_;
   WholeTurns turns_;
+  TimeCheck time_check_;
   AzimuthTimes azimuth_times_;
   bool any_read_ = false;
   bool is_finished_ = false;
