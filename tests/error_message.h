@@ -19,6 +19,11 @@ bool one_line_with(const std::string& text, const auto&... parts) {
   return text.find('\n') == std::string::npos && (... && (text.find(parts) != std::string::npos));
 }
 
+/// Whether there is one text, and it is such a line.
+bool one_line_with(const std::vector<std::string>& texts, const auto&... parts) {
+  return texts.size() == 1 && one_line_with(texts[0], parts...);
+}
+
 /// Whether `call` throws an Error with such a message.
 bool refused_with(auto&& call, const auto&... parts) {
   return one_line_with(error_message(call), parts...);

@@ -23,6 +23,11 @@ inline SensorModel even_sensor(int rows, int columns, double highest_deg, double
   return beams_at(radians(elevation_deg), columns);
 }
 
+/// Beams a degree apart, from 0 down.
+inline SensorModel degrees_apart(int rows, int columns) {
+  return even_sensor(rows, columns, 0.0, 1.0);
+}
+
 /// A preset with this many columns.
 inline SensorModel preset_with(const std::string& name, int columns) {
   SensorModel sensor = sensor_preset(name);

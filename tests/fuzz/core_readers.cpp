@@ -6,14 +6,7 @@
 #include "made_images.h"
 
 namespace hqslam::fuzz {
-
 namespace {
-
-/// Few columns: the readers are to be fed, not the projection.
-const SensorModel& small_sensor() {
-  static const SensorModel sensor = test::preset_with("vlp-16", 32);
-  return sensor;
-}
 
 void read_poses(const std::string& path, bool with_stamps) {
   const TrajectoryFile file = read_trajectory_file(path);
@@ -28,7 +21,9 @@ void npz(Bytes input) {
 }
 
 void pcd(Bytes input) {
-  project(read_cloud(as_whole_file(input, ".pcd"), small_sensor()), small_sensor());
+  // Few columns: the readers are to be fed, not the projection.
+  static const SensorModel sensor = test::preset_with("vlp-16", 32);
+  project(read_cloud(as_whole_file(input, ".pcd"), sensor), sensor);
 }
 
 void sensor_json(Bytes input) { validate(read_sensor_json(as_whole_file(input, ".json"))); }

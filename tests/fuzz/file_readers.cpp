@@ -3,15 +3,13 @@
 #include "made_images.h"
 
 namespace hqslam::fuzz {
-
 namespace {
 
 /// To images, as hqslam run reads a recording.
 void read_scans(const std::string& path) {
   // Few columns: the readers are to be fed, not the projection.
   const auto source = recordings::open_scan_files(path, test::preset_with("vlp-16", 32));
-  while (source->next()) {
-  }
+  while (source->next()) continue;
 }
 
 }  // namespace

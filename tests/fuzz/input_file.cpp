@@ -8,7 +8,6 @@
 #include <map>
 
 namespace hqslam::fuzz {
-
 namespace {
 
 /// Written over in place: replacing a file costs some file systems milliseconds.

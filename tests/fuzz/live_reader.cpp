@@ -4,7 +4,6 @@
 #include "live_stream.h"
 
 namespace hqslam::fuzz {
-
 namespace {
 
 using namespace hqslam::recordings;
@@ -124,8 +123,7 @@ class Listener {
     } else {
       const Endpoint before = stream_.sender();
       const bool is_sensors = stream_.is_sensors(packet);
-      require(is_sensors == (stream_.sender() == packet.endpoint),
-              "a packet is taken for another's");
+      require(is_sensors == (stream_.sender() == packet.endpoint), "taken for another's");
       require(stream_.sender() == before || packet.capture_time_ns - last_usual_ns_ >= kSilence_ns,
               "another is the sensor while it sends");
       if (!is_sensors) return;

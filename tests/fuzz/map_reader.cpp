@@ -4,7 +4,6 @@
 #include "replaced_array.h"
 
 namespace hqslam::fuzz {
-
 namespace {
 
 NpzArrays good_map() {

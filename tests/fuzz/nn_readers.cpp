@@ -8,7 +8,6 @@
 #include "weights_arrays.h"
 
 namespace hqslam::fuzz {
-
 namespace {
 
 /// A network of a few hundred parameters.

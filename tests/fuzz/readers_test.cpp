@@ -124,7 +124,7 @@ TEST_CASE("damaged copies of every reader's seeds are read or refused, nothing e
     CAPTURE(reader.name);
     std::vector<std::filesystem::path> seeds;
     for (const auto& entry :
-         std::filesystem::directory_iterator(directory.path() / "seeds" / reader.name)) {
+         std::filesystem::directory_iterator(directory.file("seeds/" + reader.name))) {
       seeds.push_back(entry.path());
     }
     std::ranges::sort(seeds);

@@ -1,5 +1,4 @@
 #include "captures.h"
-#include "hqslam/core/projection.h"
 #include "hqslam/recordings/recording.h"
 #include "input_file.h"
 #include "made_images.h"
@@ -9,7 +8,6 @@
 #include "packets/velodyne_decoder.h"
 
 namespace hqslam::fuzz {
-
 namespace {
 
 using namespace hqslam::recordings;
@@ -47,18 +45,6 @@ void read_scans(auto decoder, Bytes packets, std::size_t bytes) {
   while (decoder.next()) continue;
 }
 
-/// In the order of kVelodyneModels.
-const std::vector<SensorModel>& velodyne_sensors() {
-  static const std::vector<SensorModel> sensors = [] {
-    std::vector<SensorModel> made;
-    for (const VelodyneModel model : kVelodyneModels) {
-      made.push_back(test::preset_with(std::string(name(model)), kColumns));
-    }
-    return made;
-  }();
-  return sensors;
-}
-
 }  // namespace
 
 void pcap(Bytes input) { read_recording(as_file(input, ".pcap")); }
@@ -78,7 +64,7 @@ void velodyne_packets(Bytes input) {
   for_each_packet(packets, kVelodynePacketBytes, [&](const Packet& p) { probe.add(p); });
   VelodyneStream stream = probe.result(model).value_or(VelodyneStream{});
   stream.model = model;
-  const SensorModel& sensor = velodyne_sensors()[static_cast<std::size_t>(input[0] % 4U)];
+  const SensorModel sensor = test::preset_with(std::string(name(model)), kColumns);
   const KeptReturn kept = (input[0] & 4U) != 0 ? KeptReturn::kLast : KeptReturn::kStrongest;
   read_scans(VelodyneDecoder(stream, sensor, {.kept_return = kept}), packets, kVelodynePacketBytes);
 }
@@ -119,9 +105,7 @@ struct OusterReader {
 std::vector<OusterReader> ouster_readers() {
   std::vector<OusterReader> readers;
   for (const KeptReturn kept : {KeptReturn::kStrongest, KeptReturn::kLast}) {
-    for (const OusterProfile profile :
-         {OusterProfile::kLegacy, OusterProfile::kRng19, OusterProfile::kRng19Dual,
-          OusterProfile::kRng15, OusterProfile::kFusaDual}) {
+    for (const OusterProfile profile : test::kOusterProfiles) {
       OusterMetadata metadata =
           ouster_metadata_from_json(test::ouster_metadata_text(profile, kOusterRows), "metadata");
       metadata.sensor.columns = kOusterColumns;

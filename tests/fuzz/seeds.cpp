@@ -10,7 +10,6 @@
 #endif
 
 namespace hqslam::fuzz {
-
 namespace {
 
 namespace fs = std::filesystem;
@@ -143,13 +142,11 @@ void put_packets(const std::string& maker, int number, int kind,
 void put_live_packets() {
   constexpr int kOwn = 5 * 4;  // what the sensor sends, from host 0
   const auto step = [](int from, int packets, int gap = 0, int clock_gap = 0) {
-    return std::string{static_cast<char>(from),
-                       static_cast<char>(packets - 1),
-                       static_cast<char>(gap),
-                       static_cast<char>(clock_gap),
-                       30 /* 10 turns a second */,
-                       0,
-                       0};
+    std::string bytes;
+    for (const int byte : {from, packets - 1, gap, clock_gap, 30 /* 10 turns a second */, 0, 0}) {
+      bytes += static_cast<char>(byte);
+    }
+    return bytes;
   };
   const std::string begins = step(kOwn, 256) + step(kOwn, 200);
   const std::map<std::string, std::string> seeds = {
@@ -168,7 +165,6 @@ void put_live_packets() {
 }
 
 void put_recordings() {
-  using recordings::OusterProfile;
   const std::vector<test::Captured> velodyne =
       test::velodyne_capture({.duration_s = 0.004, .first_azimuth_deg = 359.0});
   put("pcap", "velodyne.pcap", test::pcap_bytes(velodyne));
@@ -187,19 +183,17 @@ void put_recordings() {
   std::string angles = "Channel,Elevation,Azimuth\n";
   for (int i = 0; i < 16; ++i) angles += fmt::format("{},{},0.1\n", i + 1, 15 - 2 * i);
   put("hesai_angles", "xt16", angles);
-  constexpr OusterProfile kProfiles[] = {OusterProfile::kLegacy, OusterProfile::kRng19,
-                                         OusterProfile::kRng19Dual, OusterProfile::kRng15,
-                                         OusterProfile::kFusaDual};
   for (int profile = 0; profile < 5; ++profile) {
+    const recordings::OusterProfile own = test::kOusterProfiles[profile];
     std::vector<test::Captured> packets;
     for (const std::uint32_t frame : {7U, 8U}) {
-      const auto turn = test::ouster_turn(kProfiles[profile], frame, kOusterRows);
+      const auto turn = test::ouster_turn(own, frame, kOusterRows);
       packets.insert(packets.end(), turn.begin(), turn.begin() + 4);
     }
     put("ouster_packets", std::to_string(profile), input_of(profile, packets));
-    std::vector<test::Captured> turn = test::ouster_turn(kProfiles[profile], 7);
+    std::vector<test::Captured> turn = test::ouster_turn(own, 7);
     turn.resize(3);
-    put("ouster_json", std::to_string(profile), test::ouster_metadata_text(kProfiles[profile]));
+    put("ouster_json", std::to_string(profile), test::ouster_metadata_text(own));
     put("pcap", "ouster" + std::to_string(profile) + ".pcap", test::pcap_bytes(turn));
   }
   put_live_packets();
@@ -208,16 +202,15 @@ void put_recordings() {
     points.push_back({5.0F, 1.0F, 0.1F * ring, ring, 0.001 * ring});
   }
   for (const bool ros1 : {false, true}) {
-    std::vector<test::BagMessage> messages = {
-        {"/points", ros1 ? "sensor_msgs/PointCloud2" : "sensor_msgs/msg/PointCloud2",
-         1'600'000'000'000'000'000, test::cloud_message(1'600'000'000'000'000'000, points, ros1)},
-        {"/text", ros1 ? "std_msgs/String" : "std_msgs/msg/String", 1'600'000'000'000'000'001,
-         test::text_message("a text", ros1)},
-        {"/tf_static", ros1 ? "tf2_msgs/TFMessage" : "tf2_msgs/msg/TFMessage",
-         1'600'000'000'000'000'002,
+    constexpr std::int64_t kTime_ns = 1'600'000'000'000'000'000;
+    const std::vector<test::BagMessage> messages = {
+        {"/points", "sensor_msgs/msg/PointCloud2", kTime_ns,
+         test::cloud_message(kTime_ns, points, ros1)},
+        {"/text", "std_msgs/msg/String", kTime_ns + 1, test::text_message("a text", ros1)},
+        {"/tf_static", "tf2_msgs/msg/TFMessage", kTime_ns + 2,
          test::transform_message("lidar", "imu", Eigen::Quaterniond::Identity(), ros1)},
-        {"/imu", ros1 ? "sensor_msgs/Imu" : "sensor_msgs/msg/Imu", 1'600'000'000'000'000'003,
-         test::imu_message(1'600'000'000'000'000'003, "imu", {}, ros1)}};
+        {"/imu", "sensor_msgs/msg/Imu", kTime_ns + 3,
+         test::imu_message(kTime_ns + 3, "imu", {}, ros1)}};
     if (ros1) {
       for (const char* compression : {"none", "lz4", "bz2"}) {
         put("ros1_bag", compression, test::ros1_bytes(messages, compression));

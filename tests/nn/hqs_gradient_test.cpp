@@ -53,8 +53,7 @@ EngineResult engine(const GradientProblem& p) {
 std::vector<std::vector<double>> reference_z(const GradientProblem& p,
                                              const std::vector<double>& parameters,
                                              const Masks& rejected) {
-  const ReferenceTrace trace =
-      reference_trace(p.plan, parameters, p.measured, {.rejected = rejected});
+  const auto trace = reference_trace(p.plan, parameters, p.measured, {.rejected = rejected});
   std::vector<std::vector<double>> z;
   for (int k = 0; k < p.plan.layers; ++k) {
     const auto z_of_layer = trace.tensor("layers." + std::to_string(k) + ".z").all();

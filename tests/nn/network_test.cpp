@@ -1,6 +1,5 @@
 #include "hqslam/nn/network.h"
 
-#include "architecture.h"
 #include "hqslam/nn/network_json.h"
 #include "small_network.h"
 
@@ -78,12 +77,9 @@ TEST_CASE("images may have any number of columns that the strides divide, down t
 TEST_CASE("columns, threads, instruction sets and parameters that cannot be are refused") {
   for (const NetworkDescription& description : every_kind()) {
     const auto refuses = [&](int columns, int instruction_set, int threads, const auto&... parts) {
-      CHECK(test::refused_with(
-          [&] {
-            make_network(description, columns, static_cast<InstructionSet>(instruction_set),
-                         threads);
-          },
-          parts...));
+      const auto set = static_cast<InstructionSet>(instruction_set);
+      CHECK(
+          test::refused_with([&] { make_network(description, columns, set, threads); }, parts...));
     };
     const int chosen = static_cast<int>(chosen_instruction_set());
     const int beyond_all = static_cast<int>(InstructionSet::kAvx512) + 1;
@@ -112,8 +108,7 @@ TEST_CASE("every kind gives the same bytes with any number of threads and instru
     for (const InstructionSet set : available_instruction_sets()) {
       CAPTURE(name(description));
       CAPTURE(name(set));
-      const UpsampledImage expected =
-          made(description, parameters, 1, set)->upsample(measured, 0.5F);
+      const auto expected = made(description, parameters, 1, set)->upsample(measured, 0.5F);
       for (const int threads : {2, 3, 5}) {
         const UpsampledImage found =
             made(description, parameters, threads, set)->upsample(measured, 0.5F);

@@ -11,10 +11,7 @@ using Mask = std::vector<std::uint8_t>;
 
 inline constexpr RowSelection kNothingMeasured{1000, 1};
 
-/// Neighbouring beams are a degree apart.
-inline SensorModel degrees_apart(int rows, int columns) {
-  return test::even_sensor(rows, columns, 0.0, 1.0);
-}
+using test::degrees_apart;
 
 inline double uniform(std::mt19937& generator) {
   return static_cast<double>(generator()) / 4294967296.0;

@@ -73,17 +73,6 @@ TEST_CASE("the reference's breadth-first search rejects what the fast filter rej
   }
 }
 
-TEST_CASE("DU-Mix's confidence is the reference's") {
-  const NetworkDescription description = small_du_mix();
-  const auto network = made(description, large_parameters(description, 9));
-  const UpsampledImage& upsampled = network->upsample(measured_scene(description), 0.5F);
-  const ReferenceTrace reference = reference_of(description);
-  const std::span<const double> expected = reference.tensor("confidence").all();
-  for (std::size_t i = 0; i < expected.size(); ++i) {
-    REQUIRE(upsampled.confidence[i] == doctest::Approx(expected[i]).epsilon(1e-3));
-  }
-}
-
 TEST_CASE("a rejected pixel that is 0, as in the paper, halves its range in the next layer") {
   HqsPlan plan = supported_du_or();
   const ReferenceTrace ours = reference_of(plan);

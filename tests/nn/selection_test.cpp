@@ -1,6 +1,5 @@
 #include "golden.h"
 #include "hqs/prior_backward.h"
-#include "hqs/u_shaped_prior.h"
 
 namespace hqslam::nn {
 namespace {

@@ -136,8 +136,7 @@ inline std::vector<float> large_start(const NetworkDescription& description) {
 /// An image in units of range_scale_m.
 inline std::vector<float> image_of(const HqsPlan& plan, const Tensor& tiles) {
   const TileSize tile = plan.tile();
-  std::vector<float> image(static_cast<std::size_t>(tile.pixels()) * tiles.rows() *
-                           tiles.columns());
+  std::vector<float> image(tile.pixels() * tiles.rows() * tiles.columns());
   from_tiles(tiles, tile, image.data());
   return image;
 }
@@ -198,10 +197,9 @@ inline RangeImage measured_scene(const NetworkDescription& description) {
 }
 
 /// Larger than the starting values, but for penalties, so that every part of the network matters.
-inline std::vector<float> large_parameters(const NetworkDescription& description,
-                                           std::uint32_t seed) {
-  std::vector<float> parameters = initial_parameters(description, seed);
-  const ParameterShape last = parameter_shapes(description).back();
+inline std::vector<float> large_parameters(const NetworkDescription& network, std::uint32_t seed) {
+  std::vector<float> parameters = initial_parameters(network, seed);
+  const ParameterShape last = parameter_shapes(network).back();
   const bool penalties = last.name == "log_penalty" || last.name == "alpha";
   const std::int64_t count = std::ssize(parameters) - (penalties ? last.elements() : 0);
   const std::vector<float> random = random_values(seed, std::ssize(parameters));

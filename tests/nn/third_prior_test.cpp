@@ -1,5 +1,4 @@
 #include "hqs/hqs_architecture.h"
-#include "hqs/prior_backward.h"
 #include "hqslam/nn/network_json.h"
 #include "small_training.h"
 

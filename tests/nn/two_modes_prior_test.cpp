@@ -12,7 +12,7 @@ std::vector<float> computed_pixels(const std::vector<float>& image) {
   std::vector<float> pixels;
   for (int of_tile = 0; of_tile < 3; ++of_tile) {
     for (int tile_row = 0; tile_row < 4; ++tile_row) {
-      const auto row = image.begin() + static_cast<std::ptrdiff_t>((tile_row * 4 + of_tile) * 64);
+      const auto row = image.begin() + 64 * (tile_row * 4 + of_tile);
       pixels.insert(pixels.end(), row, row + 64);
     }
   }
@@ -93,8 +93,7 @@ TEST_CASE("the loss is the mean over the columns, where they are no whole vector
   // Outputs of 0 are: a return with probability 1/2, two modes at the interpolated range, whose
   // scale is e^-3.5.
   const NetworkDescription description = small_du_mix();
-  const std::vector<float> nothing(
-      static_cast<std::size_t>(elements(parameter_shapes(description))));
+  const std::vector<float> nothing(elements(parameter_shapes(description)));
   const RangeImage walls = test::flat_image(16, 40, 10.0F);  // ten tiles a row
   const RangeImage measured = select_rows(walls, description.measured_rows);
   for (const InstructionSet instruction_set : available_instruction_sets()) {

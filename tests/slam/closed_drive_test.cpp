@@ -6,19 +6,6 @@
 
 using namespace hqslam;
 
-namespace {
-
-constexpr double kPeriod_s = 0.1;
-
-/// What became of a drive once around a block and on.
-struct ClosedDrive {
-  std::vector<Pose> T_map_sensor;
-  std::vector<slam::ScanReport> reports;
-  std::vector<Eigen::Vector3f> map_points_m;
-};
-
-}  // namespace
-
 TEST_CASE("a drive that drifts by metres is closed, smoothly, the same whatever the threads") {
   const test::Circuit circuit = test::circuit();
   const SensorModel sensor = test::street_sensor();
@@ -34,21 +21,22 @@ TEST_CASE("a drive that drifts by metres is closed, smoothly, the same whatever 
       scans.back().range_m[i] = point_m.norm();
     }
   }
-  std::vector<ClosedDrive> closed;
-  for (const int threads : {1, 2}) {
+  slam::SlamOptions options;
+  options.mapping.recent_path_m = 50.0;
+  std::vector<slam::ScanReport> reports;
+  const auto closed_by = [&](int threads) {
     const slam::ThreadLimit limit(threads);
-    slam::SlamOptions options;
-    options.mapping.recent_path_m = 50.0;
+    reports.clear();
     slam::Slam slam(sensor, options);
-    std::vector<slam::ScanReport> reports;
     for (const OrganizedCloud& scan : scans) {
-      reports.push_back(slam.process(scan, kPeriod_s * static_cast<double>(reports.size())));
+      reports.push_back(slam.process(scan, 0.1 * static_cast<double>(reports.size())));
     }
     slam.finish();
-    closed.push_back({test::poses_of(slam.trajectory()), reports, slam.map_points_m()});
-  }
+    return std::pair(test::poses_of(slam.trajectory()), slam.map_points_m());
+  };
+  const auto with_two = closed_by(2);
+  const auto [T_map_sensor, map_points_m] = closed_by(1);
 
-  const std::vector<slam::ScanReport>& reports = closed[0].reports;
   const auto is_closed = [](const slam::ScanReport& report) {
     return report.loop.status == slam::LoopStatus::kClosed;
   };
@@ -57,7 +45,7 @@ TEST_CASE("a drive that drifts by metres is closed, smoothly, the same whatever 
   const auto at = static_cast<std::size_t>(first_closed - reports.begin());
   CHECK(reports[at].loop.correction_m > 2.0);
   CHECK(reports[at].loop.older_scan < at / 2);
-  CHECK(test::closing_error_m(closed[0].T_map_sensor, circuit.T_village_sensor) < 0.3);
+  CHECK(test::closing_error_m(T_map_sensor, circuit.T_village_sensor) < 0.3);
   const auto variance_m2 = [&](std::size_t i) {
     return reports[i].covariance.topLeftCorner<3, 3>().trace();
   };
@@ -71,6 +59,6 @@ TEST_CASE("a drive that drifts by metres is closed, smoothly, the same whatever 
   CHECK(step_m(&slam::ScanReport::T_odom_sensor, at) == doctest::Approx(1.5).epsilon(0.1));
   CHECK(step_m(&slam::ScanReport::T_odom_sensor, at + 1) == doctest::Approx(1.5).epsilon(0.1));
 
-  CHECK(closed[1].map_points_m == closed[0].map_points_m);
-  CHECK(test::are_same(closed[1].T_map_sensor, closed[0].T_map_sensor));
+  CHECK(with_two.second == map_points_m);
+  CHECK(test::are_same(with_two.first, T_map_sensor));
 }

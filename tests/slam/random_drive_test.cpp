@@ -139,9 +139,8 @@ TEST_CASE("each scan's report is true in random drives with blindness, gaps and 
       if (is_registered && segment_of_scan[i] == 0) CHECK(is_known);
       if (is_known && !scan.was_carried_blind) {
         CHECK(scan.street == 0);
-        const Pose T_map_true =
-            drive.scans.front().T_street_sensor.inverse() * scan.T_street_sensor;
-        CHECK(holds(covariances[i], trajectory[i].T_map_sensor, T_map_true));
+        const Pose truth = drive.scans.front().T_street_sensor.inverse() * scan.T_street_sensor;
+        CHECK(holds(covariances[i], trajectory[i].T_map_sensor, truth));
       }
       if (!is_registered) continue;
       const bool is_after_gap = scan.report.mapping_status == Status::kAfterGap;

@@ -27,8 +27,7 @@ struct Driven {
 std::vector<Pose> steps(double x_m, double y_m, int count, bool up) {
   std::vector<Pose> result;
   for (int i = 0; i < count; ++i) {
-    result.push_back(
-        yard_pose(x_m + (up ? i : -i) * kStreetStep_m, y_m, up ? 0.0 : std::numbers::pi));
+    result.push_back(yard_pose(x_m + (up ? i : -i) * kStreetStep_m, y_m, up ? 0.0 : M_PI));
   }
   return result;
 }
@@ -286,8 +285,7 @@ TEST_CASE("a covariance keeps unmeasured motion until a loop removes it") {
     for (std::size_t i = seen_again + 7; i < reports.size(); ++i) {
       CAPTURE(i);
       is_joined = is_joined || reports[i].loop.status == LoopStatus::kClosed;
-      const double error_m =
-          (reports[i].T_map_sensor.translation() - truth(i).translation()).norm();
+      const auto error_m = (reports[i].T_map_sensor.translation() - truth(i).translation()).norm();
       CHECK(error_m < 3.0 * sigma_m(reports[i].covariance) + 0.05);
       CHECK(std::isfinite(reports[i].covariance.trace()) == (blind || is_joined));
       if (!is_joined) CHECK(sigma_m(reports[i].covariance) > 10.0);

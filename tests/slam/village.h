@@ -129,13 +129,11 @@ inline std::vector<Pose> path_through(const std::vector<Eigen::Vector2d>& corner
 
 /// Once around a block of 90 x 60 m, and 70 m more.
 inline Circuit circuit() {
-  Circuit result;
+  Circuit result{{}, path_through({{0, 0}, {90, 0}, {90, 60}, {0, 60}, {0, 0}, {70, 0}}, 1.5)};
   result.village.add_street(14.0, 0.0, 62.0, 11);
   result.village.add_street(14.0, 60.0, 62.0, 12);
   result.village.add_street(0.0, 14.0, 32.0, 13, Village::Along::kY);
   result.village.add_street(90.0, 14.0, 32.0, 14, Village::Along::kY);
-  result.T_village_sensor =
-      path_through({{0, 0}, {90, 0}, {90, 60}, {0, 60}, {0, 0}, {70, 0}}, 1.5);
   return result;
 }
 

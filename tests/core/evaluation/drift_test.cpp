@@ -133,8 +133,7 @@ TEST_CASE("a hundredth of a degree per metre is a degree per 100 m, over pieces 
   Trajectory estimate = straight_drive();
   for (std::size_t i = 0; i < estimate.size(); ++i) {
     const double roll_rad = 0.01 * kDegree_rad * static_cast<double>(i);
-    estimate[i].T_map_sensor =
-        pose_from_xyz_rpy({1.0 * static_cast<double>(i), 0, 0}, roll_rad, 0, 0);
+    estimate[i].T_map_sensor = pose_from_xyz_rpy({static_cast<double>(i), 0, 0}, roll_rad, 0, 0);
   }
   for (const double piece_m : {50.0, 100.0}) {
     const Drift rolling = drift(relative_pose_error(estimate, straight_drive(), piece_m));

@@ -17,8 +17,7 @@ std::string header(const std::string& fields, const std::string& size, const std
 
 /// sensor: as read_cloud.
 Scan scan_of(const std::string& contents, const auto&... sensor) {
-  return from_file("0.pcd", contents,
-                   [&](const auto& path) { return read_cloud(path, sensor...); });
+  return from_file("0.pcd", contents, [&](auto&& path) { return read_cloud(path, sensor...); });
 }
 
 void refuses_pcd(const std::string& contents, const auto&... parts) {
@@ -88,8 +87,7 @@ TEST_CASE("an ascii file is read, with or without COUNT") {
 }
 
 TEST_CASE("a binary file with fields of every type in any order, and of no points, is read") {
-  std::string contents =
-      header("intensity z ring y t x", "1 8 2 4 4 8", "U F U F U F", 2, "binary");
+  auto contents = header("intensity z ring y t x", "1 8 2 4 4 8", "U F U F U F", 2, "binary");
   contents += raw_bytes<std::uint8_t, double, std::uint16_t>(9, 3.0, 1, 2.0F, 0U, 1.0);
   contents += raw_bytes<std::uint8_t, double, std::uint16_t>(9, 6.0, 0, 5.0F, 100'000'000U, 4.0);
   const Scan scan = scan_of(contents);
@@ -124,9 +122,8 @@ TEST_CASE("times are offsets from the middle of the scan, whatever they count fr
   REQUIRE(scan.time_offset_s.size() == 3);
   CHECK(scan.time_offset_s[0] == doctest::Approx(-0.05).epsilon(1e-4));
   CHECK(scan.time_offset_s[1] == doctest::Approx(0.01).epsilon(1e-4));
-  const Scan none =
-      scan_of(header("x y z time", "4 4 4 4", "F F F F", 2, "ascii") + "1 0 0 0\n2 0 0 0\n");
-  CHECK(none.time_offset_s.empty());
+  CHECK(scan_of(header("x y z time", "4 4 4 4", "F F F F", 2, "ascii") + "1 0 0 0\n2 0 0 0\n")
+            .time_offset_s.empty());
 }
 
 TEST_CASE("row 0 is the highest beam whether the driver counts rings from above or from below") {
@@ -144,18 +141,16 @@ TEST_CASE("row 0 is the highest beam whether the driver counts rings from above 
 
 TEST_CASE("rings in the order of firing or all alike are left to the elevation") {
   const SensorModel sensor = sensor_preset("vlp-16");
-  std::string firing = header("x y z ring", "4 4 4 2", "F F F U", 16, "ascii");
-  std::string alike = firing;
+  std::vector<Ring> firing;
+  std::vector<Ring> alike;
   for (int row = 0; row < 16; ++row) {
     // A VLP-16 fires -15, 1, -13, 3, ... degrees.
-    const int laser = row < 8 ? 15 - 2 * row : 30 - 2 * row;
-    const std::string point =
-        "10 0 " + std::to_string(10.0 * std::tan(sensor.beam_elevation_rad[row])) + " ";
-    firing += point + std::to_string(laser) + "\n";
-    alike += point + "0\n";
+    firing.push_back({sensor.beam_elevation_rad[row], row < 8 ? 15 - 2 * row : 30 - 2 * row});
+    alike.push_back({sensor.beam_elevation_rad[row], 0});
   }
-  CHECK(scan_of(firing, sensor).row.empty());
-  CHECK(scan_of(alike, sensor).row.empty());
+  for (const auto& rings : {firing, alike}) {
+    CHECK(scan_of(points_of_rings(rings, 1), sensor).row.empty());
+  }
 }
 
 TEST_CASE("rings of a sensor with more or fewer beams are not taken for those of this one") {

@@ -42,9 +42,8 @@ TEST_CASE("what is too long, folders, devices and pipes, which could block, are 
     CHECK(refused_with([&] { NpyStackReader reader(path); }, path, found));
   };
   write_file(folder.file("a"), "four");
-  CHECK(
-      refused_with([&] { whole_file(folder.file("a"), "a file", 3); }, "at most 3 bytes, found 4"));
-  refuse(folder.path().string(), "found a folder");
+  CHECK(refused_with([&] { whole_file(folder.file("a"), "text", 3); }, "at most 3 bytes, found 4"));
+  refuse(folder.path(), "found a folder");
   refuse(folder.file("none"), "found no file");
   refuse("/dev/zero", "found a pipe or a device");
   refuse(pipe, "found a pipe or a device");

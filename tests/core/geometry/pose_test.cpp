@@ -30,14 +30,6 @@ TEST_CASE("interpolation meets both ends, the middle, continues beyond, and stay
   CHECK(interpolate(b, b, 0.3).isApprox(b, 1e-12));
 }
 
-TEST_CASE("the exponential of a turn about the vertical is a drive along a circle") {
-  // Radius 5 m, a quarter of it: 5 m forward and 5 m to the left, heading left.
-  const double quarter = std::numbers::pi / 2;
-  const Pose pose = exponential({{5.0 * quarter, 0, 0}, {0, 0, quarter}});
-  CHECK((pose.translation() - Eigen::Vector3d(5, 5, 0)).norm() < 1e-12);
-  CHECK((pose.linear() * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitY()).norm() < 1e-12);
-}
-
 TEST_CASE("a constant twist is the limit of many small steps, of any axis and size") {
   for (const double size : {1e-9, 1e-5, 1e-3, 0.3, 3.0}) {
     const Eigen::Vector3d v = size * Eigen::Vector3d(3.0, -1.0, 0.5);

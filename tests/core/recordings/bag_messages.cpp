@@ -2,7 +2,6 @@
 #include "bags.h"
 
 namespace hqslam::test {
-
 namespace {
 
 /// Writes a message as ROS 2 (CDR, little-endian) or ROS 1 does.
@@ -153,8 +152,7 @@ Payload imu_message(std::int64_t stamp_ns, const std::string& frame, const ImuSa
   Writer writer(ros1);
   writer.header(stamp_ns, frame);
   for (int i = 0; i < 4 + 9; ++i) writer.number(i == 3 ? 1.0 : 0.0);
-  for (const Eigen::Vector3d& vector :
-       {sample.angular_rate_rad_per_s, sample.specific_force_mps2}) {
+  for (const auto& vector : {sample.angular_rate_rad_per_s, sample.specific_force_mps2}) {
     for (int i = 0; i < 3; ++i) writer.number(vector[i]);
     for (int i = 0; i < 9; ++i) writer.number(i == 0 ? first_covariance : 0.0);
   }

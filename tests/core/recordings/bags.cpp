@@ -6,7 +6,6 @@
 #include <zstd.h>
 
 namespace hqslam::test {
-
 namespace {
 
 /// A text and before it its length.

@@ -1,7 +1,6 @@
 #include "captures.h"
 
 namespace hqslam::test {
-
 namespace {
 
 void put_big(Payload& bytes, std::size_t at, std::int64_t value, std::size_t size) {
@@ -11,7 +10,7 @@ void put_big(Payload& bytes, std::size_t at, std::int64_t value, std::size_t siz
 }
 
 void put_bytes(Payload& packet, std::size_t at, const Payload& bytes) {
-  std::ranges::copy(bytes, packet.begin() + static_cast<std::ptrdiff_t>(at));
+  std::ranges::copy(bytes, packet.begin() + at);
 }
 
 }  // namespace
@@ -30,12 +29,11 @@ std::vector<Payload> ethernet_frames(const Captured& captured, std::size_t fragm
     put_big(frame, 12, 0x0800, 2);
     frame[14] = 0x45;
     put_big(frame, 16, 20 + bytes, 2);
-    put_big(frame, 18, static_cast<std::size_t>(captured.time_ns / 1000 % 65536), 2);
+    put_big(frame, 18, captured.time_ns / 1000 % 65536, 2);
     put_big(frame, 20, (at + bytes < datagram.size() ? 0x2000 : 0) | at / 8, 2);
     frame[23] = 17;
     put_bytes(frame, 26, {192, 168, 1, captured.sender});
-    frame.insert(frame.end(), datagram.begin() + static_cast<std::ptrdiff_t>(at),
-                 datagram.begin() + static_cast<std::ptrdiff_t>(at + bytes));
+    frame.insert(frame.end(), datagram.begin() + at, datagram.begin() + at + bytes);
     frames.push_back(std::move(frame));
   }
   return frames;
@@ -85,9 +83,8 @@ Payload velodyne_packet(std::uint32_t time_us, const std::vector<int>& azimuths,
                         std::uint8_t product) {
   Payload packet(recordings::kVelodynePacketBytes);
   for (int i = 0; i < 12; ++i) {
-    put(packet, 100 * static_cast<std::size_t>(i), std::uint16_t{0xEEFF});
-    put(packet, 100 * static_cast<std::size_t>(i) + 2,
-        static_cast<std::uint16_t>(azimuths[static_cast<std::size_t>(i)]));
+    put(packet, 100 * i, std::uint16_t{0xEEFF});
+    put(packet, 100 * i + 2, static_cast<std::uint16_t>(azimuths[i]));
     for (int c = 0; c < 32; ++c) set_measurement(packet, i, c, distance, intensity);
   }
   put(packet, 1200, time_us);
@@ -98,7 +95,7 @@ Payload velodyne_packet(std::uint32_t time_us, const std::vector<int>& azimuths,
 
 void set_measurement(Payload& packet, int block, int channel, std::uint16_t distance,
                      std::uint8_t intensity) {
-  const auto at = static_cast<std::size_t>(100 * block + 4 + 3 * channel);
+  const int at = 100 * block + 4 + 3 * channel;
   put(packet, at, distance);
   packet[at + 2] = intensity;
 }
@@ -132,13 +129,13 @@ std::vector<Captured> velodyne_capture(const RoundRoom& room) {
 
 Payload hesai_packet_bytes(int lasers, std::uint32_t time_us, int azimuth, std::uint32_t number,
                            std::uint8_t return_mode, std::uint16_t distance) {
-  const std::size_t block_bytes = 2 + 4 * static_cast<std::size_t>(lasers);
+  const std::size_t block_bytes = 2 + 4 * lasers;
   const std::size_t tail = 12 + 8 * block_bytes;
   Payload packet(tail + 28);
   put_bytes(packet, 0, {0xEE, 0xFF, 6, 1, 0, 0, static_cast<std::uint8_t>(lasers), 8, 1, 4, 2, 1});
   const int step = return_mode >= 0x39 ? 2 : 1;
   for (int block = 0; block < 8; ++block) {
-    put(packet, 12 + static_cast<std::size_t>(block) * block_bytes,
+    put(packet, 12 + block * block_bytes,
         static_cast<std::uint16_t>((azimuth + 18 * (block / step)) % 36000));
     for (int i = 0; i < lasers; ++i) set_hesai_measurement(packet, lasers, block, i, distance);
   }
@@ -154,7 +151,7 @@ Payload hesai_packet_bytes(int lasers, std::uint32_t time_us, int azimuth, std::
 
 void set_hesai_measurement(Payload& packet, int lasers, int block, int laser,
                            std::uint16_t distance, std::uint8_t reflectivity) {
-  const auto at = static_cast<std::size_t>(12 + block * (2 + 4 * lasers) + 2 + 4 * laser);
+  const int at = 12 + block * (2 + 4 * lasers) + 2 + 4 * laser;
   put(packet, at, distance);
   packet[at + 2] = reflectivity;
 }
@@ -193,7 +190,7 @@ Payload robosense_settings(const Robosense& sensor) {
   put_big(packet, 8, 599, 2);
   packet[300] = sensor.dual ? 0 : 4;
   for (int i = 0; i < 32; ++i) {
-    const auto at = static_cast<std::size_t>(3 * i);
+    const int at = 3 * i;
     if (!sensor.helios) {
       if (i < 16) put_big(packet, 1165 + at, 10'000 * (i < 8 ? 15 - 2 * i : 31 - 2 * i), 3);
       continue;
@@ -208,7 +205,7 @@ Payload robosense_settings(const Robosense& sensor) {
 
 void set_robosense_measurement(Payload& packet, int block, int channel, std::uint16_t distance,
                                std::uint8_t reflectivity) {
-  const auto at = static_cast<std::size_t>(46 + 100 * block + 3 * channel);
+  const int at = 46 + 100 * block + 3 * channel;
   put_big(packet, at, distance, 2);
   packet[at + 2] = reflectivity;
 }
@@ -228,8 +225,8 @@ std::vector<Captured> robosense_capture(const Robosense& sensor, double duration
     for (int block = 0; block < 12; ++block) {
       const int firing = firings * i + block * firings / 12;
       const std::int64_t azimuth = 30000 + std::llround(0.36 * firing_us * firing);
-      put_big(captured.payload, static_cast<std::size_t>(42 + 100 * block), 0xFFEE, 2);
-      put_big(captured.payload, static_cast<std::size_t>(44 + 100 * block), azimuth % 36000, 2);
+      put_big(captured.payload, 42 + 100 * block, 0xFFEE, 2);
+      put_big(captured.payload, 44 + 100 * block, azimuth % 36000, 2);
       for (int channel = 0; channel < 32; ++channel) {
         set_robosense_measurement(captured.payload, block, channel, sensor.distance);
       }

@@ -43,6 +43,17 @@ std::vector<Payload> ethernet_frames(const Captured& captured, std::size_t fragm
 /// The bytes of a .pcap file (microseconds) or of a .pcapng file (nanoseconds).
 std::string pcap_bytes(const std::vector<Captured>& packets, std::size_t fragment_bytes = 0);
 std::string pcapng_bytes(const std::vector<Captured>& packets);
+
+/// A .pcap file of these packets in a folder of its own.
+struct Capture {
+  TemporaryDirectory folder;
+  std::string path = folder.file("a.pcap");
+
+  explicit Capture(const std::vector<Captured>& packets, std::size_t fragment_bytes = 0) {
+    write_file(path, pcap_bytes(packets, fragment_bytes));
+  }
+};
+
 /// What a .pcapng file says of an interface; Ethernet is link type 1.
 std::string pcapng_interface(std::uint16_t link_type);
 
@@ -98,6 +109,10 @@ std::vector<Captured> robosense_capture(const Robosense& sensor, double duration
 void set_robosense_measurement(Payload& packet, int block, int channel, std::uint16_t distance,
                                std::uint8_t reflectivity = 10);
 
+inline constexpr std::array kOusterProfiles = {
+    recordings::OusterProfile::kLegacy, recordings::OusterProfile::kRng19,
+    recordings::OusterProfile::kRng19Dual, recordings::OusterProfile::kRng15,
+    recordings::OusterProfile::kFusaDual};
 /// Metadata of a small Ouster with `rows` beams and 512 columns at 20 Hz.
 std::string ouster_metadata_text(recordings::OusterProfile profile, int rows = 8);
 

@@ -41,8 +41,7 @@ std::vector<Captured> ouster_turn(const recordings::OusterMetadata& metadata,
                             : fusa                                 ? 8
                             : profile == OusterProfile::kRng19Dual ? 16
                                                                    : 12;
-  const std::size_t column_bytes =
-      header + pixel * static_cast<std::size_t>(rows) + (legacy ? 4 : 0);
+  const std::size_t column_bytes = header + pixel * rows + (legacy ? 4 : 0);
   std::vector<Captured> packets;
   for (int first = 0; first < columns; first += 16) {
     Payload bytes(metadata.packet_bytes());
@@ -52,15 +51,14 @@ std::vector<Captured> ouster_turn(const recordings::OusterMetadata& metadata,
       put(bytes, 0, std::uint16_t{1});
       put(bytes, 2, static_cast<std::uint16_t>(frame_id));
     }
-    const auto turn_ns =
-        static_cast<std::uint64_t>(std::llround(1e9 * metadata.sensor.scan_period_s));
+    const std::uint64_t turn_ns = std::llround(1e9 * metadata.sensor.scan_period_s);
     const auto time_of = [&](int column) {
       return 5'000'000'000 + frame_id * turn_ns +
              static_cast<std::uint64_t>(column) * turn_ns / columns;
     };
     for (int i = 0; i < 16; ++i) {
       const int column = first + i;
-      const std::size_t at = (legacy ? 0 : 32) + column_bytes * static_cast<std::size_t>(i);
+      const std::size_t at = (legacy ? 0 : 32) + column_bytes * i;
       put(bytes, at, time_of(column));
       put(bytes, at + 8, static_cast<std::uint16_t>(column));
       if (legacy) {
@@ -70,7 +68,7 @@ std::vector<Captured> ouster_turn(const recordings::OusterMetadata& metadata,
         put(bytes, at + 10, std::uint16_t{1});
       }
       for (int row = 0; row < rows; ++row) {
-        const std::size_t p = at + header + pixel * static_cast<std::size_t>(row);
+        const std::size_t p = at + header + pixel * row;
         const std::uint32_t range_mm = of_pixel_mm(row, column);
         if (pixel == 4 || pixel == 8) {
           put(bytes, p, static_cast<std::uint16_t>(range_mm / 8 | 0x8000));  // and a flag

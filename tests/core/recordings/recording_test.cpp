@@ -9,22 +9,19 @@ using namespace hqslam::recordings;
 using namespace hqslam::test;
 
 TEST_CASE("the stamps of a capture whose computer's clock was set back rise, with a warning") {
-  const TemporaryDirectory directory;
-  const std::string path = directory.file("a.pcap");
   std::vector<Captured> packets = velodyne_capture({.duration_s = 0.85});
   for (std::size_t i = packets.size() / 2; i < packets.size(); ++i) {
     packets[i].time_ns -= 5'000'000'000;
   }
-  write_file(path, pcap_bytes(packets));
-  auto source = Recording::open(path);
+  const Capture capture(packets);
+  auto source = Recording::open(capture.path);
   const auto scans = all_scans(source);
   REQUIRE(scans.size() >= 6);
   for (std::size_t i = 1; i < scans.size(); ++i) {
     CHECK(scans[i].stamp_s > scans[i - 1].stamp_s);
     CHECK(scans[i].stamp_s < scans[i - 1].stamp_s + 0.25);
   }
-  REQUIRE(source.warnings().size() == 1);
-  CHECK(source.warnings()[0].find("stamps stand or fall back") != std::string::npos);
+  CHECK(one_line_with(source.warnings(), "stamps stand or fall back"));
 }
 
 TEST_CASE("a file with the name of a capture or a bag and other contents is refused for these") {
@@ -92,8 +89,6 @@ TEST_CASE("a recording is read once, from opening it to its last scan, and so it
 }
 
 TEST_CASE("a sensor that begins later than the one that is read is named at the end") {
-  const TemporaryDirectory directory;
-  const std::string path = directory.file("a.pcap");
   auto packets = velodyne_capture({.duration_s = 6.0});
   for (Captured late : velodyne_capture({.duration_s = 1.0})) {
     late.time_ns += 4'000'000'000;
@@ -101,36 +96,29 @@ TEST_CASE("a sensor that begins later than the one that is read is named at the 
     packets.push_back(late);
   }
   std::ranges::stable_sort(packets, {}, &Captured::time_ns);
-  write_file(path, pcap_bytes(packets));
-  auto source = Recording::open(path);
+  const Capture capture(packets);
+  auto source = Recording::open(capture.path);
   CHECK(source.warnings().empty());
   CHECK(all_scans(source).size() >= 58);
-  REQUIRE(source.warnings().size() == 1);
-  CHECK(one_line_with(source.warnings()[0], "192.168.1.201:2369", "--stream"));
-  CHECK(all_scans(Recording::open(path, {.stream = "2369"})).size() >= 8);
+  CHECK(one_line_with(source.warnings(), "192.168.1.201:2369", "--stream"));
+  CHECK(all_scans(Recording::open(capture.path, {.stream = "2369"})).size() >= 8);
 }
 
 TEST_CASE("a capture of less than a turn is refused at its end, stamps of one's own at once") {
-  const TemporaryDirectory directory;
-  const std::string path = directory.file("a.pcap");
-  write_file(path, pcap_bytes(velodyne_capture({.duration_s = 0.03})));
-  auto source = Recording::open(path);
+  const Capture capture(velodyne_capture({.duration_s = 0.03}));
+  auto source = Recording::open(capture.path);
   CHECK(refused_with([&] { source.next(); }, "at least one turn"));
   CHECK_FALSE(source.next());
-  CHECK(refused_with([&] { Recording::open(path, {.files = {.stamps = "stamps.txt"}}); },
+  CHECK(refused_with([&] { Recording::open(capture.path, {.files = {.stamps = "stamps.txt"}}); },
                      "--stamps does not apply", "a capture or a bag"));
 }
 
 TEST_CASE("the user's sensor wins over the packets, with a warning") {
-  const TemporaryDirectory directory;
-  const std::string path = directory.file("a.pcap");
-  RoundRoom room;
-  room.product = 0x21;  // says HDL-32E
-  write_file(path, pcap_bytes(velodyne_capture(room)));
+  const Capture capture(velodyne_capture({.product = 0x21}));  // says HDL-32E
+  const std::string& path = capture.path;
   auto found = Recording::open(path);
   CHECK(found.sensor().name == "vlp-16");
-  REQUIRE(found.warnings().size() == 1);
-  CHECK(one_line_with(found.warnings()[0], "hdl-32e", "1327 us", "vlp-16"));
+  CHECK(one_line_with(found.warnings(), "hdl-32e", "1327 us", "vlp-16"));
   auto wanted = Recording::open(path, {.sensor = "hdl-32e"});
   CHECK(wanted.sensor().name == "hdl-32e");
   REQUIRE(wanted.warnings().size() >= 1);
@@ -141,8 +129,6 @@ TEST_CASE("the user's sensor wins over the packets, with a warning") {
 }
 
 TEST_CASE("several sensors in a capture are listed and chosen by port or sender") {
-  const TemporaryDirectory directory;
-  const std::string path = directory.file("a.pcap");
   auto packets = velodyne_capture();
   auto others = velodyne_capture({.rate_hz = 5.0, .duration_s = 0.5});
   for (Captured& other : others) {
@@ -151,7 +137,8 @@ TEST_CASE("several sensors in a capture are listed and chosen by port or sender"
   }
   packets.insert(packets.end(), others.begin(), others.end());
   std::ranges::stable_sort(packets, {}, &Captured::time_ns);
-  write_file(path, pcap_bytes(packets));
+  const Capture capture(packets);
+  const std::string& path = capture.path;
   CHECK(refused_with([&] { Recording::open(path); }, "192.168.1.201:2368", "192.168.1.202:2369",
                      "--stream"));
   const SensorModel slow = Recording::open(path, {.stream = "2369"}).sensor();
@@ -230,7 +217,7 @@ TEST_CASE("every real capture and bag opens from its path alone") {
 
 TEST_CASE("a simulated drive opens with the inertial data beside its scans, if there are any") {
   const TemporaryDirectory drive;
-  const std::string path = drive.path().string();
+  const std::string path = drive.path();
   const SensorModel sensor = sensor_preset("vlp-16");
   write_sensor_json(sensor, drive.file("sensor.json"));
   const RangeImage image = flat_image(sensor.rows(), sensor.columns, 5.0F);

@@ -6,10 +6,7 @@ using namespace hqslam;
 
 namespace {
 
-/// Neighbouring beams are a degree apart.
-SensorModel degrees_apart(int rows, int columns) {
-  return test::even_sensor(rows, columns, 0.0, 1.0);
-}
+using test::degrees_apart;
 
 /// The slow, textbook form: union-find over all pairs of neighbours with atan2.
 std::vector<int> union_find_labels(const RangeImage& image, const SensorModel& sensor,
@@ -107,23 +104,16 @@ TEST_CASE("labels equal those of a slow union-find on random images, with and wi
 }
 
 TEST_CASE("more than 65,536 components are distinguished") {
-  SensorModel sensor = degrees_apart(64, 4096);
-  RangeImage image(64, 4096);
-  for (int row = 0; row < 64; ++row) {
-    for (int column = 0; column < 4096; ++column) {
-      image.at(row, column) = (row + column) % 2 == 0 ? 5.0F : 50.0F;
-    }
-  }
-  const auto result = components_of(image, sensor, 10 * kDegree_rad);
+  const RangeImage image = test::made_image(
+      64, 4096, [](int row, int column) { return (row + column) % 2 == 0 ? 5.0 : 50.0; });
+  const auto result = components_of(image, degrees_apart(64, 4096), 10 * kDegree_rad);
   CHECK(result.components.size() == 64 * 4096);
-  const std::set<std::int32_t> labels(result.label.begin(), result.label.end());
-  CHECK(labels.size() == 64 * 4096);
+  CHECK(std::set(result.label.begin(), result.label.end()).size() == 64 * 4096);
 }
 
 TEST_CASE("a second image is not affected by the first") {
-  const SensorModel sensor = degrees_apart(4, 32);
   const RangeImage full = test::flat_image(4, 32, 3.0F);
-  ComponentLabeler labeler(sensor, {});
+  ComponentLabeler labeler(degrees_apart(4, 32), {});
   labeler.label(full);
   CHECK(labeler.label(RangeImage(4, 32)).components.empty());
   CHECK(labeler.label(full).components.size() == 1);

@@ -150,8 +150,7 @@ TEST_CASE("each layer and its gradients equal PyTorch's with every instruction s
 TEST_CASE("batch norm upsamples with its running statistics") {
   const Golden golden("network_layers");
   const std::vector<LayerCase> all = layer_cases();
-  const auto c = std::ranges::find(all, "batch_norm", &LayerCase::name);
-  Batch batch = golden_batch(golden, *c, {});
+  Batch batch = golden_batch(golden, *std::ranges::find(all, "batch_norm", &LayerCase::name), {});
   batch.layer->set_parameters(batch.parameters);
   for (const LayerPass& pass : batch.passes()) batch.layer->forward(pass);
   CHECK(relative_error(std::span<const float>(values_of(batch.output)),

@@ -62,9 +62,8 @@ TEST_CASE("weight decay pulls at the weights of convolutions alone") {
   int decaying = 0;
   for (const ParameterShape& shape : parameter_shapes(srae)) {
     const auto count = static_cast<std::size_t>(shape.elements());
-    const bool same = std::equal(usual.begin() + static_cast<std::ptrdiff_t>(begin),
-                                 usual.begin() + static_cast<std::ptrdiff_t>(begin + count),
-                                 decayed.begin() + static_cast<std::ptrdiff_t>(begin));
+    const bool same =
+        std::equal(usual.begin() + begin, usual.begin() + begin + count, decayed.begin() + begin);
     CAPTURE(shape.name);
     CHECK(same == !(shape.shape.size() > 1 && shape.name.ends_with("weight")));
     decaying += same ? 0 : 1;

@@ -14,9 +14,8 @@ TEST_CASE("AdamW takes the steps that PyTorch's takes") {
   AdamW optimiser({}, count);
   for (std::size_t step = 0; step < rates.size(); ++step) {
     optimiser.step(std::span(gradients).subspan(step * count, count), rates[step], {}, parameters);
-    const std::vector<float> after(
-        expected.begin() + static_cast<std::ptrdiff_t>(step * count),
-        expected.begin() + static_cast<std::ptrdiff_t>((step + 1) * count));
+    const std::vector<float> after(expected.begin() + step * count,
+                                   expected.begin() + (step + 1) * count);
     CHECK(relative_error(parameters, after) < 1e-5);
   }
   CHECK(optimiser.steps == 6);
@@ -46,13 +45,10 @@ TEST_CASE("clip_norm shortens long gradients only and returns the norm before") 
 
 TEST_CASE("the learning rate rises linearly and falls on a cosine to zero") {
   const auto rate = [](std::int64_t step) { return cosine_learning_rate(2.0F, 4, 24, step); };
-  CHECK(rate(0) == doctest::Approx(0.5));
-  CHECK(rate(1) == doctest::Approx(1.0));
-  CHECK(rate(3) == doctest::Approx(2.0));
-  CHECK(rate(4) == doctest::Approx(2.0));
-  CHECK(rate(14) == doctest::Approx(1.0));  // half way down
-  CHECK(rate(24) == doctest::Approx(0.0));
-  CHECK(rate(100) == doctest::Approx(0.0));
+  for (const auto& [step, expected] : std::map<int, double>{
+           {0, 0.5}, {1, 1.0}, {3, 2.0}, {4, 2.0}, {14, 1.0}, {24, 0.0}, {100, 0.0}}) {
+    CHECK(rate(step) == doctest::Approx(expected));
+  }
   for (std::int64_t step = 4; step < 24; ++step) CHECK(rate(step) > rate(step + 1));
   CHECK(cosine_learning_rate(2.0F, 0, 10, 0) == doctest::Approx(2.0));
 }

@@ -12,9 +12,7 @@ const Augmentation kNothing{
 
 /// Ranges that number their pixels; far from the sensor's limits.
 RangeImage numbered() {
-  RangeImage image(16, 64);
-  for (int i = 0; i < 16 * 64; ++i) image.range_m[i] = 10.0F + 0.0625F * static_cast<float>(i);
-  return image;
+  return test::made_image(16, 64, [](int row, int i) { return 10.0 + 0.0625 * (64 * row + i); });
 }
 
 TrainingSample sample(const Augmentation& augmentation, std::uint64_t seed) {

@@ -1,7 +1,7 @@
 #include "hqslam/nn/training/checkpoint.h"
 
 #include "hqslam/core/npz.h"
-#include "small_network.h"
+#include "small_training.h"
 
 namespace hqslam::nn {
 namespace {
@@ -26,11 +26,7 @@ TEST_CASE("a checkpoint brings back parameters, moments, steps and curve exactly
   const Checkpoint written = some_checkpoint();
   write_checkpoint(path, written);
   const Checkpoint read = read_checkpoint(path, written.configuration, small_du_or(), {});
-  CHECK(read.state.parameters == written.state.parameters);
-  CHECK(read.state.average == written.state.average);
-  CHECK(read.state.optimiser.steps == 1);
-  CHECK(read.state.optimiser.first_moment == written.state.optimiser.first_moment);
-  CHECK(read.state.optimiser.second_moment == written.state.optimiser.second_moment);
+  check_same(read.state, written.state);
   REQUIRE(read.curve.size() == 1);
   CHECK(read.curve[0].step == 1);
   CHECK(read.curve[0].loss == 2.5);
@@ -44,9 +40,8 @@ TEST_CASE("a checkpoint of another configuration or network, or a damaged one, i
   const test::TemporaryDirectory directory;
   const std::string path = directory.file("checkpoint.npz");
   write_checkpoint(path, some_checkpoint());
-  const auto message = [&](const std::string& configuration,
-                           const NetworkDescription& description) {
-    return test::error_message([&] { read_checkpoint(path, configuration, description, {}); });
+  const auto message = [&](const std::string& configuration, const NetworkDescription& network) {
+    return test::error_message([&] { read_checkpoint(path, configuration, network, {}); });
   };
   CHECK(test::one_line_with(message("{}", small_du_or()), "another training configuration"));
   CHECK(test::one_line_with(message("{\"a\": 1}", small_simple_du()), "first_moment", "expected"));

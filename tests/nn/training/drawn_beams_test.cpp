@@ -42,10 +42,8 @@ TEST_CASE("a drawn sensor sees its rows and columns of a scan, up to its range")
 }
 
 TEST_CASE("the beams like a sensor's are the nearest ones") {
-  const SensorModel like = sensor_preset("vlp-16");
-  SensorModel sensor = like;
-  sensor.columns = 32;
-  const DrawnBeams beams = beams_like(many_rows(), sensor, {0, 1});
+  const SensorModel like = test::preset_with("vlp-16", 32);
+  const DrawnBeams beams = beams_like(many_rows(), like, {0, 1});
   for (int row = 0; row < 16; ++row) {
     CHECK(beams.sensor.beam_elevation_rad[row] ==
           doctest::Approx(like.beam_elevation_rad[row]).epsilon(1e-9));

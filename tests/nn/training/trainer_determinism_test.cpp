@@ -41,10 +41,8 @@ TEST_CASE("a training that stopped and went on gives the same bytes as one that 
 TEST_CASE("a network for any beams is trained on drawn sensors, the same ones by any threads") {
   const NetworkDescription description = small_any_beams({3, 4});
   const SensorModel many = test::even_sensor(272, description.sensor.columns, 34.0, 0.25);
-  TrainingScan scan{RangeImage(many.rows(), many.columns)};
-  for (std::size_t i = 0; i < scan.truth.range_m.size(); ++i) {
-    scan.truth.range_m[i] = 5.0F + static_cast<float>(i % 7);
-  }
+  const TrainingScan scan{test::made_image(
+      272, many.columns, [](int row, int column) { return 5 + (row + column) % 7; })};
   TrainingPlan plan = small_plan();
   plan.drawn_from = many;
   plan.augmentation.crop_columns = 32;
@@ -57,9 +55,7 @@ TEST_CASE("a network for any beams is trained on drawn sensors, the same ones by
   check_same(one, trained_by(3));
   CHECK(one.parameters != fresh_state(description).parameters);
   plan.drawn_from.reset();
-  CHECK(test::refused_with(
-      [&] { Trainer(description, plan, in_memory({scan}), fresh_state(description), 1); },
-      "272 x"));
+  CHECK(test::refused_with([&] { trained_by(1); }, "272 x"));
 }
 
 TEST_CASE("a network for any beams is trained and validated on scans of several sensors") {

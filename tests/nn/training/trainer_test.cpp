@@ -48,8 +48,8 @@ TEST_CASE("the mean begins with the first step and follows by 10 of 11 in the se
 
 TEST_CASE("the gradient and the loss of a batch are means: equal samples give those of one") {
   const HqsPlan description = small_du_or();
-  RangeImage rings(16, 64);  // the same from every side, so that turning it changes nothing
-  for (int i = 0; i < 16 * 64; ++i) rings.range_m[i] = 30.0F - static_cast<float>(i / 64);
+  // The same from every side, so that turning it changes nothing.
+  const RangeImage rings = test::made_image(16, 64, [](int row, int) { return 30.0 - row; });
   TrainingPlan plan = small_plan();
   plan.augmentation = {.smallest_scale = 1.0F, .largest_scale = 1.0F};
   TrainingStep steps[2];

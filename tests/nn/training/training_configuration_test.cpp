@@ -18,9 +18,8 @@ const std::string kText = R"({
 /// Of the text with `to` in place of `from`.
 void refuses_recipe(const std::string& from, const std::string& to, const auto&... parts) {
   CAPTURE(to);
-  CHECK(test::refused_with(
-      [&] { training_configuration(test::replaced_in(kText, from, to), "recipe.json"); },
-      parts...));
+  const std::string text = test::replaced_in(kText, from, to);
+  CHECK(test::refused_with([&] { training_configuration(text, "recipe.json"); }, parts...));
 }
 
 }  // namespace
@@ -30,8 +29,7 @@ TEST_CASE("a configuration is read field by field, the rest keeps its default") 
   CHECK(hqs_of(c.network).sizes().layers == 4);
   CHECK(hqs_of(c.network).prior().sizes["channels"] == std::vector<int>{8, 16});
   CHECK(c.network.sensor.name == "os1-64");
-  CHECK(c.network.measured_rows.offset == 3);
-  CHECK(c.network.measured_rows.stride == 4);
+  CHECK(c.network.measured_rows == RowSelection{3, 4});
   REQUIRE(c.training.simulated.size() == 1);
   CHECK(c.training.simulated[0].seeds == std::vector<int>{1, 2});
   CHECK(c.training.simulated[0].every == 10);

@@ -40,8 +40,8 @@ TEST_CASE("validation empties the least sure pixels until as much is missing as 
     upsampled.image.at(6, column) = 30.0F;  // invented, at a small confidence
     upsampled.confidence[upsampled.image.index(6, column)] = 0.105F;
   }
-  for (int row = 8; row < 11;
-       ++row) {  // true returns at a small confidence: as many as linear interpolation misses
+  // True returns at a small confidence: as many as linear interpolation misses.
+  for (int row = 8; row < 11; ++row) {
     for (int column = 40; column < 44; ++column) {
       upsampled.confidence[upsampled.image.index(row, column)] = 0.205F;
     }

@@ -168,8 +168,7 @@ TEST_CASE("what is registered against a keyframe of a hardly known pose is no be
   slam::Drift drift = sixteen_rows();
   CHECK_FALSE(drift.inherit_uncertainty(0.01 * Matrix6::Identity(), true));
   drift.add_uncertain_keyframe(4.0 * Matrix6::Identity());
-  CHECK(
-      drift.inherit_uncertainty(9.0 * Matrix6::Identity(), false));  // less well than the keyframe
+  CHECK(drift.inherit_uncertainty(9.0 * Matrix6::Identity(), false));  // less than the keyframe
   CHECK(variance_m2(drift) == 0.0);
   drift.inherit_uncertainty(1.0 * Matrix6::Identity(), false);
   CHECK(variance_m2(drift) == doctest::Approx(3.0));
@@ -177,8 +176,7 @@ TEST_CASE("what is registered against a keyframe of a hardly known pose is no be
   CHECK(variance_m2(drift) == doctest::Approx(3.0));
   drift.inherit_uncertainty(0.01 * Matrix6::Identity(), true);
   CHECK(variance_m2(drift) == doctest::Approx(3.99));
-  CHECK_FALSE(drift.inherit_uncertainty(0.001 * Matrix6::Identity(),
-                                        true));  // the next keyframes are known
+  CHECK_FALSE(drift.inherit_uncertainty(0.001 * Matrix6::Identity(), true));  // the next are known
 }
 
 TEST_CASE("unmeasured motion stays uncertain until a loop removes that, but not the drift since") {

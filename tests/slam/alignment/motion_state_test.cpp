@@ -10,6 +10,8 @@ using slam::Vector6;
 namespace {
 
 constexpr double kLong_s = 1000.0;
+const test::SteadyDrive kScrew{
+    pose_from_xyz_rpy({3, 4, 5}, 0.1, 0.2, 0.3), {12, -1, 0.5}, {0.3, -0.2, 0.8}};
 
 MotionState driving(const test::SteadyDrive& drive) {
   MotionState state;
@@ -22,11 +24,9 @@ MotionState driving(const test::SteadyDrive& drive) {
 }  // namespace
 
 TEST_CASE("a steady drive with roll and pitch is predicted exactly") {
-  const test::SteadyDrive drive{
-      pose_from_xyz_rpy({3, 4, 5}, 0.1, 0.2, 0.3), {12, -1, 0.5}, {0.3, -0.2, 0.8}};
-  const MotionState later = slam::predicted(driving(drive), 0.7, kLong_s, Vector6::Zero());
-  CHECK(later.T_map_sensor.isApprox(drive.at(0.7), 1e-9));
-  CHECK((later.velocity.linear - drive.velocity_mps).norm() < 1e-12);
+  const MotionState later = slam::predicted(driving(kScrew), 0.7, kLong_s, Vector6::Zero());
+  CHECK(later.T_map_sensor.isApprox(kScrew.at(0.7), 1e-9));
+  CHECK((later.velocity.linear - kScrew.velocity_mps).norm() < 1e-12);
   CHECK(later.covariance.norm() < 1e-12);
 }
 
@@ -58,18 +58,16 @@ TEST_CASE("a velocity that the next scan measures changes evenly over the step")
 
 TEST_CASE("covariance is carried as random errors of the start are") {
   // Eight errors of the start, driven on in closed form, and their mean square at the end.
-  const test::SteadyDrive drive{
-      pose_from_xyz_rpy({3, 4, 5}, 0.1, 0.2, 0.3), {12, -1, 0.5}, {0.3, -0.2, 0.8}};
   Matrix6 expected = Matrix6::Zero();
-  MotionState state = driving(drive);
+  MotionState state = driving(kScrew);
   for (int i = 0; i < 6; ++i) {
     constexpr double kError = 1e-4;
     Vector6 error = Vector6::Constant(0.3 * kError);
     error[i] = kError;
     state.covariance.topLeftCorner<6, 6>() += error * error.transpose();
-    test::SteadyDrive moved = drive;
-    moved.T_start = drive.T_start * exponential(slam::twist_of(error));
-    const Vector6 later = slam::vector_of(logarithm(drive.at(0.9).inverse() * moved.at(0.9)));
+    test::SteadyDrive moved = kScrew;
+    moved.T_start = kScrew.T_start * exponential(slam::twist_of(error));
+    const Vector6 later = slam::vector_of(logarithm(kScrew.at(0.9).inverse() * moved.at(0.9)));
     expected += later * later.transpose();
   }
   const MotionState later = slam::predicted(state, 0.9, kLong_s, Vector6::Zero());
@@ -77,8 +75,7 @@ TEST_CASE("covariance is carried as random errors of the start are") {
 }
 
 TEST_CASE("a velocity that was long ago is not expected any more, and that is uncertainty") {
-  const test::SteadyDrive straight{Pose::Identity(), {10, 0, 0}, {0, 0, 1e-9}};
-  const MotionState state = driving(straight);
+  const MotionState state = driving({Pose::Identity(), {10, 0, 0}, {0, 0, 1e-9}});
   const Vector6 calm = Vector6::Zero();
   const MotionState soon = slam::predicted(state, 0.9, 1.0, calm);
   CHECK(soon.T_map_sensor.translation().x() == doctest::Approx(9.0));

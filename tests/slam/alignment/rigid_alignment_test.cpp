@@ -1,6 +1,6 @@
 #include "alignment/rigid_alignment.h"
 
-#include "slam/alignment/random_unit.h"
+#include "slam/random_unit.h"
 
 using namespace hqslam;
 using namespace hqslam::test;
@@ -13,11 +13,10 @@ std::vector<PlaneConstraint> constraints_of(const Pose& T, int count, unsigned s
   std::mt19937 generator(seed);
   std::vector<PlaneConstraint> result;
   for (int i = 0; i < count; ++i) {
-    const Eigen::Vector3d normal = Eigen::Vector3d(random_unit(generator), random_unit(generator),
-                                                   random_unit(generator) + 0.1)
-                                       .normalized();
-    const Eigen::Vector3d on_plane(20 * random_unit(generator), 20 * random_unit(generator),
-                                   3 * random_unit(generator));
+    const Eigen::Vector3d normal =
+        (random_vector(generator) + Eigen::Vector3d(0, 0, 0.1)).normalized();
+    const Eigen::Vector3d on_plane =
+        random_vector(generator).cwiseProduct(Eigen::Vector3d(20, 20, 3));
     result.push_back({T.inverse() * on_plane, normal, normal.dot(on_plane), 0.5 + 0.01 * (i % 50)});
   }
   return result;
@@ -125,9 +124,8 @@ TEST_CASE("an edge feature's two planes measure the distance from its line") {
   const Eigen::Vector3d on_line(1, 2, 3);
   const Eigen::Vector3d direction = Eigen::Vector3d(1, 1, 2).normalized();
   const Eigen::Vector3d point = on_line + 5.0 * direction + 0.3 * direction.unitOrthogonal();
-  const auto planes = edge_constraints(point, on_line, direction, 1.0);
   double squared_m2 = 0.0;
-  for (const auto& plane : planes) {
+  for (const auto& plane : edge_constraints(point, on_line, direction, 1.0)) {
     CHECK(std::abs(plane.normal.dot(direction)) < 1e-12);
     squared_m2 += std::pow(plane.normal.dot(point) - plane.offset_m, 2);
   }

@@ -1,7 +1,7 @@
 // Ceres first: doctest's CHECK would otherwise be glog's.
 #include "alignment/scan_information.h"
 
-#include "slam/alignment/random_unit.h"
+#include "slam/random_unit.h"
 
 using namespace hqslam;
 using namespace hqslam::test;
@@ -14,13 +14,11 @@ constexpr double kSigma_m = 0.02;
 /// Points on random planes about a sensor with this orientation.
 std::vector<PlaneConstraint> constraints_about(const Eigen::Matrix3d& R, int count) {
   std::mt19937 generator(7);
-  const auto random = [&] {
-    return Eigen::Vector3d(random_unit(generator), random_unit(generator), random_unit(generator));
-  };
   std::vector<PlaneConstraint> result;
   for (int i = 0; i < count; ++i) {
-    const Eigen::Vector3d point_m = R * (20.0 * random());
-    const Eigen::Vector3d normal = (random() + Eigen::Vector3d(0, 0, 0.1)).normalized();
+    const Eigen::Vector3d point_m = R * (20.0 * random_vector(generator));
+    const Eigen::Vector3d normal =
+        (random_vector(generator) + Eigen::Vector3d(0, 0, 0.1)).normalized();
     result.push_back({point_m, normal, normal.dot(point_m) + 0.05 * random_unit(generator),
                       (0.5 + 0.01 * (i % 50)) / kSigma_m});
   }
@@ -48,13 +46,12 @@ MotionState standing(double sigma_m, double sigma_mps) {
 }
 
 /// One step from the expected state, with the covariance after it.
-MotionState registered(const MotionState& expected,
-                       const std::vector<PlaneConstraint>& constraints) {
+MotionState registered(const MotionState& expected, const std::vector<PlaneConstraint>& planes) {
   const Eigen::Matrix3d level = Eigen::Matrix3d::Identity();
   const ExpectedState prior(expected);
   MotionState state = expected;
-  prior.improve(state, scan_information(constraints, level));
-  state.covariance = prior.covariance(known_information(constraints, level).information);
+  prior.improve(state, scan_information(planes, level));
+  state.covariance = prior.covariance(known_information(planes, level).information);
   return state;
 }
 

@@ -1,7 +1,7 @@
 // Ceres first: doctest's CHECK would otherwise be glog's.
 #include "alignment/velocity_information.h"
 
-#include "slam/alignment/random_unit.h"
+#include "slam/random_unit.h"
 
 using namespace hqslam;
 using slam::PlaneConstraint;
@@ -9,6 +9,7 @@ using slam::Vector6;
 
 namespace {
 
+const Eigen::Matrix3d kLevel = Eigen::Matrix3d::Identity();
 /// What the sensor does during the scan, and the error of the velocity that corrected it for
 /// motion.
 const Vector6 kVelocityError = (Vector6() << 0.3, -0.2, 0.1, 0.05, -0.1, 0.2).finished();
@@ -17,10 +18,7 @@ const Vector6 kVelocityError = (Vector6() << 0.3, -0.2, 0.1, 0.05, -0.1, 0.2).fi
 /// velocity that was wrong by kVelocityError; the pose at the stamp is right.
 std::vector<PlaneConstraint> wrongly_corrected(bool with_times) {
   std::mt19937 generator(11);
-  const auto random = [&] {
-    return Eigen::Vector3d(test::random_unit(generator), test::random_unit(generator),
-                           test::random_unit(generator));
-  };
+  const auto random = [&] { return test::random_vector(generator); };
   std::vector<PlaneConstraint> result;
   for (int i = 0; i < 300; ++i) {
     const Eigen::Vector3d true_m = 20.0 * random();
@@ -38,11 +36,10 @@ std::vector<PlaneConstraint> wrongly_corrected(bool with_times) {
 
 TEST_CASE("a scan measures the velocity by which it should have been corrected for motion") {
   const auto constraints = wrongly_corrected(true);
-  const Eigen::Matrix3d level = Eigen::Matrix3d::Identity();
   slam::MotionState expected = slam::unknown_motion(Pose::Identity());
   expected.covariance *= 1e4;
-  const slam::ScanInformation pose = slam::scan_information(constraints, level);
-  const slam::VelocityInformation velocity = slam::velocity_information(constraints, level, pose);
+  const slam::ScanInformation pose = slam::scan_information(constraints, kLevel);
+  const slam::VelocityInformation velocity = slam::velocity_information(constraints, kLevel, pose);
   slam::MotionState found = expected;
   slam::ExpectedState(expected).improve(found, pose, &velocity);
   CHECK((slam::vector_of(found.velocity) - kVelocityError).norm() < 0.01);
@@ -51,9 +48,8 @@ TEST_CASE("a scan measures the velocity by which it should have been corrected f
 
 TEST_CASE("a scan without times of capture measures no velocity") {
   const auto constraints = wrongly_corrected(false);
-  const Eigen::Matrix3d level = Eigen::Matrix3d::Identity();
   const slam::VelocityInformation found =
-      slam::velocity_information(constraints, level, slam::scan_information(constraints, level));
+      slam::velocity_information(constraints, kLevel, slam::scan_information(constraints, kLevel));
   CHECK(found.with_pose.isZero());
   CHECK(found.of_velocity.isZero());
   CHECK(found.gradient.isZero());
@@ -62,9 +58,8 @@ TEST_CASE("a scan without times of capture measures no velocity") {
 TEST_CASE("of points captured at one time the velocity remains unknown beside the pose") {
   auto constraints = wrongly_corrected(true);
   for (PlaneConstraint& plane : constraints) plane.time_offset_s = 0.05;
-  const Eigen::Matrix3d level = Eigen::Matrix3d::Identity();
-  const slam::ScanInformation pose = slam::scan_information(constraints, level);
-  const slam::VelocityInformation found = slam::velocity_information(constraints, level, pose);
+  const slam::ScanInformation pose = slam::scan_information(constraints, kLevel);
+  const slam::VelocityInformation found = slam::velocity_information(constraints, kLevel, pose);
   const slam::Matrix6 rest = found.of_velocity - found.with_pose.transpose() *
                                                      pose.information.inverse() * found.with_pose;
   CHECK(rest.norm() < 1e-6 * found.of_velocity.norm());

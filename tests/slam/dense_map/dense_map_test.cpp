@@ -1,6 +1,7 @@
 #include "hqslam/slam/dense_map.h"
 
 #include "slam/cloud_of.h"
+#include "slam/random_unit.h"
 #include "thread_limit.h"
 
 using namespace hqslam;
@@ -50,18 +51,16 @@ bool same_bytes(const std::vector<Value>& a, const std::vector<Value>& b) {
 /// Scans of a random scatter about the sensor, measured and computed, from places along a line.
 std::vector<OrganizedCloud> random_scans(int count) {
   std::mt19937 generator(11);
-  const auto random = [&](double extent) {
-    return static_cast<float>(extent * (static_cast<double>(generator() % 2001) / 1000.0 - 1.0));
-  };
+  const auto random = [&] { return static_cast<float>(test::random_unit(generator)); };
   std::vector<OrganizedCloud> scans;
   for (int scan = 0; scan < count; ++scan) {
     OrganizedCloud cloud(4, 500);
     for (std::size_t i = 0; i < cloud.range_m.size(); ++i) {
-      cloud.points_m[i] = {random(3.0), random(3.0), random(1.0)};
+      cloud.points_m[i] = {3.0F * random(), 3.0F * random(), random()};
       cloud.range_m[i] = cloud.points_m[i].norm();
-      cloud.confidence.push_back(i % 4 == 0 ? 1.0F : 0.5F + random(0.5));
-      cloud.time_offset_s.push_back(random(0.05));
-      if (scan % 3 != 0) cloud.intensity.push_back(100.0F + random(100.0));
+      cloud.confidence.push_back(i % 4 == 0 ? 1.0F : 0.5F + 0.5F * random());
+      cloud.time_offset_s.push_back(0.05F * random());
+      if (scan % 3 != 0) cloud.intensity.push_back(100.0F + 100.0F * random());
     }
     scans.push_back(cloud);
   }
@@ -115,8 +114,7 @@ TEST_CASE("a voxel's intensity is the mean of those of the points that its place
     DenseMap map({.least_confidence = 0.01});
     for (const std::size_t i : order) insert(map, scans[i]);
     std::vector<float> intensity;
-    const auto points = map.points(&intensity);
-    REQUIRE(points.size() == 4);
+    REQUIRE(map.points(&intensity).size() == 4);
     REQUIRE(intensity.size() == 4);
     CHECK(intensity[0] == 50.125F);  // the computed point does not count
     CHECK(intensity[1] == doctest::Approx((8 * 20.0 + 16 * 40.0) / 24).epsilon(1e-5));
@@ -155,8 +153,7 @@ TEST_CASE("a wall that beams of other scans cross vanishes; one that they meet s
   DenseMap map({});
   // Something stands 5 m ahead in two scans and is gone in six.
   for (int i = 0; i < 2; ++i) insert(map, test::cloud_of(wall(5.05F)));
-  std::vector<Eigen::Vector3f> behind_m = wall(10.05F);
-  for (int i = 0; i < 6; ++i) insert(map, test::cloud_of(behind_m));
+  for (int i = 0; i < 6; ++i) insert(map, test::cloud_of(wall(10.05F)));
   CHECK(points_near_x(map.points(), 5.05F) == 200);
   for (int i = 0; i < 2; ++i) map.see_through(test::cloud_of(wall(5.05F)), kOrigin);
   // The far wall fills half of the near one's angle; a dense one crosses every voxel.
@@ -255,14 +252,10 @@ TEST_CASE("clouds, poses and options that cannot be are errors of one line") {
   cloud.intensity.clear();
   cloud.range_m.pop_back();
   CHECK(refused_with([&] { map.see_through(cloud, kOrigin); }, "1 ranges"));
-  CHECK(refused_with(
-      [&] {
-        map.insert(test::cloud_of({{5.0F, 0.0F, 0.0F}}), std::nullopt, at(HUGE_VAL));
-      },
-      "expected a finite pose"));
+  cloud = test::cloud_of({{5.0F, 0.0F, 0.0F}});
+  CHECK(refused_with([&] { map.insert(cloud, {}, at(HUGE_VAL)); }, "expected a finite pose"));
   CHECK(refused_with([] { DenseMap({.voxel_m = 0.0}); }, "voxel_m", "0.02"));
   CHECK(refused_with([] { validate(DenseMapOptions{.least_confidence = 1.0}); }, "least_confidence",
                      "0.999"));
-  CHECK(
-      refused_with([] { validate(DenseMapOptions{.max_range_m = std::nan("")}); }, "max_range_m"));
+  CHECK(refused_with([] { validate(DenseMapOptions{.max_range_m = NAN}); }, "max_range_m"));
 }

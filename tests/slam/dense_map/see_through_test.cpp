@@ -62,8 +62,7 @@ TEST_CASE("a beam that misses the points of a voxel by more than half of it does
 TEST_CASE("beams along a street leave the ground that they end on alone") {
   VoxelGrid grid(kVoxel_m);
   for (int k = 100; k < 400; ++k) {
-    const Eigen::Vector3i voxel(k, 0, 0);
-    vote_for(grid.find_or_add(voxel), {0.5, 0.5, 0.5}, measured_vote(), 1);
+    vote_for(grid.find_or_add({k, 0, 0}), {0.5, 0.5, 0.5}, measured_vote(), 1);
   }
   std::vector<Beam> beams;
   for (int k = 100; k < 400; k += 10) {

@@ -46,10 +46,7 @@ TEST_CASE("a block hands out its voxels with their indices, in the order of thei
   std::vector<Eigen::Vector3i> seen;
   grid.blocks().front().for_each(
       [&](const Eigen::Vector3i& voxel, const Voxel&) { seen.push_back(voxel); });
-  REQUIRE(seen.size() == 3);
-  CHECK(seen[0] == Eigen::Vector3i(-1, -8, -8));
-  CHECK(seen[1] == Eigen::Vector3i(-8, -2, -3));
-  CHECK(seen[2] == Eigen::Vector3i(-1, -2, -3));
+  CHECK(seen == std::vector<Eigen::Vector3i>{{-1, -8, -8}, {-8, -2, -3}, {-1, -2, -3}});
 }
 
 TEST_CASE("a voxel at the corner of its block has neighbours in seven others") {

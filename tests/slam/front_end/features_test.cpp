@@ -49,8 +49,7 @@ TEST_CASE("the slope of the ground is in the ground, across the row; nothing els
 
 TEST_CASE("a short run of one row that no other row shows to stand is no feature, a long one is") {
   const SensorModel sensor = test::small_sensor(16, 512);
-  RangeImage image(16, 512);
-  std::ranges::fill(image.range_m, 20.0F);
+  const RangeImage image = test::flat_image(16, 512, 20.0F);
   slam::Segmentation objects;
   objects.pixel_class.assign(image.range_m.size(), slam::PixelClass::kObject);
   const auto near_features = [&](int run) {
@@ -71,8 +70,7 @@ TEST_CASE("in a scan with computed rows the measured ones have features, the sam
   const OrganizedCloud cloud = test::Yard().scan(sensor, test::yard_pose(0, 0, 0));
   const slam::Segmentation segmentation = slam::segment(cloud, sensor, {});
   const slam::Features of_all = slam::extract_features(cloud, segmentation, {});
-  const slam::Features features =
-      slam::extract_features(cloud, segmentation, {}, RowSelection{3, 4});
+  const auto features = slam::extract_features(cloud, segmentation, {}, RowSelection{3, 4});
   for (const auto kind :
        {&slam::Features::sharp_edges, &slam::Features::edges, &slam::Features::flat_points,
         &slam::Features::ground, &slam::Features::surfaces, &slam::Features::posts}) {
@@ -110,16 +108,14 @@ TEST_CASE("the tip of a wedge is the sharpest edge, also at a section's end, not
 TEST_CASE("the far side of a depth jump is never an edge, the near side may be one") {
   std::vector<float> range_m(360, 10.0F);
   for (int i = 100; i < 150; ++i) range_m[i] = 5.0F;
-  const OneRow row(range_m);
-  const auto features = row.features();
+  const auto features = OneRow(range_m).features();
   CHECK(!features.edges.empty());
   for (const auto& edge : features.edges) CHECK(edge.point_m.norm() == doctest::Approx(5.0));
 }
 
 TEST_CASE("an edge on a post is the post's centre") {
   const SensorModel sensor = test::beams_at({0.04, 0.0, -0.04}, 360);
-  RangeImage image(3, 360);
-  std::ranges::fill(image.range_m, 10.0F);
+  RangeImage image = test::flat_image(3, 360, 10.0F);
   for (int row = 0; row < 3; ++row) std::fill_n(image.range_m.begin() + 360 * row + 100, 6, 5.0F);
   const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kMotionCorrected);
   const slam::Segmentation objects{std::vector(image.range_m.size(), slam::PixelClass::kObject)};

@@ -13,14 +13,6 @@ TEST_CASE("a sensor at 10 m/s sees a point of the scan's end 0.5 m nearer, one o
   CHECK(corrected[1] == Eigen::Vector3f(4, 5, 6));
 }
 
-TEST_CASE("a sensor that turns on the spot sees a point ahead move to the other side") {
-  // 2 rad/s to the left: after 0.05 s a point at the left stands 0.1 rad less to the left.
-  const Eigen::Vector3f seen(10 * std::cos(0.4F), 10 * std::sin(0.4F), 1.0F);
-  const auto corrected = slam::motion_corrected({{seen, 0.05F, 0}}, {{0, 0, 0}, {0, 0, 2}});
-  const Eigen::Vector3f expected(10 * std::cos(0.5F), 10 * std::sin(0.5F), 1.0F);
-  CHECK((corrected[0] - expected).norm() < 1e-5F);
-}
-
 TEST_CASE("correction is that of a body with a constant twist, for random twists and times") {
   std::mt19937 generator(3);
   const auto random = [&] { return static_cast<double>(generator() % 2001) / 1000.0 - 1.0; };
@@ -30,9 +22,8 @@ TEST_CASE("correction is that of a body with a constant twist, for random twists
                                   {2 * random(), 2 * random(), 5 * random() + 1e-3}};
     const FeaturePoint point{Eigen::Vector3d(20 * random(), 20 * random(), random()).cast<float>(),
                              static_cast<float>(0.05 * random()), 0};
-    const auto corrected =
-        slam::motion_corrected({point}, {drive.velocity_mps, drive.turn_rad_per_s});
+    const auto found = slam::motion_corrected({point}, {drive.velocity_mps, drive.turn_rad_per_s});
     const Pose T = drive.at(point.time_offset_s);
-    CHECK((corrected[0].cast<double>() - T * point.point_m.cast<double>()).norm() < 2e-5);
+    CHECK((found[0].cast<double>() - T * point.point_m.cast<double>()).norm() < 2e-5);
   }
 }

@@ -60,8 +60,7 @@ TEST_CASE("the vertical of an upright sensor is up, though the real one hangs") 
 
 TEST_CASE("a covariance turns with the sensor, and an infinite one stays") {
   const Mounting mounting(mounted(std::numbers::pi / 2.0 - 0.6, 0.0), small_sensor());
-  Eigen::Matrix<double, 6, 1> variance;
-  variance << 1.0, 4.0, 9.0, 0.1, 0.4, 0.9;
+  const Vector6 variance = (Vector6() << 1.0, 4.0, 9.0, 0.1, 0.4, 0.9).finished();
   const Eigen::Matrix3d R = R_level_sensor(mounting.mounted());
   const Matrix6 turned = mounting.of_sensor(Matrix6(variance.asDiagonal()));
   const Eigen::Matrix3d expected = R.transpose() * variance.head<3>().asDiagonal() * R;
@@ -74,12 +73,11 @@ TEST_CASE("a covariance turns with the sensor, and an infinite one stays") {
 TEST_CASE("a sensor's tilt, upright or not, follows from one scan's ground to 0.05 degrees") {
   for (const char* name : {"vlp-16", "os1-16", "os1-64"}) {
     const SensorModel sensor = sensor_preset(name);
-    for (const auto& [mounted_roll_deg, roll_deg, pitch_deg] :
-         std::vector<std::array<double, 3>>{{0.0, 0.0, 0.0},
-                                            {0.0, 3.0, -2.0},
-                                            {0.0, 0.0, 20.0},
-                                            {0.0, -14.0, 14.0},
-                                            {180.0, 185.0, 0.0}}) {
+    for (const auto& [mounted_roll_deg, roll_deg, pitch_deg] : {std::array{0.0, 0.0, 0.0},
+                                                                {0.0, 3.0, -2.0},
+                                                                {0.0, 0.0, 20.0},
+                                                                {0.0, -14.0, 14.0},
+                                                                {180.0, 185.0, 0.0}}) {
       CAPTURE(name);
       const double roll_rad = roll_deg * kDegree_rad;
       const double pitch_rad = pitch_deg * kDegree_rad;
@@ -96,13 +94,12 @@ TEST_CASE("a sensor's tilt, upright or not, follows from one scan's ground to 0.
 
 TEST_CASE("a mounting is corrected without being asked where the ground is off by five degrees") {
   const SensorModel sensor = sensor_preset("os1-16");
-  for (const auto& [stated_deg, pitch_deg, is_corrected] :
-       std::vector<std::tuple<double, double, bool>>{{0.0, 0.0, false},
-                                                     {0.0, 4.0, false},
-                                                     {0.0, -7.0, true},
-                                                     {0.0, 28.0, true},
-                                                     {10.0, 13.0, false},
-                                                     {10.0, -10.0, true}}) {
+  for (const auto& [stated_deg, pitch_deg, is_corrected] : {std::tuple{0.0, 0.0, false},
+                                                            {0.0, 4.0, false},
+                                                            {0.0, -7.0, true},
+                                                            {0.0, 28.0, true},
+                                                            {10.0, 13.0, false},
+                                                            {10.0, -10.0, true}}) {
     CAPTURE(stated_deg);
     CAPTURE(pitch_deg);
     Mounting mounting(mounted(0.0, stated_deg * kDegree_rad), sensor);
@@ -116,21 +113,15 @@ TEST_CASE("a mounting is corrected without being asked where the ground is off b
 
 TEST_CASE("a bank beside the road is not the ground of a sensor that leans") {
   const SensorModel sensor = sensor_preset("os1-64");
-  RangeImage image(sensor.rows(), sensor.columns);
-  for (int row = 0; row < image.rows; ++row) {
-    for (int column = 0; column < image.columns; ++column) {
-      const Eigen::Vector3d beam =
-          direction_of(sensor.azimuth_rad(row, column), sensor.beam_elevation_rad[row]);
-      const double road_m = beam.z() < 0.0 ? -1.8 / beam.z() : 1e9;
-      // From two metres to the left a bank rises by 25 degrees; to the right the land falls away.
-      const double rise = std::tan(25.0 * kDegree_rad);
-      const double steep = beam.z() - rise * beam.y();
-      const double bank_m = beam.y() > 0.0 && steep < 0.0 ? (-1.8 - 2.0 * rise) / steep : 1e9;
-      const double range_m = std::min(road_m, bank_m);
-      const bool is_seen = range_m < 40.0 && beam.y() * range_m > -5.0;
-      image.at(row, column) = is_seen ? static_cast<float>(range_m) : 0.0F;
-    }
-  }
+  const RangeImage image = made_image(sensor, [](int, int, const Eigen::Vector3d& beam) {
+    const double road_m = beam.z() < 0.0 ? -1.8 / beam.z() : 1e9;
+    // From two metres to the left a bank rises by 25 degrees; to the right the land falls away.
+    const double rise = std::tan(25.0 * kDegree_rad);
+    const double steep = beam.z() - rise * beam.y();
+    const double bank_m = beam.y() > 0.0 && steep < 0.0 ? (-1.8 - 2.0 * rise) / steep : 1e9;
+    const double range_m = std::min(road_m, bank_m);
+    return range_m < 40.0 && beam.y() * range_m > -5.0 ? range_m : 0.0;
+  });
   Mounting mounting({}, sensor);
   CHECK(mounting.correct_from_ground(unproject(image, sensor, CaptureTime::kMotionCorrected)));
   CHECK_FALSE(mounting.mounted().estimated);

@@ -1,6 +1,6 @@
 #include "front_end/voxel_thinning.h"
 
-#include "testing.h"
+#include "slam/random_unit.h"
 
 using namespace hqslam::slam;
 
@@ -35,11 +35,10 @@ TEST_CASE("there is one point per voxel, in the order of their first points") {
   // 10 points in each of some voxels of 0.5 m within 2 km, one of all voxels after the other.
   std::vector<FeaturePoint> points;
   std::mt19937 generator(2);
-  const auto random = [&] {
-    return 1000.0F * (static_cast<float>(generator() % 200001) / 100000.0F - 1.0F);
-  };
   std::vector<FeaturePoint> places(500);
-  for (FeaturePoint& place : places) place.point_m = {random(), random(), random()};
+  for (FeaturePoint& place : places) {
+    place.point_m = (1000.0 * hqslam::test::random_vector(generator)).cast<float>();
+  }
   for (int i = 0; i < 10; ++i) {
     for (const FeaturePoint& place : places) {
       points.push_back({first_of_voxel_m(place) + 0.01F + 0.04F * static_cast<float>(i)});

@@ -22,6 +22,15 @@ Trajectory poses_of(const test::SteadyDrive& drive) {
   return poses;
 }
 
+/// Three seconds of standing, by a gyroscope with this bias.
+slam::ImuBuffer standing(const Eigen::Vector3d& bias_rad_per_s) {
+  std::vector<ImuSample> samples;
+  for (int k = 0; k <= 310; ++k) samples.push_back({kStep_s * k, bias_rad_per_s, -test::kGravity});
+  slam::ImuBuffer imu;
+  imu.add(samples);
+  return imu;
+}
+
 /// Three seconds of a drive, as an inertial sensor with these errors measures them.
 std::vector<ImuStep> measured(const test::SteadyDrive& drive, const Eigen::Vector3d& bias_mps2,
                               const ImuErrors& errors) {
@@ -70,8 +79,7 @@ TEST_CASE("the effects of a bias and of each inertial error are predicted") {
 
 TEST_CASE("poses that contradict the forces give no gravity") {
   Trajectory poses = poses_of(kStraight);
-  const std::vector<ImuStep> steps =
-      measured(kStraight, Eigen::Vector3d::Zero(), ImuErrors::Zero());
+  const auto steps = measured(kStraight, Eigen::Vector3d::Zero(), ImuErrors::Zero());
   CHECK(slam::felt_gravity(poses, steps));
   CHECK_FALSE(slam::felt_gravity({poses.begin(), poses.begin() + 3}, steps));
   CHECK_FALSE(slam::felt_gravity(poses, {}));
@@ -80,7 +88,7 @@ TEST_CASE("poses that contradict the forces give no gravity") {
 }
 
 TEST_CASE("gravity is taken from three whole seconds, each once, wherever the map is moved") {
-  slam::ImuBuffer imu;
+  const slam::ImuBuffer imu = standing(Eigen::Vector3d::Zero());
   const auto taken = [&](slam::GravityWindow& window, std::size_t scan) {
     window.end(scan, imu, Eigen::Matrix3d::Identity());
     return window.take();
@@ -89,11 +97,6 @@ TEST_CASE("gravity is taken from three whole seconds, each once, wherever the ma
   slam::GravityWindow moved;
   slam::GravityWindow interrupted;
   const Pose move = pose_from_xyz_rpy({5, 0, 1}, 0.1, 0.2, 0.3);
-  std::vector<ImuSample> samples;
-  for (int k = 0; k <= 310; ++k) {
-    samples.push_back({kStep_s * k, Eigen::Vector3d::Zero(), -test::kGravity});
-  }
-  imu.add(samples);
   for (int scan = 0; scan <= 30; ++scan) {
     for (auto* each : {&window, &moved, &interrupted}) {
       each->add({kScan_s * scan, Pose::Identity()}, Eigen::Vector3d::Zero());
@@ -114,10 +117,7 @@ TEST_CASE("gravity is taken from three whole seconds, each once, wherever the ma
 
 TEST_CASE("a bias that becomes known later is removed from windows that ended before") {
   const Eigen::Vector3d bias_rad_per_s(0.01, -0.02, 0.015);
-  slam::ImuBuffer imu;
-  std::vector<ImuSample> samples;
-  for (int k = 0; k <= 310; ++k) samples.push_back({kStep_s * k, bias_rad_per_s, -test::kGravity});
-  imu.add(samples);
+  slam::ImuBuffer imu = standing(bias_rad_per_s);
   slam::GravityWindow window;
   for (int scan = 0; scan <= 30; ++scan) {
     window.add({kScan_s * scan, Pose::Identity()}, Eigen::Vector3d::Zero());

@@ -77,13 +77,12 @@ TEST_CASE("samples that are no numbers, or come late, are left out") {
     sum_s += step.duration_s;
   }
   CHECK(sum_s == doctest::Approx(0.07));
-  const std::vector<ImuSample> sound = samples(0, 10);  // and such as no sensor can have measured
+  // And such as no sensor can have measured.
   for (const double value : {1e200, 2e3, -std::numeric_limits<double>::infinity()}) {
-    std::vector<ImuSample> spiked = sound;
+    std::vector<ImuSample> spiked = samples(0, 10);
     spiked.insert(spiked.begin() + 5, {0.045, {0, 0, value}, {0, 0, 9.8}});
     spiked.insert(spiked.begin() + 5, {0.044, {0, 0, 0}, {value, 0, 9.8}});
-    CHECK(buffer_of(spiked).steps(0.0, 0.1, kLevel).size() ==
-          buffer_of(sound).steps(0.0, 0.1, kLevel).size());
+    CHECK(buffer_of(spiked).steps(0.0, 0.1, kLevel).size() == 11);
   }
 }
 

@@ -18,6 +18,8 @@ MotionState moving(const Pose& T_map_sensor, const Eigen::Vector3d& velocity_mps
   return state;
 }
 
+const MotionState kMoving = moving(pose_from_xyz_rpy({1, 2, 3}, 0.4, -0.3, 0.9), {1.2, -0.4, 0.3});
+
 /// The state with errors as MotionState and InertialState define them.
 InertialPrediction with_error(const MotionState& state, const InertialState& inertial,
                               const Vector18& e) {
@@ -77,21 +79,20 @@ TEST_CASE("a steady drive along a screw is integrated to its closed form") {
 }
 
 TEST_CASE("every error grows into the others as it does when it is made") {
-  const MotionState state = moving(pose_from_xyz_rpy({1, 2, 3}, 0.4, -0.3, 0.9), {1.2, -0.4, 0.3});
   InertialState inertial{.gravity_map_mps2 = kGravity};
   const auto moved = [&](const InertialPrediction& from) {
     return predicted(from.state, from.inertial, some_steps(200), Eigen::Vector3d::Zero());
   };
-  const InertialPrediction exact = moved({state, inertial});
+  const InertialPrediction exact = moved({kMoving, inertial});
   const Matrix18 noise = exact.inertial.covariance;
   for (int i = 0; i < 18; ++i) {
     CAPTURE(i);
     InertialState uncertain = inertial;
     uncertain.covariance(i, i) = 1.0;
-    const Matrix18 grown = moved({state, uncertain}).inertial.covariance - noise;
+    const Matrix18 grown = moved({kMoving, uncertain}).inertial.covariance - noise;
     constexpr double kSmall = 1e-5;
     const Vector18 made =
-        error_between(exact, moved(with_error(state, inertial, kSmall * Vector18::Unit(i)))) /
+        error_between(exact, moved(with_error(kMoving, inertial, kSmall * Vector18::Unit(i)))) /
         kSmall;
     CHECK((grown - made * made.transpose()).norm() < 0.01 * made.squaredNorm());
   }
@@ -130,8 +131,7 @@ TEST_CASE("biases and gravity are estimated from a hand's turns, scan by scan") 
           {0.01, turn.angular / 0.01 + gyroscope,
            pose_at(t).linear().transpose() * (acceleration - kGravity) + accelerometer});
     }
-    const InertialPrediction prediction =
-        predicted(state, inertial, steps, Eigen::Vector3d::Zero());
+    const auto prediction = predicted(state, inertial, steps, Eigen::Vector3d::Zero());
     // A registration that finds the pose exactly.
     state = ExpectedState(prediction.state).given(pose_at(0.1 * scan));
     state.covariance *= 1e-6;
@@ -147,10 +147,10 @@ TEST_CASE("biases and gravity are estimated from a hand's turns, scan by scan") 
 }
 
 TEST_CASE("a scan corrects as a Kalman update by its own information, and not where it has none") {
-  const MotionState state = moving(pose_from_xyz_rpy({1, 2, 3}, 0.4, -0.3, 0.9), {1.2, -0.4, 0.3});
-  const InertialState inertial = first_inertial_state(state, {0.1, 0.2, 9.7});
+  const InertialState inertial = first_inertial_state(kMoving, {0.1, 0.2, 9.7});
   const std::vector<ImuStep> steps(10, {0.01, {0.1, -0.2, 0.3}, {0.4, 0.1, 9.9}});
-  const InertialPrediction prediction = predicted(state, inertial, steps, Eigen::Vector3d::Zero());
+  const InertialPrediction prediction =
+      predicted(kMoving, inertial, steps, Eigen::Vector3d::Zero());
   MotionState expected = prediction.state;
   SUBCASE("searched at the prediction") {}
   SUBCASE("searched farther away, at the pose of the odometry") {
@@ -183,9 +183,9 @@ TEST_CASE("a scan corrects as a Kalman update by its own information, and not wh
 }
 
 TEST_CASE("feigned information about a direction leaves the covariance as predicted there") {
-  const MotionState state = moving(pose_from_xyz_rpy({1, 2, 3}, 0.4, -0.3, 0.9), {1.2, -0.4, 0.3});
-  const InertialPrediction prediction = predicted(
-      state, first_inertial_state(state, {0.1, 0.2, 9.7}), some_steps(10), Eigen::Vector3d::Zero());
+  const InertialPrediction prediction =
+      predicted(kMoving, first_inertial_state(kMoving, {0.1, 0.2, 9.7}), some_steps(10),
+                Eigen::Vector3d::Zero());
   Matrix6 known = 1e6 * Matrix6::Identity();
   known(2, 2) = 0.0;  // of the height only errors of normals speak
   const Matrix18 after =
@@ -196,10 +196,9 @@ TEST_CASE("feigned information about a direction leaves the covariance as predic
 }
 
 TEST_CASE("after a gap biases and gravity are unchanged and uncorrelated with the pose") {
-  const MotionState state = moving(pose_from_xyz_rpy({1, 2, 3}, 0.4, -0.3, 0.9), {1.2, -0.4, 0.3});
-  const InertialPrediction before = predicted(state, first_inertial_state(state, {1, 2, 9}),
+  const InertialPrediction before = predicted(kMoving, first_inertial_state(kMoving, {1, 2, 9}),
                                               some_steps(100), Eigen::Vector3d::Zero());
-  const MotionState found = unknown_motion(state.T_map_sensor);
+  const MotionState found = unknown_motion(kMoving.T_map_sensor);
   const InertialState after = kept(before.inertial, found);
   CHECK(after.gravity_map_mps2 == before.inertial.gravity_map_mps2);
   CHECK(after.covariance.bottomRightCorner<9, 9>() ==

@@ -4,53 +4,43 @@
 #include "slam/yard_drive.h"
 
 using namespace hqslam;
-using lego_loam::LegoLoam;
+using namespace hqslam::lego_loam;
 
-namespace {
-
-SensorModel yard_sensor() { return test::small_sensor(16, 512); }
-
-}  // namespace
+static const SensorModel kSensor = test::small_sensor(16, 512);
 
 TEST_CASE("LeGO-LOAM follows a drive around a yard") {
-  LegoLoam system(yard_sensor());
-  for (int i = 0; i < 40; ++i) {
-    system.process(test::drive_scan(yard_sensor(), i), i * test::kDrivePeriod_s);
-  }
-  REQUIRE(system.trajectory().size() == 40);
+  LegoLoam system(kSensor);
   Trajectory truth;
   for (int i = 0; i < 40; ++i) {
     const double stamp_s = i * test::kDrivePeriod_s;
     truth.push_back({stamp_s, test::drive_pose(stamp_s)});
+    system.process(test::drive_scan(kSensor, i), stamp_s);
   }
+  REQUIRE(system.trajectory().size() == 40);
   const auto error = absolute_pose_error(system.trajectory(), truth, Alignment::kFirstPose);
   CHECK(error.translation_statistics.rmse < 0.1);
   CHECK(system.map_points_m().size() > 1000);
 }
 
 TEST_CASE("LeGO-LOAM's trace shows what each stage made of a scan") {
-  const SensorModel sensor = yard_sensor();
-  LegoLoam system(sensor);
+  LegoLoam system(kSensor);
   for (int i = 0; i < 2; ++i) {
-    lego_loam::ScanTrace trace;
-    const OrganizedCloud scan = test::drive_scan(sensor, i);
+    ScanTrace trace;
+    const OrganizedCloud scan = test::drive_scan(kSensor, i);
     const auto report = system.process(scan, i * test::kDrivePeriod_s, &trace);
-    CHECK(report.ground_points == std::ranges::count(trace.label, lego_loam::ScanTrace::kGround));
+    CHECK(report.ground_points == std::ranges::count(trace.label, ScanTrace::kGround));
     CHECK(report.clusters == std::ranges::max(trace.label));
-    CHECK(report.edge_features ==
-          std::ranges::count(trace.feature, lego_loam::FeatureKind::kSharp));
-    CHECK(report.planar_features ==
-          std::ranges::count(trace.feature, lego_loam::FeatureKind::kFlat));
+    CHECK(report.edge_features == std::ranges::count(trace.feature, FeatureKind::kSharp));
+    CHECK(report.planar_features == std::ranges::count(trace.feature, FeatureKind::kFlat));
     CHECK((i == 0) == trace.T_odom_end.isApprox(Pose::Identity()));
     CHECK(report.keyframe == (i == 1));
   }
 }
 
 TEST_CASE("LeGO-LOAM stays where it is while it sees nothing, and takes no harm from garbage") {
-  const SensorModel sensor = yard_sensor();
-  LegoLoam system(sensor);
+  LegoLoam system(kSensor);
   for (int i = 0; i < 8; ++i) {
-    OrganizedCloud cloud(sensor.rows(), sensor.columns);
+    OrganizedCloud cloud(kSensor.rows(), kSensor.columns);
     if (i % 2 == 1) {
       std::ranges::fill(cloud.range_m, 5.0F);
       std::ranges::fill(cloud.points_m, i % 4 == 1 ? Eigen::Vector3f(1e30F, 0.0F, 0.0F)
@@ -59,17 +49,16 @@ TEST_CASE("LeGO-LOAM stays where it is while it sees nothing, and takes no harm 
     }
     CHECK(system.process(cloud, i * test::kDrivePeriod_s).T_map_sensor.matrix().allFinite());
   }
-  LegoLoam blind(sensor);
+  LegoLoam blind(kSensor);
   for (int i = 0; i < 8; ++i) {
-    const OrganizedCloud nothing(sensor.rows(), sensor.columns);
+    const OrganizedCloud nothing(kSensor.rows(), kSensor.columns);
     CHECK(blind.process(nothing, i * test::kDrivePeriod_s).T_map_sensor.isApprox(Pose::Identity()));
   }
 }
 
 TEST_CASE("LeGO-LOAM refuses scans of another sensor and stamps that are no times") {
-  LegoLoam system(yard_sensor());
+  LegoLoam system(kSensor);
   CHECK(test::refused_with([&] { system.process(OrganizedCloud(3, 4), 0.0); }, "3x4", "16x512"));
-  CHECK(
-      test::refused_with([&] { system.process(OrganizedCloud(16, 512), std::nan("")); }, "stamp"));
+  CHECK(test::refused_with([&] { system.process(OrganizedCloud(16, 512), NAN); }, "stamp"));
   CHECK_THROWS_AS(LegoLoam{SensorModel()}, Error);
 }

@@ -69,8 +69,7 @@ TEST_CASE("errors do not grow where all edges stand early in the sweep") {
   for (int scan = 0; scan < 12; ++scan) {
     const double x_m = -0.1 * scan - (scan == 3 ? 0.02 : 0.0);  // one scan is off by 0.02 m
     const Cloud seen = posts(2, x_m, 0.2);
-    const PoseParameters& motion =
-        odometry.add({seen, seen, {}, rings(3, 120, 0.0F), {}, {}}).motion;
+    const auto motion = odometry.add({seen, seen, {}, rings(3, 120, 0.0F), {}, {}}).motion;
     if (scan > 4) CHECK(motion.in_plane[0] == doctest::Approx(0.1).epsilon(1e-2));
   }
 }

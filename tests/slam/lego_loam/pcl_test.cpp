@@ -7,7 +7,7 @@
 #include "front_end/voxel_thinning.h"
 #include "hqslam/core/cloud_file.h"
 #include "points.h"
-#include "testing.h"
+#include "slam/random_unit.h"
 
 using namespace hqslam;
 using PclCloud = pcl::PointCloud<pcl::PointXYZI>;
@@ -16,12 +16,9 @@ namespace {
 
 Scan random_scan(int points, float reach_m) {
   std::mt19937 generator(5);
-  const auto random = [&] {
-    return reach_m * (static_cast<float>(generator() % 20001) / 10000.0F - 1.0F);
-  };
   Scan scan;
   for (int i = 0; i < points; ++i) {
-    scan.points_m.emplace_back(random(), random(), random());
+    scan.points_m.push_back(reach_m * test::random_vector(generator).cast<float>());
     scan.intensity.push_back(static_cast<float>(generator() % 256));
   }
   return scan;

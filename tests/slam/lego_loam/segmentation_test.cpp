@@ -9,15 +9,16 @@ using lego_loam::SegmentedScan;
 
 namespace {
 
+const SensorModel kSensor = sensor_preset("os1-16");
+
 SegmentedScan segmented(const RangeImage& image) {
-  const SensorModel sensor = sensor_preset("os1-16");
-  return lego_loam::Segmentation(sensor).segment(unproject(image, sensor, CaptureTime::kRolling));
+  return lego_loam::Segmentation(kSensor).segment(unproject(image, kSensor, CaptureTime::kRolling));
 }
 
 }  // namespace
 
 TEST_CASE("a cluster of five points is kept where it spans three rows, its first one included") {
-  RangeImage image(16, sensor_preset("os1-16").columns);
+  RangeImage image(16, kSensor.columns);
   for (const auto& [row, column] : {std::pair{6, 100}, {5, 100}, {5, 101}, {5, 102}, {4, 100}}) {
     image.at(row, column) = 5.0F;
   }
@@ -30,12 +31,10 @@ TEST_CASE("a cluster of five points is kept where it spans three rows, its first
 }
 
 TEST_CASE("points above one another on flat ground are ground, also below an empty pixel") {
-  const SensorModel sensor = sensor_preset("os1-16");
-  OrganizedCloud cloud =
-      test::Village().scan(sensor, pose_from_xyz_rpy({0.0, 0.0, 1.7}, 0.0, 0.0, 0.0));
-  const int lowest = sensor.rows() - 1;
+  OrganizedCloud cloud = test::Village().scan(kSensor, test::yard_pose(0, 0, 0));
+  const int lowest = kSensor.rows() - 1;
   cloud.range_m[cloud.index(lowest - 2, 10)] = 0.0F;
-  const SegmentedScan scan = lego_loam::Segmentation(sensor).segment(cloud);
+  const SegmentedScan scan = lego_loam::Segmentation(kSensor).segment(cloud);
   CHECK(scan.label[cloud.index(lowest, 10)] == ScanTrace::kGround);
   CHECK(scan.label[cloud.index(lowest - 1, 10)] == ScanTrace::kGround);
   CHECK(scan.label[cloud.index(lowest - 2, 10)] == ScanTrace::kNoReturn);
@@ -43,13 +42,12 @@ TEST_CASE("points above one another on flat ground are ground, also below an emp
 }
 
 TEST_CASE("every fifth column of the ground is kept, and those at the seam") {
-  const SensorModel sensor = sensor_preset("os1-16");
-  const SegmentedScan scan = lego_loam::Segmentation(sensor).segment(
-      test::Village().scan(sensor, pose_from_xyz_rpy({0.0, 0.0, 1.7}, 0.0, 0.0, 0.0)));
+  const SegmentedScan scan = lego_loam::Segmentation(kSensor).segment(
+      test::Village().scan(kSensor, test::yard_pose(0, 0, 0)));
   REQUIRE_FALSE(scan.rows.back().empty());
   for (const auto& point : scan.rows.back()) {
     CHECK(point.ground);
-    CHECK((point.column % 5 == 0 || point.column <= 5 || point.column >= sensor.columns - 5));
+    CHECK((point.column % 5 == 0 || point.column <= 5 || point.column >= kSensor.columns - 5));
   }
 }
 

@@ -26,8 +26,8 @@ struct Estimate {
   Status status = Status::kOk;
   bool closes_loops = true;
   Pose error_once = Pose::Identity();  ///< of the step in the middle of the path
-  std::optional<std::size_t> gravity_from =
-      std::nullopt;  ///< the keyframe from which on gravity is measured
+  /// The keyframe from which on gravity is measured.
+  std::optional<std::size_t> gravity_from = std::nullopt;
 };
 
 slam::FeltGravity felt_gravity(std::size_t keyframe, const Pose& T_level_sensor) {
@@ -167,8 +167,7 @@ TEST_CASE("points restored to a levelled path move with it") {
     keyframes.push_back({T_map_sensor.back(), Status::kOk, i, i == 0, {}, std::nullopt});
     if (i % 3 == 0) {  // every 4.5 m
       keyframes.back().view = {cloud, features, Twist(), mapping.slide_window()};
-      const Pose leans =
-          exponential({Eigen::Vector3d::Zero(), {2e-4 * static_cast<double>(i), 0, 0}});
+      const Pose leans = exponential({{0, 0, 0}, {2e-4 * static_cast<double>(i), 0, 0}});
       if (i > 0) keyframes.back().gravity = {felt_gravity(i, leans * T_map_sensor.back())};
     }
     mapping.insert(features, T_map_sensor.back(), Twist());

@@ -28,11 +28,10 @@ TEST_CASE("a place is accepted from half a metre away, and the pose is found to 
   const auto features = features_of(street(1, -50.0, 100.0).scan(kSensor, truth), kSensor);
   for (const double yaw_error_rad : {-0.03, 0.03}) {
     const Pose start = truth * pose_from_xyz_rpy({0.4, -0.3, 0.2}, 0.01, -0.01, yaw_error_rad);
-    const auto loop = verify_loop(features, map, start);
-    REQUIRE(loop);
-    CHECK(loop->fit.overlap > 0.7);
-    CHECK((loop->T_map_sensor.translation() - truth.translation()).norm() < 0.05);
-    CHECK(rotation_angle_rad(truth.inverse() * loop->T_map_sensor) < 0.005);
+    const auto loop = verify_loop(features, map, start).value();
+    CHECK(loop.fit.overlap > 0.7);
+    CHECK((loop.T_map_sensor.translation() - truth.translation()).norm() < 0.05);
+    CHECK(rotation_angle_rad(truth.inverse() * loop.T_map_sensor) < 0.005);
   }
 }
 

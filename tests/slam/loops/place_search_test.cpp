@@ -1,6 +1,6 @@
 #include "loops/place_search.h"
 
-#include "testing.h"
+#include "slam/random_unit.h"
 
 using namespace hqslam;
 using slam::search_place;
@@ -10,11 +10,8 @@ namespace {
 /// Posts from 0 to 4 m height at irregular places.
 std::vector<Eigen::Vector2d> posts(unsigned seed) {
   std::mt19937 generator(seed);
-  const auto random = [&] {
-    return 50.0 * static_cast<double>(generator() % 10001) / 10000.0 - 25.0;
-  };
   std::vector<Eigen::Vector2d> result(40);
-  for (auto& p : result) p = {random(), random()};
+  for (auto& p : result) p = 25.0 * test::random_vector(generator).head<2>();
   return result;
 }
 
@@ -36,8 +33,7 @@ TEST_CASE("a sensor is found to half a metre anywhere within the window, and at 
   for (const auto& [x_m, y_m, turn_rad] :
        {std::tuple{0.0, 0.0, 0.0}, {6.9, -7.3, 0.08}, {-3.1, 4.2, -0.1}}) {
     const Pose truth = pose_from_xyz_rpy({x_m, y_m, 0.0}, 0.0, 0.0, 2.0 + turn_rad);
-    const auto found =
-        search_place(structure, points_of(posts(1), truth.inverse()), {2.0, 8.0, 0.1});
+    const auto found = search_place(structure, points_of(posts(1), truth.inverse()), {2, 8, 0.1});
     REQUIRE(found.size() == 2);
     const Pose error = truth.inverse() * found[0].T_place_sensor;
     CHECK(error.translation().norm() < 0.6);

@@ -6,12 +6,6 @@
 using namespace hqslam;
 using namespace hqslam::slam;
 
-namespace {
-
-constexpr double kPi = std::numbers::pi;
-
-}  // namespace
-
 TEST_CASE("a bin of a scan context holds how high its highest point reaches") {
   // Two points in one bin, one nearer in the same sector, one behind the sensor, one too far.
   const ScanContext context = scan_context(test::cloud_of({{10.0F, 0.5F, 0.0F},
@@ -34,11 +28,11 @@ TEST_CASE("a place is recognized at any heading, and the rotation is found") {
     for (const double yaw_rad : {-2.5, -0.6, 0.0, 1.3, 3.0}) {
       const ScanContext turned =
           scan_context(village.scan(sensor, test::yard_pose(0.3, -0.2, 0.2 + yaw_rad)));
-      const auto match = compare(first, turned, 0.0, kPi);
+      const auto match = compare(first, turned, 0.0, M_PI);
       CAPTURE(rows);
       CAPTURE(yaw_rad);
       CHECK(match.distance < 0.2);
-      CHECK(std::abs(std::remainder(match.yaw_rad - yaw_rad, 2.0 * kPi)) < 0.11);
+      CHECK(std::abs(std::remainder(match.yaw_rad - yaw_rad, 2.0 * M_PI)) < 0.11);
       // With a rough idea of the turn only turns near it are tried.
       CHECK(compare(first, turned, yaw_rad + 0.1, 0.2).distance == match.distance);
       CHECK(compare(first, turned, yaw_rad + 1.0, 0.2).distance > match.distance + 0.05);
@@ -50,11 +44,11 @@ TEST_CASE("other places differ at any rotation") {
   const test::Village village = test::street(1, -60.0, 120.0);
   const ScanContext here = scan_context(village.scan(test::yard_pose(0.0, 0.0, 0.0)));
   const double again =
-      compare(here, scan_context(village.scan(test::yard_pose(0.5, 0.5, 1.0))), 0.0, kPi).distance;
+      compare(here, scan_context(village.scan(test::yard_pose(0.5, 0.5, 1.0))), 0.0, M_PI).distance;
   for (const unsigned seed : {2U, 3U, 4U, 5U}) {
     const ScanContext there =
         scan_context(test::street(seed, -60.0, 120.0).scan(test::yard_pose(0.0, 0.0, 0.0)));
-    CHECK(compare(here, there, 0.0, kPi).distance > 2.0 * again);
+    CHECK(compare(here, there, 0.0, M_PI).distance > 2.0 * again);
   }
 }
 
@@ -72,6 +66,6 @@ TEST_CASE("a point farther away than an integer counts rings changes nothing") {
 TEST_CASE("the context of an empty scan matches nothing") {
   const ScanContext empty = scan_context(OrganizedCloud(16, 360));
   const ScanContext something = scan_context(test::cloud_of({{10.0F, 0.5F, 0.0F}}));
-  CHECK(compare(empty, something, 0.0, kPi).distance == 1.0);
-  CHECK(compare(empty, empty, 0.0, kPi).distance == 1.0);
+  CHECK(compare(empty, something, 0.0, M_PI).distance == 1.0);
+  CHECK(compare(empty, empty, 0.0, M_PI).distance == 1.0);
 }

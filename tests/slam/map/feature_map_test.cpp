@@ -1,6 +1,6 @@
 #include "map/feature_map.h"
 
-#include "testing.h"
+#include "slam/random_unit.h"
 
 using hqslam::Pose;
 using namespace hqslam::slam;
@@ -9,11 +9,11 @@ namespace {
 
 std::vector<Eigen::Vector3f> random_points_m(int count, float extent_m, unsigned seed) {
   std::mt19937 generator(seed);
-  const auto random = [&] {
-    return extent_m * (static_cast<float>(generator() % 20001) / 10000.0F - 1.0F);
-  };
   std::vector<Eigen::Vector3f> points(count);
-  for (auto& p : points) p = {random(), random(), 0.2F * random()};
+  const Eigen::Vector3d extents_m(extent_m, extent_m, 0.2 * extent_m);
+  for (auto& p : points) {
+    p = hqslam::test::random_vector(generator).cwiseProduct(extents_m).cast<float>();
+  }
   return points;
 }
 

@@ -12,8 +12,7 @@ namespace {
 slam::MotionState expected_at(const Pose& T_map_sensor, double sigma = 0.3) {
   slam::MotionState state;
   state.T_map_sensor = T_map_sensor;
-  state.covariance.diagonal() << slam::Vector6::Constant(sigma * sigma),
-      slam::Vector6::Constant(1.0);
+  state.covariance.diagonal() << slam::Vector6::Constant(sigma * sigma), slam::Vector6::Constant(1);
   return state;
 }
 

@@ -39,11 +39,9 @@ TEST_CASE("points far from the last scan are left out, and many points are thinn
   recent.add(features, test::at_x(0.0), {});
   CHECK(recent.about_last().edges.empty());
   for (int i = 0; i < 1000; ++i) {
-    features.edges.push_back(
-        {{0.02F * static_cast<float>(i % 40), 0.5F * static_cast<float>(i / 40),
-          0.4F * static_cast<float>(i % 40)},
-         0.0F,
-         0});
+    const auto column = static_cast<float>(i % 40);
+    const auto row = static_cast<float>(i / 40);
+    features.edges.push_back({{0.02F * column, 0.5F * row, 0.4F * column}, 0.0F, 0});
   }
   recent.add(features, test::at_x(0.0), {});
   CHECK(recent.about_last().edges.size() == 800);

@@ -23,9 +23,8 @@ void put_in(const Car& car, const SensorModel& sensor, const SensorPath& path,
     const Pose T_yard_sensor = path.at(cloud.time_offset_s[pixel]);
     const int row = static_cast<int>(pixel) / cloud.columns;
     const int column = static_cast<int>(pixel) % cloud.columns;
-    const double elevation_rad = sensor.beam_elevation_rad[static_cast<std::size_t>(row)];
-    const double azimuth_rad = sensor.azimuth_rad(row, column);
-    const Eigen::Vector3d ray = direction_of(azimuth_rad, elevation_rad);
+    const Eigen::Vector3d ray =
+        direction_of(sensor.azimuth_rad(row, column), sensor.beam_elevation_rad[row]);
     const double enters_m =
         car.box.entered_m(T_yard_sensor.translation(), T_yard_sensor.linear() * ray);
     if (!std::isfinite(enters_m)) continue;
@@ -82,10 +81,8 @@ TEST_CASE("the floor of a yard is free, its walls and pillars are occupied, beyo
   // The wall at y = 20: any of the two cells that touch it.
   int met = 0;
   for (double x_m = -10.0; x_m < 10.0; x_m += 0.1) {
-    if (map.at({x_m, 19.95}) == Occupancy::kOccupied ||
-        map.at({x_m, 20.05}) == Occupancy::kOccupied) {
-      ++met;
-    }
+    met += map.at({x_m, 19.95}) == Occupancy::kOccupied ||
+           map.at({x_m, 20.05}) == Occupancy::kOccupied;
   }
   CHECK(met > 120);
   CHECK(share(map, {0.6, 8.6}, {1.4, 9.4}, Occupancy::kOccupied) > 0.15);  // a pillar's sides

@@ -4,14 +4,10 @@
 namespace hqslam::tools {
 
 TEST_CASE("what makes no sense is refused") {
-  const std::vector<std::vector<std::string>> wrong = {
-      {"simulate", "--drive", "town", "--sensor", "os1-64", "--out", "x", "--scans", "-3"},
-      {"compare", "/", "--layers"},
-  };
-  for (const std::vector<std::string>& arguments : wrong) {
-    CAPTURE(arguments.size());
-    CHECK_THROWS_AS(parse(laboratory(), arguments), CLI::ParseError);
-  }
+  CHECK_THROWS_AS(parse(laboratory(), {"simulate", "--drive", "town", "--sensor", "os1-64", "--out",
+                                       "x", "--scans", "-3"}),
+                  CLI::ParseError);
+  CHECK_THROWS_AS(parse(laboratory(), {"compare", "/", "--layers"}), CLI::ParseError);
 }
 
 TEST_CASE("a seed is a whole number from 0 to 2^64 - 1") {

@@ -50,18 +50,18 @@ TEST_CASE("corrections larger than those of any known sensor are complained abou
   sensor.elevation_correction_rad[3] = -0.69 * kDegree_rad;
   CHECK(complaint_about(sensor).empty());
   sensor.elevation_correction_rad[3] = -0.93 * kDegree_rad;
-  CHECK(complaint_about(sensor).find("reach 0.93 degrees") != std::string::npos);
-  CHECK(complaint_about(sensor).find("'vlp-16'") != std::string::npos);
+  CHECK(test::one_line_with(complaint_about(sensor), "reach 0.93 degrees", "'vlp-16'"));
 }
 
 TEST_CASE("a scan is kept for each metre of path, as far as wanted, with the trajectory's poses") {
   Pipeline pipeline(kDriven);
   BeamCheck beams(3.0);
   int processed = 0;
-  for (; processed < 100 && !beams.is_complete(); ++processed) {
+  const auto process_next = [&] {
     const OrganizedCloud cloud = test::drive_scan(kDriven, processed);
-    beams.add(cloud, pipeline.process(cloud, test::kDrivePeriod_s * processed).report, pipeline);
-  }
+    beams.add(cloud, pipeline.process(cloud, test::kDrivePeriod_s * processed++).report, pipeline);
+  };
+  while (processed < 100 && !beams.is_complete()) process_next();
   REQUIRE(beams.is_complete());
   CHECK_FALSE(beams.is_lost());
   CHECK(beams.path_m() == doctest::Approx(3.0).epsilon(0.2));
@@ -76,10 +76,7 @@ TEST_CASE("a scan is kept for each metre of path, as far as wanted, with the tra
     CHECK(scans[i].cloud.rows == kDriven.rows());
   }
   const std::size_t kept = scans.size();
-  beams.add(test::drive_scan(kDriven, processed),
-            pipeline.process(test::drive_scan(kDriven, processed), test::kDrivePeriod_s * processed)
-                .report,
-            pipeline);
+  process_next();
   CHECK(beams.scans(pipeline.trajectory()).size() == kept);
 }
 

@@ -1,13 +1,7 @@
 #include "hqslam/pipeline/own_parts.h"
 
-#include <cmath>
-#include <functional>
-#include <numbers>
-
-#include "hqslam/core/error.h"
 #include "hqslam/pipeline/pipeline.h"
 #include "slam/yard_drive.h"
-#include "testing.h"
 
 namespace hqslam::pipeline {
 namespace {
@@ -39,12 +33,10 @@ double with_rack(int i, int row, int column) {
 double with_rack_standing(int, int row, int column) { return with_rack(0, row, column); }
 
 /// The returns of the last of `scans` scans that are left out.
-int left_out(OwnParts& parts, const std::function<double(int, int, int)>& range_m, int scans) {
+auto left_out(OwnParts& parts, const std::function<double(int, int, int)>& range_m, int scans) {
   OrganizedCloud scan;
   for (int i = 0; i < scans; ++i) scan = parts.without(scan_of(range_m, i));
-  int result = 0;
-  for (const float range : scan.range_m) result += range > 0.0F ? 0 : 1;
-  return result;
+  return std::ranges::count(scan.range_m, 0.0F);
 }
 
 }  // namespace

@@ -23,12 +23,11 @@ ScanPoses poses_every(double step_s, double noise_m = 0.0) {
 
 /// How far a path is from where the sensor was during a scan.
 double error_m(const ScanPoses& poses, double stamp_s) {
-  const auto path = poses.path_of(0, stamp_s, kPeriod_s);
-  REQUIRE(path);
+  const auto path = poses.path_of(0, stamp_s, kPeriod_s).value();
   double worst_m = 0.0;
   for (const double offset_s : {-0.05, -0.02, 0.0, 0.02, 0.05}) {
     const Eigen::Vector3d off_m =
-        path->at(offset_s).translation() - at(stamp_s + offset_s).translation();
+        path.at(offset_s).translation() - at(stamp_s + offset_s).translation();
     worst_m = std::max(worst_m, off_m.norm());
   }
   return worst_m;

@@ -43,10 +43,9 @@ TEST_CASE("clouds of the measured rows alone find them by their points, those of
     CAPTURE(method);
     auto opened = open_upsampled(measured, {.sensor = sensor}, {.method = method});
     CHECK_FALSE(opened.upsampler.selected_rows());
-    const auto scan = opened.recording.next();
-    REQUIRE(scan);
-    CHECK(scan->cloud.rows == 16);
-    CHECK(opened.upsampler.upsampled(opened.upsampler.measured(scan->cloud)).rows == 64);
+    const auto scan = opened.recording.next().value();
+    CHECK(scan.cloud.rows == 16);
+    CHECK(opened.upsampler.upsampled(opened.upsampler.measured(scan.cloud)).rows == 64);
   }
   for (const std::string& method : {files.weights, std::string("linear")}) {
     CHECK(open_upsampled(files.cloud("os1-64"), {}, {.method = method}).upsampler.selected_rows());

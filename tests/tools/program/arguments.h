@@ -6,11 +6,6 @@
 
 namespace hqslam::test {
 
-/// A command line for the shell: the program that has the subcommand, with these arguments.
-inline std::string command_line(const std::string& arguments) {
-  return fmt::format("'{}' {}", program_of(arguments), arguments);
-}
-
 /// As short as does: most of these tests run every command several times.
 inline constexpr int kShortDriveScans = 4;
 inline const std::string& short_drive() {
@@ -42,7 +37,7 @@ inline std::string train_arguments(const TemporaryDirectory& folder, const std::
   }})",
                                                      steps));
   return fmt::format("train --config '{0}/recipe.json' --out '{1}' --drives '{0}/drives'",
-                     folder.path().string(), out);
+                     folder.path(), out);
 }
 
 }  // namespace hqslam::test

@@ -56,27 +56,21 @@ TEST_CASE("calibrate uses only the scans before tracking was lost, and says so")
 }
 
 TEST_CASE("calibrate asks for a drive of measured scans") {
-  const LyingDrive lying;
-  const std::string standing = lying.folder.file("standing");
-  succeeds("simulate --drive block --sensor '{}' --scans 3 --out '{}'",
-           lying.folder.file("sensor.json"), standing);
-  const auto error_of = [&](const std::string& drive) {
-    const ProgramResult result =
-        run_hqslam("calibrate '{}' --out '{}'", drive, lying.folder.file("none.json"));
-    CHECK(result.status == 2);
-    return result.error;
+  const LyingDrive standing(3);
+  const auto refusal_of = [&](const std::string& drive) {
+    return refusal(
+        run_hqslam("calibrate '{}' --out '{}'", drive, standing.folder.file("none.json")));
   };
-  CHECK(holds(error_of(standing), "expected at least 20 m"));
-  const std::string upsampled = lying.folder.file("upsampled");
+  CHECK(holds(refusal_of(standing.drive), "expected at least 20 m"));
+  const std::string upsampled = standing.folder.file("upsampled");
   succeeds("upsample '{}' --sensor os1-64 --method linear --out '{}'",
            simulated_drive("--sensor os1-16 --scans 3"), upsampled);
-  CHECK(holds(error_of(upsampled), "found computed ones"));
+  CHECK(holds(refusal_of(upsampled), "found computed ones"));
 }
 
 TEST_CASE("run corrects beams as calibrate does, unless it is not to or they have no errors") {
   const LyingDrive lying(160);
-  const ProgramResult result =
-      succeeds("run '{}' --out '{}'", lying.drive, lying.folder.file("run"));
+  const auto result = succeeds("run '{}' --out '{}'", lying.drive, lying.folder.file("run"));
   CHECK(holds(result.error, "begins anew"));
   CHECK(holds(result.out, "with corrected beams; corrected"));
   const std::string corrected = lying.folder.file("run") + "/corrected_sensor.json";
@@ -91,8 +85,7 @@ TEST_CASE("run corrects beams as calibrate does, unless it is not to or they hav
   CHECK_FALSE(begins_anew(fmt::format("--sensor '{}'", corrected)));  // no errors are left
   CHECK_FALSE(begins_anew("--no-calibration"));
   const LyingDrive honest(160, "none");
-  const ProgramResult kept =
-      succeeds("run '{}' --out '{}'", honest.drive, honest.folder.file("run"));
+  const auto kept = succeeds("run '{}' --out '{}'", honest.drive, honest.folder.file("run"));
   CHECK_FALSE(holds(kept.error, "begins anew"));
   CHECK_FALSE(holds(kept.out, "beams:"));
 }

@@ -7,7 +7,7 @@
 
 namespace hqslam::test {
 
-/// The program in the background.
+/// The program in the background, until the end of its scope at the longest.
 class Child {
  public:
   /// `streams`: where its output goes, as a shell understands it.
@@ -16,8 +16,7 @@ class Child {
     if (pid_ != 0) return;
     // A test that runs in the background ignores it, and would hand that on.
     ::signal(SIGINT, SIG_DFL);
-    const std::string command =
-        fmt::format("exec '{}' {} {}", program_of(arguments), arguments, streams);
+    const std::string command = fmt::format("exec {} {}", command_line(arguments), streams);
     execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
     _exit(127);
   }

@@ -53,7 +53,7 @@ inline std::string filled(std::string text, const TemporaryDirectory& folder,
                           const std::string& out) {
   std::map<std::string, std::string> paths = command_inputs().paths;
   paths["out"] = out;
-  paths["folder"] = folder.path().string();
+  paths["folder"] = folder.path();
   for (const auto& [name, path] : paths) {
     const std::string hole = '{' + name + '}';
     for (std::size_t at = text.find(hole); at != std::string::npos; at = text.find(hole)) {

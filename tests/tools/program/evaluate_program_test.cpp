@@ -71,7 +71,7 @@ TEST_CASE("files of two kinds, and stacks of different lengths, are refused") {
   write_stack(folder.file("one.npy"), {RangeImage(16, 64)});
   write_stack(folder.file("two.npy"), {RangeImage(16, 64), RangeImage(16, 64)});
   const auto error_of = [&](const char* estimate, const char* reference) {
-    return refused("evaluate '{}' '{}'", folder.file(estimate), folder.file(reference)).error;
+    return refused("evaluate '{}' '{}'", folder.file(estimate), folder.file(reference));
   };
   CHECK(holds(error_of("cloud.pcd", "one.npy"), "two files of one kind"));
   CHECK(missing(error_of("one.npy", "two.npy"), {"1 images", "2; give"}) == "");

@@ -4,8 +4,8 @@
 namespace hqslam::test {
 TEST_CASE("where the sensor drove, the occupancy grid of a run is free") {
   const TemporaryDirectory out;
-  const ProgramResult run = succeeds("run '{}' --rows 16 --occupancy-grid --out '{}'",
-                                     drive_of_64(), out.path().string());
+  const ProgramResult run =
+      succeeds("run '{}' --rows 16 --occupancy-grid --out '{}'", drive_of_64(), out.path());
   CHECK(holds(run.out, "occupancy grid: "));
   CHECK(holds(last_line(run.out), "report.html, map.pgm, map.yaml"));
   CHECK(holds(file_contents(out.file("map.yaml")), "image: map.pgm\nmode: trinary\n"));
@@ -23,7 +23,7 @@ TEST_CASE("a run gives the same bytes with one thread and with two") {
   const TemporaryDirectory out;
   for (const int threads : {1, 2}) {
     succeeds("run '{}' --occupancy-grid --grid-cell 0.2 --threads {} --out '{}'", simulated_drive(),
-             threads, out.path().string());
+             threads, out.path());
     results.emplace_back();
     for (const char* name : {"map.pgm", "map.yaml", "trajectory.tum", "map.pcd"}) {
       results.back() += file_contents(out.file(name));

@@ -40,9 +40,13 @@ inline std::string program_of(const std::string& arguments) {
   return HQSLAM_PROGRAM;
 }
 
-/// Runs it with these arguments, as a shell understands them.
+/// A command line for the shell: that program with these arguments.
+inline std::string command_line(const std::string& arguments) {
+  return fmt::format("'{}' {}", program_of(arguments), arguments);
+}
+
 inline ProgramResult run_hqslam(const std::string& arguments) {
-  return run_shell(fmt::format("'{}' {}", program_of(arguments), arguments));
+  return run_shell(command_line(arguments));
 }
 
 inline nlohmann::json json_of(const std::string& path) {
@@ -68,17 +72,25 @@ inline ProgramResult succeeds(const std::string& arguments) {
   return result;
 }
 
-/// As above with wrong ones, which are refused in one line on stderr.
-inline ProgramResult refused(const std::string& arguments) {
-  ProgramResult result = run_hqslam(arguments);
+/// With wrong ones: the one line on stderr with which they are refused.
+inline std::string refused(const std::string& arguments) {
+  const ProgramResult result = run_hqslam(arguments);
   CAPTURE(arguments);
   CAPTURE(result.error);
   CHECK(result.status == 2);
   CHECK(is_one_line(result.error));
-  return result;
+  return result.error;
 }
 
-// The same three with arguments that are put together as fmt::format does.
+/// What the last line on stderr says, after others that tell how far it is, of what is refused.
+inline std::string refusal(const ProgramResult& result) {
+  CAPTURE(result.error);
+  CHECK(result.status == 2);
+  CHECK(is_one_line(last_line(result.error)));
+  return last_line(result.error);
+}
+
+// Those of them that take arguments, put together as fmt::format does.
 template <typename... Values>
 ProgramResult run_hqslam(fmt::format_string<Values...> arguments, Values&&... values) {
   return run_hqslam(fmt::format(arguments, std::forward<Values>(values)...));
@@ -88,7 +100,7 @@ ProgramResult succeeds(fmt::format_string<Values...> arguments, Values&&... valu
   return succeeds(fmt::format(arguments, std::forward<Values>(values)...));
 }
 template <typename... Values>
-ProgramResult refused(fmt::format_string<Values...> arguments, Values&&... values) {
+std::string refused(fmt::format_string<Values...> arguments, Values&&... values) {
   return refused(fmt::format(arguments, std::forward<Values>(values)...));
 }
 

@@ -6,11 +6,6 @@
 #include "tools/program/child.h"
 
 namespace hqslam::test {
-namespace {
-
-nlohmann::json timings(const TemporaryDirectory& out) { return json_of(out.file("timings.json")); }
-
-}  // namespace
 
 TEST_CASE("a sensor upside down is followed once it is known; a user who does not say is asked") {
   const TemporaryDirectory folder;
@@ -33,36 +28,35 @@ TEST_CASE("a sensor upside down is followed once it is known; a user who does no
 
 TEST_CASE("a simulated drive needs no sensor and no reference: both are in its folder") {
   const TemporaryDirectory out;
-  const ProgramResult result =
-      succeeds("run '{}' --out '{}'", simulated_drive(), out.path().string());
+  const ProgramResult result = succeeds("run '{}' --out '{}'", simulated_drive(), out.path());
   CHECK(missing(result.out, {"APE RMSE", "alignment: se3"}) == "");
-  const auto located = timings(out)["mapping_status"]["ok"].get<int>();
+  const nlohmann::json timings = json_of(out.file("timings.json"));
+  const auto located = timings["mapping_status"]["ok"].get<int>();
   CHECK(located > kDriveScans / 2);
   CHECK(holds(result.out, fmt::format("mapping: {} scans ok", located)));
-  const Trajectory estimate = read_tum(out.file("trajectory.tum"));
-  REQUIRE(estimate.size() == kDriveScans);
+  const Trajectory found = read_tum(out.file("trajectory.tum"));
+  REQUIRE(found.size() == kDriveScans);
   CHECK(read_kitti_poses(out.file("trajectory.kitti")).size() == kDriveScans);
-  CHECK(estimate.front().T_map_sensor.isApprox(Pose::Identity()));
+  CHECK(found.front().T_map_sensor.isApprox(Pose::Identity()));
   const Scan map = read_cloud(out.file("map.pcd"));
   CHECK(map.points_m.size() > 1000);
   CHECK(map.intensity.size() == map.points_m.size());
-  CHECK(timings(out)["end"] == "complete");
+  CHECK(timings["end"] == "complete");
   const Trajectory truth = read_tum(simulated_drive() + "/truth.tum");
-  CHECK(absolute_pose_error(estimate, truth, Alignment::kFirstPose).translation_statistics.max <
-        0.2);
+  CHECK(absolute_pose_error(found, truth, Alignment::kFirstPose).translation_statistics.max < 0.2);
 }
 
 TEST_CASE("a recording of which nothing can be used leaves the results of an earlier run") {
   const TemporaryDirectory folder;
   const std::string arguments =
-      fmt::format("run '{0}/bin' --sensor os1-16 --out '{0}/out'", folder.path().string());
+      fmt::format("run '{0}/bin' --sensor os1-16 --out '{0}/out'", folder.path());
   fs::copy(simulated_drive() + "/bin", folder.file("bin"));
   succeeds(arguments);
   const std::string before = file_contents(folder.file("out/trajectory.tum"));
   for (const fs::path& file : fs::directory_iterator(folder.file("bin"))) {
     fs::resize_file(file, 1001);
   }
-  CHECK(holds(last_line(refused(arguments).error), ".bin"));
+  CHECK(holds(last_line(refused(arguments)), ".bin"));
   CHECK(file_contents(folder.file("out/trajectory.tum")) == before);
   CHECK(fs::exists(folder.file("out/report.html")));
 }
@@ -76,14 +70,13 @@ TEST_CASE("LeGO-LOAM follows a drive of 16 rows and of 64 upsampled ones, and sa
     const ProgramResult result = succeeds("run '{}' --slam lego-loam {} --out '{}'",
                                           simulated_drive(), upsampling, folder.file("out"));
     CHECK_FALSE(holds(result.out + result.error, "loop"));  // it closes none
-    const Pose true_motion = truth.front().T_map_sensor.inverse() * truth.back().T_map_sensor;
-    CHECK(end_error_m(folder.file("out"), simulated_drive()) <
-          0.1 * true_motion.translation().norm());
+    const Pose motion = truth.front().T_map_sensor.inverse() * truth.back().T_map_sensor;
+    CHECK(end_error_m(folder.file("out"), simulated_drive()) < 0.1 * motion.translation().norm());
   }
   for (const char* option : {"--save-map", "--set mapping.max_iterations=12"}) {
-    const ProgramResult result = refused("run '{}' --slam lego-loam {} --out '{}'",
-                                         simulated_drive(), option, folder.file("out"));
-    CHECK(holds(result.error, "--slam lego-loam"));
+    CHECK(holds(refused("run '{}' --slam lego-loam {} --out '{}'", simulated_drive(), option,
+                        folder.file("out")),
+                "--slam lego-loam"));
   }
 }
 
@@ -113,18 +106,17 @@ TEST_CASE("help and version are no errors, other commands and paths are") {
     CHECK(succeeds(arguments).error.empty());
   }
   for (const char* arguments : {"fly", "", "run /no/such/folder --sensor os1-16 --out x"}) {
-    CHECK(refused(arguments).out.empty());
+    refused(arguments);
+    CHECK(run_hqslam(arguments).out.empty());
   }
 }
 
 TEST_CASE("the demo ends with a table of every way through the drive and a report for each") {
   const TemporaryDirectory folder;
-  const ProgramResult result = succeeds("demo --out '" + folder.path().string() + "'");
+  const ProgramResult result = succeeds("demo --out '" + folder.path() + "'");
   std::vector<std::pair<std::string, std::string>> ways = {
       {"64 beams", "rows-64"}, {"16 beams", "rows-16"}, {"16 -> 64, linear", "linear"}};
-  if (!holds(result.out, "Without DU-Mix")) {
-    ways.emplace_back("16 -> 64, DU-Mix", "du-mix");
-  }
+  if (!holds(result.out, "Without DU-Mix")) ways.emplace_back("16 -> 64, DU-Mix", "du-mix");
   const nlohmann::json page = data_of(file_contents(folder.file("demo.html")));
   std::size_t row = 0;
   for (const auto& [way, results] : ways) {

@@ -25,7 +25,7 @@ TEST_CASE("a reader that goes away stops no training and is not complained about
   const ProgramResult result = run_shell(fmt::format(
       "{{ until [ -e '{0}/gone' ]; do sleep 0.01; done; {1}; echo $? >'{0}/status'; }} | "
       "{{ exec <&-; touch '{0}/gone'; }}",
-      folder.path().string(), command_line(train_arguments(folder, folder.file("out")))));
+      folder.path(), command_line(train_arguments(folder, folder.file("out")))));
   CHECK(file_contents(folder.file("status")) == "1\n");
   CHECK_FALSE(holds(result.error, "printed"));
   CHECK_NOTHROW(nn::read_weights(folder.file("out/weights.npz")));
@@ -56,12 +56,8 @@ TEST_CASE("a program started with hang-ups ignored ignores them") {
 TEST_CASE("a run says that it is running until it has ended") {
   const TemporaryDirectory folder;
   const std::string out = folder.file("out");
-  {
-    Child child(
-        fmt::format("run '{}' --upsample linear --rows 4 --out '{}'", simulated_drive(), out));
-    child.wait_for(out + "/trajectory.tum");
-    child.end(SIGKILL);
-  }
+  Child(fmt::format("run '{}' --upsample linear --rows 4 --out '{}'", simulated_drive(), out))
+      .wait_for(out + "/trajectory.tum");  // and killed
   const std::string killed = file_contents(out + "/timings.json");
   const bool ended_first = fs::exists(out + "/report.html");
   CHECK((ended_first || holds(killed, "\"end\": \"running\"")));
@@ -72,13 +68,9 @@ TEST_CASE("a run says that it is running until it has ended") {
 TEST_CASE("an upsampling that was stopped is used, and named as incomplete") {
   const TemporaryDirectory folder;
   const std::string out = folder.file("out");
-  {
-    Child child(fmt::format("upsample '{}' --weights '{}' --bin --pcd --out '{}'",
-                            simulated_drive("--sensor os1-64 --seed 5 --scans 24"),
-                            command_inputs().paths.at("weights"), out));
-    child.wait_until([&] { return fs::exists(out + "/bin/000000.bin"); });
-    child.end(SIGKILL);
-  }
+  Child(fmt::format("upsample '{}' --weights '{}' --bin --pcd --out '{}'", drive_of_64(),
+                    command_inputs().paths.at("weights"), out))
+      .wait_for(out + "/bin/000000.bin");  // and killed
   const bool ended_first = holds(file_contents(out + "/upsample.json"), "\"complete\": true");
   const std::string arguments = " --sensor os1-64 --out '" + folder.file("run") + "'";
   const ProgramResult result = succeeds("run '" + out + "'" + arguments);
@@ -89,12 +81,9 @@ TEST_CASE("an upsampling that was stopped is used, and named as incomplete") {
 TEST_CASE("a simulation that was stopped is used, and named as incomplete") {
   const TemporaryDirectory folder;
   const std::string drive = folder.file("drive");
-  {
-    Child child(simulate_arguments(drive, 5000));
-    const fs::path truth = drive + "/truth.tum";
-    child.wait_until([&] { return fs::exists(truth) && fs::file_size(truth) > 500; });
-    child.end(SIGKILL);
-  }
+  Child(simulate_arguments(drive, 5000)).wait_until([&] {
+    return fs::exists(drive + "/truth.tum") && fs::file_size(drive + "/truth.tum") > 500;
+  });  // and killed
   const ProgramResult result = succeeds("run '{}' --out '{}'", drive, folder.file("out"));
   CHECK(holds(result.error, "the simulation was stopped after"));
   CHECK_FALSE(holds(run_hqslam(run_arguments(folder.file("whole"))).error, "stopped"));

@@ -23,22 +23,22 @@ struct Material {
   }
 };
 
-const Material& material() {
-  static const Material files;
-  return files;
+const Material& files() {
+  static const Material made;
+  return made;
 }
 
 }  // namespace
 
 TEST_CASE("a stack of 16 rows and one of 64 of which 16 are measured give the same stack") {
-  const Material& files = material();
   for (const std::string& method :
-       {"--weights '" + files.weights + "'", std::string("--method inverse --sensor os1-64")}) {
+       {"--weights '" + files().weights + "'", std::string("--method inverse --sensor os1-64")}) {
     CAPTURE(method);
     std::vector<std::string> stacks;
-    for (const std::string& input : {files.measured, files.drive + "/scans.npy", files.drive}) {
+    for (const std::string& input :
+         {files().measured, files().drive + "/scans.npy", files().drive}) {
       const TemporaryDirectory out;
-      CHECK(missing(succeeds("upsample '{}' {} --out '{}'", input, method, out.path().string()).out,
+      CHECK(missing(succeeds("upsample '{}' {} --out '{}'", input, method, out.path()).out,
                     {"4 scans, 16 rows -> 64 rows of 1024 columns", "scans/s"}) == "");
       stacks.push_back(file_contents(out.file("scans.npy")));
     }
@@ -46,25 +46,22 @@ TEST_CASE("a stack of 16 rows and one of 64 of which 16 are measured give the sa
     CHECK(stacks[0] == stacks[1]);
     CHECK(stacks[0] == stacks[2]);
     const TemporaryDirectory out;
-    succeeds("upsample '{}' {} --scans 2.. --out '{}'", files.drive, method, out.path().string());
+    succeeds("upsample '{}' {} --scans 2.. --out '{}'", files().drive, method, out.path());
     const std::string last = file_contents(out.file("scans.npy"));
     CHECK(last.substr(128) == stacks[0].substr(128 + std::size_t{4} * 2 * 64 * 1024));
   }
 }
 
 TEST_CASE("upsampling and then running is running with --upsample") {
-  const Material& files = material();
-  for (const std::string& method : {files.weights, std::string("linear")}) {
+  for (const std::string& method : {files().weights, std::string("linear")}) {
     CAPTURE(method);
     const TemporaryDirectory folder;
-    const bool network = method == files.weights;
-    succeeds("upsample '{}' {} '{}' --out '{}'", files.drive, network ? "--weights" : "--method",
+    const bool network = method == files().weights;
+    succeeds("upsample '{}' {} '{}' --out '{}'", files().drive, network ? "--weights" : "--method",
              method, folder.file("drive"));
-    const ProgramResult two_steps =
-        succeeds("run '{}' --out '{}'", folder.file("drive"), folder.file("two_steps"));
-    CHECK(holds(two_steps.out, "APE RMSE"));
-    const ProgramResult one_step = succeeds("run '{}' --upsample '{}' --out '{}'", files.drive,
-                                            method, folder.file("one_step"));
+    CHECK(holds(succeeds("run '{}' --out '{}'", folder.file("drive"), folder.file("two_steps")).out,
+                "APE RMSE"));
+    succeeds("run '{}' --upsample '{}' --out '{}'", files().drive, method, folder.file("one_step"));
     for (const char* result : {"trajectory.tum", "map.pcd"}) {
       CHECK(file_contents(folder.file("one_step/") + result) ==
             file_contents(folder.file("two_steps/") + result));
@@ -79,7 +76,6 @@ TEST_CASE("upsampling and then running is running with --upsample") {
 }
 
 TEST_CASE("a calibration corrects ranges once; computed rows have corrections in between") {
-  const Material& files = material();
   const TemporaryDirectory folder;
   SensorModel sensor = sensor_preset("os1-64");
   sensor.elevation_correction_rad.assign(64, 0.0);
@@ -88,7 +84,7 @@ TEST_CASE("a calibration corrects ranges once; computed rows have corrections in
   sensor.elevation_correction_rad[8] = 0.04;   // of one that is not
   const std::string calibrated = folder.file("calibrated.json");
   write_sensor_json(sensor, calibrated);
-  const std::string stack = files.drive + "/scans.npy";
+  const std::string stack = files().drive + "/scans.npy";
   succeeds("upsample '{}' --sensor '{}' --method linear --out '{}'", stack, calibrated,
            folder.file("upsampled"));
   const RangeImage recorded = NpyStackReader(stack).read(0);
@@ -108,67 +104,65 @@ TEST_CASE("a calibration corrects ranges once; computed rows have corrections in
 }
 
 TEST_CASE("where the poses are known a network with a memory recalls the scans around each") {
-  const Material& files = material();
   const TemporaryDirectory folder;
   const std::string weights = untrained_file("du-mix", "scan_memory");
   const auto upsampled = [&](const std::string& poses, const std::string& out) {
     const std::string error = succeeds("upsample '{}' --weights '{}' {} --confidence 0 --out '{}'",
-                                       files.drive, weights, poses, folder.file(out))
+                                       files().drive, weights, poses, folder.file(out))
                                   .error;
     CHECK(holds(error, "recalls no earlier scan without poses") == poses.empty());
     return folder.file(out + "/scans.npy");
   };
   NpyStackReader without(upsampled("", "without"));
-  NpyStackReader with(upsampled("--poses '" + files.drive + "/truth.tum'", "with"));
+  NpyStackReader with(upsampled("--poses '" + files().drive + "/truth.tum'", "with"));
   REQUIRE(with.images() == without.images());
   for (int scan = 0; scan < 3; ++scan) {  // the first too, by later ones; the car stands
     CHECK(with.read(scan).range_m != without.read(scan).range_m);
   }
 
-  succeeds("compare '{0}' --weights '{1}' --poses '{0}/truth.tum' --json '{2}'", files.drive,
+  succeeds("compare '{0}' --weights '{1}' --poses '{0}/truth.tum' --json '{2}'", files().drive,
            weights, folder.file("with.json"));
-  succeeds("compare '{}' --weights '{}' --json '{}'", files.drive, weights,
+  succeeds("compare '{}' --weights '{}' --json '{}'", files().drive, weights,
            folder.file("without.json"));
   const auto f1 = [&](const char* file, std::size_t method) {
     return json_of(folder.file(file))["methods"][method]["f1"].get<double>();
   };
   succeeds("compare '{0}' --weights '{1}' --poses '{0}/truth.tum' --no-look-ahead --json '{2}'",
-           files.drive, weights, folder.file("before.json"));
+           files().drive, weights, folder.file("before.json"));
   CHECK(f1("with.json", 1) == f1("without.json", 1));  // linear
   CHECK(f1("before.json", 3) != f1("with.json", 3));
   CHECK(f1("with.json", 3) != f1("without.json", 3));
 
   const auto page_of = [&](int scan) {
     succeeds("inspect '{0}' --weights '{1}' --poses '{0}/truth.tum' --scan {2} --out '{3}'",
-             files.drive, weights, scan, folder.file("page.html"));
+             files().drive, weights, scan, folder.file("page.html"));
     return file_contents(folder.file("page.html"));
   };
   for (const int scan : {0, 2}) CHECK(holds(page_of(scan), R"("what":"recalled")"));
   CHECK(holds(page_of(2), R"("what":"memory_change")"));
 
   // Poses that some scans lack are not left aside without a word.
-  Trajectory truth = read_tum(files.drive + "/truth.tum");
+  Trajectory truth = read_tum(files().drive + "/truth.tum");
   for (StampedPose& pose : truth) pose.stamp_s += 0.1;
   write_tum(truth, folder.file("shifted.tum"));
   const ProgramResult some =
-      succeeds("upsample '{}' --weights '{}' --poses '{}' --out '{}'", files.drive, weights,
+      succeeds("upsample '{}' --weights '{}' --poses '{}' --out '{}'", files().drive, weights,
                folder.file("shifted.tum"), folder.file("some"));
   CHECK(holds(some.error, "1 of 4 scans have no pose"));
 
   // SLAM's own poses, those that it expects and then those that it finds.
-  const ProgramResult run = succeeds("run '{}' --upsample '{}' --dense-map --out '{}'", files.drive,
-                                     weights, folder.file("run"));
+  const ProgramResult run = succeeds("run '{}' --upsample '{}' --dense-map --out '{}'",
+                                     files().drive, weights, folder.file("run"));
   CHECK(holds(run.out, "APE RMSE"));
   CHECK(fs::exists(folder.file("run/dense_map.ply")));
 }
 
 TEST_CASE("an upsampled recording states whether its scans were corrected for motion") {
-  const Material& files = material();
   for (const auto& [part, corrected] : {std::pair("scans.npy", false), std::pair("bin", true)}) {
     CAPTURE(part);
     const TemporaryDirectory out;
-    succeeds("upsample '{}/{}' --sensor os1-64 --method linear --out '{}'", files.drive, part,
-             out.path().string());
+    succeeds("upsample '{}/{}' --sensor os1-64 --method linear --out '{}'", files().drive, part,
+             out.path());
     CHECK(read_sensor_json(out.file("sensor.json")).motion_corrected == corrected);
   }
 }

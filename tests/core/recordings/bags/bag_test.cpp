@@ -76,11 +76,11 @@ TEST_CASE("a bag of which a file is missing gives the others, and then says so")
   write_file(directory.file("metadata.yaml"),
              "rosbag2_bagfile_information:\n  topics:\n    - name\n  relative_file_paths:\n"
              "    - a_0.db3\n    - a_1.db3\n");
-  auto source = Recording::open(directory.path().string());
+  auto source = Recording::open(directory.path());
   for (int i = 0; i < 4; ++i) CHECK(source.next());
   CHECK(refused_with([&] { source.next(); }, "missing: a_1.db3"));
   std::filesystem::rename(directory.file("a_0.db3"), directory.file("a_0.db3.zstd"));
-  CHECK(refused_with([&] { Recording::open(directory.path().string()); }, "unzstd"));
+  CHECK(refused_with([&] { Recording::open(directory.path()); }, "unzstd"));
 }
 
 TEST_CASE("messages that were compressed by themselves are read") {

@@ -1,5 +1,4 @@
 #include "hqslam/core/trajectory.h"
-#include "hqslam/recordings/recording.h"
 #include "made_images.h"
 #include "recording_complaint.h"
 
@@ -23,11 +22,9 @@ struct ImageFolder : TemporaryDirectory {
     for (int i = 0; i < images; ++i) writer.append(a_wall(sensor));
   }
   std::unique_ptr<ScanSource> open(const RecordingOptions& options = {}) const {
-    return open_scan_files(path().string(), sensor, options);
+    return open_scan_files(path(), sensor, options);
   }
-  bool refused(const auto&... parts) const {
-    return recording_refused(path().string(), sensor, parts...);
-  }
+  bool refused(const auto&... parts) const { return recording_refused(path(), sensor, parts...); }
 };
 
 }  // namespace
@@ -148,9 +145,8 @@ TEST_CASE("rows that hold nothing in the images of a stack are left out, and nam
   const auto source = open_scan_files(directory.file("a.npy"), sensor);
   CHECK(source->sensor().beam_elevation_rad == sensor_preset("os1-16").beam_elevation_rad);
   CHECK(source->warnings().at(0).find("only rows 3, 7, ... 63 of 64") != std::string::npos);
-  const auto scan = source->next();
-  REQUIRE(scan);
-  CHECK(scan->cloud.range_m[scan->cloud.index(1, 0)] == 17.0F);
+  const auto scan = source->next().value();
+  CHECK(scan.cloud.range_m[scan.cloud.index(1, 0)] == 17.0F);
 
   RangeImage uneven(64, sensor.columns);
   for (const int row : {3, 4, 8, 20, 21, 33, 40}) uneven.at(row, 7) = 10.0F;

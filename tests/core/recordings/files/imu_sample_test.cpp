@@ -48,9 +48,8 @@ TEST_CASE("every scan has the samples up to its end, each sample once") {
   const double half_s = 0.5 * source->sensor().scan_period_s;
   std::size_t given = 0;
   for (const double stamp_s : {0.1, 0.2, 0.4}) {
-    const std::optional<RecordedScan> scan = source->next();
-    REQUIRE(scan);
-    for (const ImuSample& sample : scan->imu) CHECK(sample.stamp_s == samples[given++].stamp_s);
+    const RecordedScan scan = source->next().value();
+    for (const ImuSample& sample : scan.imu) CHECK(sample.stamp_s == samples[given++].stamp_s);
     REQUIRE(given < samples.size());
     CHECK(samples[given - 1].stamp_s <= stamp_s + half_s);
     CHECK(samples[given].stamp_s > stamp_s + half_s);

@@ -1,5 +1,4 @@
 #include "hqslam/core/cloud_file.h"
-#include "hqslam/core/point_fields.h"
 #include "vlp16_files.h"
 
 using namespace hqslam;

@@ -36,8 +36,7 @@ inline std::unique_ptr<ScanSource> open_vlp16(
     const TemporaryDirectory& folder,
     std::optional<CaptureTime> without_times = CaptureTime::kRolling,
     const SensorModel& sensor = sensor_preset("vlp-16")) {
-  return recordings::open_scan_files(folder.path().string(), sensor,
-                                     {.without_times = without_times});
+  return recordings::open_scan_files(folder.path(), sensor, {.without_times = without_times});
 }
 
 /// Of all scans, to the last one.

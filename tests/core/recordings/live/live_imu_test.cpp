@@ -50,11 +50,10 @@ TEST_CASE("inertial data that come over UDP come with their scan, and are record
     LoopbackSender(fixture.imu_port, 9).send(ouster_imu_packet(5'000'000'000));  // a stranger's
     fixture.send_turn(3);
     REQUIRE(sensor.next(kPatience_s));  // what came of turn 2
-    const auto scan = sensor.next(kPatience_s);
-    REQUIRE(scan);
-    REQUIRE(scan->scan.imu.size() == 1);
-    CHECK(std::abs(scan->scan.imu[0].stamp_s - scan->scan.stamp_s + 0.025) < 1e-3);
-    CHECK(scan->scan.imu[0].specific_force_mps2.z() == doctest::Approx(kGravity_mps2));
+    const auto scan = sensor.next(kPatience_s).value();
+    REQUIRE(scan.scan.imu.size() == 1);
+    CHECK(std::abs(scan.scan.imu[0].stamp_s - scan.scan.stamp_s + 0.025) < 1e-3);
+    CHECK(scan.scan.imu[0].specific_force_mps2.z() == doctest::Approx(kGravity_mps2));
     CHECK(sensor.counts().imu.used == 1);
     CHECK(sensor.counts().imu_failure.empty());
   }
@@ -70,12 +69,11 @@ TEST_CASE("inertial data of a scan that is dropped come with the next one") {
   fixture.recognize(sensor);
   for (std::uint32_t id = 3; id < 8; ++id) fixture.send_turn(id);
   wait_until([&] { return sensor.counts().scans >= 6; });
-  const auto scan = sensor.next(kPatience_s);
-  REQUIRE(scan);
+  const auto scan = sensor.next(kPatience_s).value();
   CHECK(sensor.counts().dropped_scans == 5);
-  REQUIRE(scan->scan.imu.size() == 5);
+  REQUIRE(scan.scan.imu.size() == 5);
   for (std::size_t i = 1; i < 5; ++i) {
-    CHECK(scan->scan.imu[i].stamp_s > scan->scan.imu[i - 1].stamp_s);
+    CHECK(scan.scan.imu[i].stamp_s > scan.scan.imu[i - 1].stamp_s);
   }
 }
 

@@ -61,10 +61,9 @@ void replay_in_step(const std::vector<Captured>& packets, std::uint16_t port,
 }  // namespace
 
 TEST_CASE("scans that come over UDP are those of the capture with the same packets") {
-  const TemporaryDirectory folder;
   const auto packets = velodyne_capture({.duration_s = 1.5});
-  write_file(folder.file("a.pcap"), pcap_bytes(packets));
-  auto recorded = Recording::open(folder.file("a.pcap"));
+  const Capture capture(packets);
+  auto recorded = Recording::open(capture.path);
   const LiveOptions options = vlp16();
   LiveSensor sensor(options);
   const std::jthread sending([&] { replay(packets, options.port, 1.0); });
@@ -136,10 +135,9 @@ TEST_CASE("an Ouster's turn is complete with its last packet, whatever its metad
   CHECK(sensor.format() == "Ouster packets, RNG19_RFL8_SIG16_NIR16");
   sensor.start();
   send_turn(sender, profile, 8);
-  REQUIRE(sensor.next(kPatience_s));  // what came of turn 7
-  const auto scan = sensor.next(kPatience_s);
-  REQUIRE(scan);  // no packet of turn 9 was sent
-  CHECK(scan->scan.counts.kept + scan->scan.counts.out_of_range == 8 * 512);
+  REQUIRE(sensor.next(kPatience_s));                   // what came of turn 7
+  const auto scan = sensor.next(kPatience_s).value();  // no packet of turn 9 was sent
+  CHECK(scan.scan.counts.kept + scan.scan.counts.out_of_range == 8 * 512);
   sender.send(ouster_turn(profile, 8)[3].payload);  // comes twice, behind the end of its turn
   send_turn(sender, profile, 10);
   REQUIRE(sensor.next(kPatience_s));

@@ -23,16 +23,14 @@ TEST_CASE("captures have packets of any sender and size, overwrite nothing and a
   }
   const auto source = open_pcap(folder.file("a.pcap"));
   for (const Captured& packet : packets) {
-    const auto read = source->next();
-    REQUIRE(read);
-    CHECK(read->capture_time_ns == packet.time_ns);
-    CHECK(read->endpoint == as_packet(packet).endpoint);
-    CHECK(Payload(read->payload.begin(), read->payload.end()) == packet.payload);
+    const auto read = source->next().value();
+    CHECK(read.capture_time_ns == packet.time_ns);
+    CHECK(read.endpoint == as_packet(packet).endpoint);
+    CHECK(Payload(read.payload.begin(), read.payload.end()) == packet.payload);
   }
-  const auto last = source->next();
-  REQUIRE(last);
-  CHECK(last->endpoint == from_ipv6.endpoint);
-  CHECK(last->payload.size() == 1206);
+  const auto last = source->next().value();
+  CHECK(last.endpoint == from_ipv6.endpoint);
+  CHECK(last.payload.size() == 1206);
   CHECK_FALSE(source->next());
   CHECK(refused_with([&] { PcapWriter(folder.file("a.pcap")); }, "a.pcap", "another file"));
   CHECK(refused_with([&] { PcapWriter(folder.file("a.txt")); }, ".pcap"));
@@ -40,8 +38,7 @@ TEST_CASE("captures have packets of any sender and size, overwrite nothing and a
   CHECK(refused_with([&] { PcapWriter(folder.file("b.pcap")); }, "b.json"));
   for (int attempt = 0; attempt < 2; ++attempt) {
     const PcapWriter writer(folder.file("empty.pcap"));
-    CHECK(
-        std::filesystem::exists(folder.file("empty.pcap")));  // no other program may take the name
+    CHECK(std::filesystem::exists(folder.file("empty.pcap")));  // nobody else may take the name
   }
   CHECK_FALSE(std::filesystem::exists(folder.file("empty.pcap")));
 }

@@ -69,12 +69,11 @@ TEST_CASE("each firing of a Hesai has a column of its own, at the azimuth of the
   HesaiDecoder decoder(nominal_hesai(16));
   for (const Captured& packet : packets) decoder.add(as_packet(packet));
   decoder.finish();
-  const auto scan = decoder.next();
-  REQUIRE(scan);
-  CHECK(std::ranges::count(scan->cloud.range_m, 0.0F) == 0);
+  const auto scan = decoder.next().value();
+  CHECK(std::ranges::count(scan.cloud.range_m, 0.0F) == 0);
   const SensorModel& sensor = decoder.sensor();
   for (const int column : {0, 7, 1999}) {
-    const Eigen::Vector3f& point_m = scan->cloud.points_m[scan->cloud.index(3, column)];
+    const Eigen::Vector3f& point_m = scan.cloud.points_m[scan.cloud.index(3, column)];
     const double apart_rad = std::atan2(point_m.y(), point_m.x()) - sensor.azimuth_rad(3, column);
     CHECK(std::abs(std::remainder(apart_rad, 2.0 * M_PI)) < 1e-5);
   }
@@ -92,10 +91,9 @@ TEST_CASE("of two returns of a Hesai's pulse the asked one is kept, whatever the
       const std::vector<Scan> scans = decoded(decoder, packets);
       REQUIRE(scans.size() == 1);
       const float range_m = 0.004F * static_cast<float>(distance);
-      const auto of_it =
-          std::ranges::count_if(scans[0].points_m, [&](const Eigen::Vector3f& point_m) {
-            return std::abs(point_m.norm() - range_m) < 0.001F;
-          });
+      const auto of_it = std::ranges::count_if(scans[0].points_m, [&](const auto& point_m) {
+        return std::abs(point_m.norm() - range_m) < 0.001F;
+      });
       CHECK(of_it == 1);
       CHECK(scans[0].points_m.size() == 2000 * 16);  // of the missing return the other one
     }
@@ -146,22 +144,18 @@ TEST_CASE("a capture and a bag of Hesai packets give the same scans, by the angl
 }
 
 TEST_CASE("without a fitting angle file the manual's serve, with a warning; a wrong one fails") {
-  const TemporaryDirectory folder;
-  const std::string capture = folder.file("a.pcap");
-  write_file(capture, pcap_bytes(hesai_capture(32, 0.15)));
+  const Capture made(hesai_capture(32, 0.15));
+  const std::string& capture = made.path;
   auto source = Recording::open(capture);
   CHECK(source.sensor() == nominal_hesai(32));
-  REQUIRE(source.warnings().size() == 1);
-  CHECK(source.warnings().front().find(".csv") != std::string::npos);
+  CHECK(one_line_with(source.warnings(), ".csv"));
 
-  const std::string angles = folder.file("angles.csv");
+  const std::string angles = made.folder.file("angles.csv");
   write_file(angles, angle_file(32));
   CHECK(Recording::open(capture, {.sensor = angles}).warnings().empty());
   CHECK(refused_with([&] { Recording::open(capture, {.sensor = "vlp-16"}); }, "32 rows", "vlp-16"));
   const auto other = Recording::open(capture, {.sensor = "hdl-32e"}).warnings();
-  REQUIRE(other.size() == 1);
-  CHECK(other.front().find("sensor 'hdl-32e', up to 14.7 degrees beside xt32's") !=
-        std::string::npos);
+  CHECK(one_line_with(other, "sensor 'hdl-32e', up to 14.7 degrees beside xt32's"));
   const std::string good = angle_file(32);
   for (const std::string& wrong :
        {angle_file(16), good.substr(0, good.size() / 2), std::string("Channel\n"), std::string(),

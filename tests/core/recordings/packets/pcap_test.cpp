@@ -38,6 +38,11 @@ std::vector<Captured> some_packets() {
   return packets;
 }
 
+/// Two fragments of a datagram with this number.
+std::vector<Payload> frames_of(int number, std::uint8_t content = 0) {
+  return ethernet_frames({number * 1000, 7502, Payload(2000, content), 201}, 1480);
+}
+
 void check_same(const std::vector<Captured>& found, const std::vector<Captured>& expected) {
   REQUIRE(found.size() == expected.size());
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -77,9 +82,6 @@ TEST_CASE("fragments are put together, in whichever order they come") {
 }
 
 TEST_CASE("of unfinished datagrams the latest 64 are kept") {
-  const auto frames_of = [](int number) {
-    return ethernet_frames({number * 1000, 7502, Payload(2000), 201}, 1480);
-  };
   const auto add = [](IpDatagrams& datagrams, const Payload& frame) {
     return datagrams.add(Bytes(frame).subspan(14)).has_value();
   };
@@ -92,9 +94,6 @@ TEST_CASE("of unfinished datagrams the latest 64 are kept") {
 }
 
 TEST_CASE("a fragment waits for the others of its datagram for at most 4096 packets") {
-  const auto frames_of = [](int number, std::uint8_t content) {
-    return ethernet_frames({number * 1000, 7502, Payload(2000, content), 201}, 1480);
-  };
   for (const int between : {4095, 4096}) {
     IpDatagrams datagrams;
     const auto add = [&](const Payload& frame) {
@@ -129,9 +128,7 @@ TEST_CASE("an IP length beyond the frame is no damage where UDP's own length is 
   frame[16] = 1234 >> 8;
   frame[17] = 1234 & 0xFF;
   IpDatagrams datagrams;
-  const auto datagram = datagrams.add(Bytes(frame).subspan(14));
-  REQUIRE(datagram);
-  CHECK(datagram->payload.size() == 512);
+  CHECK(datagrams.add(Bytes(frame).subspan(14)).value().payload.size() == 512);
   CHECK(datagrams.damaged() == 0);
   frame.resize(frame.size() - 1);  // and here something is missing
   CHECK_FALSE(datagrams.add(Bytes(frame).subspan(14)));

@@ -56,9 +56,8 @@ TEST_CASE("points and times of a RoboSense's packets are those that its manuals 
     CHECK(begin_deg > -0.011);
     CHECK(begin_deg < 0.21);
     for (const std::size_t firing : {1U, 2U, 9U, 400U}) {
-      const Eigen::Vector3f& later_m = scan.points_m[firing * lasers];
       const double expected_deg = begin_deg + 3.6e-3 * firing_us * static_cast<double>(firing);
-      CHECK(std::abs(clockwise_deg(later_m) - expected_deg) < 0.02);
+      CHECK(std::abs(clockwise_deg(scan.points_m[firing * lasers]) - expected_deg) < 0.02);
       CHECK(scan.time_offset_s[firing * lasers] - scan.time_offset_s[0] ==
             doctest::Approx(1e-6 * firing_us * static_cast<double>(firing)).epsilon(0.02));
     }

@@ -37,8 +37,7 @@ std::map<int, Seen> decoded(const Payload& packet, VelodyneModel model, bool dua
     const Seen one{1e6 * (scans[0].stamp_s + double{scans[0].time_offset_s[i]}),
                    degrees(std::atan2(-point_m.y(), point_m.x())),
                    degrees(std::asin(point_m.z() / point_m.norm())), scans[0].intensity[i]};
-    const double beam_rad = sensor.beam_elevation_rad[scans[0].row[i]];
-    CHECK(std::abs(one.elevation_deg - degrees(beam_rad)) < 0.02);
+    CHECK(std::abs(one.elevation_deg - degrees(sensor.beam_elevation_rad[scans[0].row[i]])) < 0.02);
     CHECK(seen.emplace(static_cast<int>(std::lround(1000.0 * point_m.norm())), one).second);
   }
   return seen;
@@ -62,9 +61,8 @@ Payload vls_packet(int first_azimuth, int first_bank, int returns) {
   Payload packet = packet_of(first_azimuth, 12);
   for (int i = 0; i < 12; ++i) {
     const int bank = first_bank + i / returns;
-    put(packet, 100 * static_cast<std::size_t>(i), kFlags[static_cast<std::size_t>(bank % 4)]);
-    put(packet, 100 * static_cast<std::size_t>(i) + 2,
-        static_cast<std::uint16_t>(first_azimuth + 20 * (bank / 4)));
+    put(packet, 100 * i, kFlags[bank % 4]);
+    put(packet, 100 * i + 2, static_cast<std::uint16_t>(first_azimuth + 20 * (bank / 4)));
   }
   return packet;
 }
@@ -79,7 +77,7 @@ double vls_laser_us(int laser) {
 double vls_column_deg(int laser) {
   constexpr std::array<double, 8> kColumns_deg = {6.354,  4.548,  2.732,  0.911,
                                                   -0.911, -2.732, -4.548, -6.354};
-  return kColumns_deg[static_cast<std::size_t>(laser % 8)];
+  return kColumns_deg[laser % 8];
 }
 
 }  // namespace
@@ -115,7 +113,7 @@ TEST_CASE("the lasers of a VLP-32C fire in pairs, 2.304 us apart, each a step fa
   for (int c = 0; c < 32; ++c) {
     CAPTURE(c);
     check_seen(seen.at(5000 + 40 * c), 4 * 55.296 + 2.304 * (c / 2),
-               90.0 + 0.2 * (4 + 2.304 * c / 55.296) + kOffset_deg[static_cast<std::size_t>(c)]);
+               90.0 + 0.2 * (4 + 2.304 * c / 55.296) + kOffset_deg[c]);
   }
   CHECK(seen.at(5000).elevation_deg == doctest::Approx(-25.0));
   CHECK(seen.at(5000 + 40 * 3).elevation_deg == doctest::Approx(-15.639));
@@ -195,8 +193,7 @@ TEST_CASE("a capture of a VLS-128 with two returns is recognized and has all its
   std::vector<Captured> packets;
   VelodyneProbe probe;
   for (int i = 0; i < 6567; ++i) {  // 0.35 s
-    const int azimuth = static_cast<int>(std::lround(19.188 * i)) % 36000;
-    Payload packet = vls_packet(azimuth, 0, 2);
+    Payload packet = vls_packet(static_cast<int>(std::lround(19.188 * i)) % 36000, 0, 2);
     for (int block = 0; block < 8; ++block) {
       for (int c = 0; c < 32; ++c) set_measurement(packet, block, c, 2500);
     }
@@ -205,12 +202,11 @@ TEST_CASE("a capture of a VLS-128 with two returns is recognized and has all its
     packets.push_back({std::llround(53'300.0 * i), 2368, std::move(packet)});
     probe.add(as_packet(packets.back()));
   }
-  const auto stream = probe.result();
-  REQUIRE(stream);
-  CHECK(stream->model == VelodyneModel::kVls128);
-  CHECK(stream->dual_return);
-  CHECK(stream->scan_period_s == doctest::Approx(0.1).scale(0).epsilon(0.001));
-  VelodyneDecoder decoder(*stream, sensor_preset("vls-128"));
+  const auto stream = probe.result().value();
+  CHECK(stream.model == VelodyneModel::kVls128);
+  CHECK(stream.dual_return);
+  CHECK(stream.scan_period_s == doctest::Approx(0.1).scale(0).epsilon(0.001));
+  VelodyneDecoder decoder(stream, sensor_preset("vls-128"));
   const std::vector<Scan> scans = test::decoded(decoder, packets);
   CHECK(decoder.counts().used == 6567);
   CHECK(decoder.counts().lost + decoder.counts().foreign + decoder.counts().late == 0);

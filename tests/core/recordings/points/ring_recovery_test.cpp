@@ -190,8 +190,7 @@ TEST_CASE("points stored by columns, at random or to and fro are no rings and ar
   std::vector<std::size_t> order(known.row.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::ranges::sort(order, [&](std::size_t a, std::size_t b) {
-    return std::pair(known.angle_rad[a], known.row[a]) <
-           std::pair(known.angle_rad[b], known.row[b]);
+    return std::tie(known.angle_rad[a], known.row[a]) < std::tie(known.angle_rad[b], known.row[b]);
   });
   Scan columns;
   for (const std::size_t i : order) columns.points_m.push_back(known.scan.points_m[i]);

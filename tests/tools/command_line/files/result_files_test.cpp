@@ -33,13 +33,13 @@ TEST_CASE("no device, pipe, folder or input is overwritten, whatever program mad
 
 TEST_CASE("an earlier drive makes room, files beside it stay") {
   const TemporaryDirectory folder;
-  fs::create_directory(folder.path() / "bin");
+  fs::create_directory(folder.file("bin"));
   for (const char* name : {"scans.npy", "sensor.json", "drive.json", "truth.tum", "truth.kitti",
                            "truth_columns.npy", "bin/000003.bin", "bin/mine.bin", "notes.txt"}) {
     write_file(folder.file(name), "x");
   }
   write_file(folder.file("drive.json"), R"({"name": "block", "seed": 1, "scans": 5})");
-  clear_drive_folder(folder.path().string());
+  clear_drive_folder(folder.path());
   CHECK(fs::exists(folder.file("notes.txt")));
   CHECK(fs::exists(folder.file("bin/mine.bin")));
   CHECK_FALSE(fs::exists(folder.file("bin/000003.bin")));

@@ -22,15 +22,19 @@ void good() {}
 void not_understood() { throw ScanError("has no points"); }
 void unreadable() { throw Error("a.bin: cannot be read"); }
 
-/// The indices that were used, of scans read to their end.
-std::vector<std::int64_t> used_of(std::vector<std::function<void()>> scans, Reading& reading) {
+/// The indices that were used, as far as `goes_on` says or to the end.
+std::vector<std::int64_t> used_of(
+    std::vector<std::function<void()>> scans, Reading& reading, const LookAhead& look_ahead = {},
+    const std::function<bool(std::int64_t)>& goes_on = [](std::int64_t) { return true; }) {
   test::MadeScans source = made(std::move(scans));
   const InterruptGuard interrupt;
   std::vector<std::int64_t> used;
-  read_scans(source, interrupt, reading, [&](const ReadScan& read) {
+  const auto use = [&](const ReadScan& read) {
+    const bool result = goes_on(read.index);
     used.push_back(read.index);
-    return true;
-  });
+    return result;
+  };
+  read_scans(source, interrupt, reading, use, look_ahead);
   return used;
 }
 
@@ -55,24 +59,17 @@ TEST_CASE("a scan that cannot be read ends the reading, unless it is the first")
 
 TEST_CASE("a recording of which nothing can be used says why") {
   Reading reading;
-  CHECK(test::refused_with(
-      [&] {
-        used_of({not_understood, not_understood}, reading);
-      },
-      "2 scans were left out", "has no points"));
+  const std::vector<std::function<void()>> scans(2, not_understood);
+  CHECK(test::refused_with([&] { used_of(scans, reading); }, "2 scans were left out", "no points"));
 }
 
 TEST_CASE("the user of the scans may leave one out, or stop") {
-  test::MadeScans source = made({good, good, good, good});
-  const InterruptGuard interrupt;
   Reading reading;
-  std::vector<std::int64_t> used;
-  read_scans(source, interrupt, reading, [&](const ReadScan& read) {
-    if (read.index == 1) throw ScanError("has bad times");
-    used.push_back(read.index);
-    return read.index < 2;
-  });
-  CHECK(used == std::vector<std::int64_t>{0, 2});
+  const auto goes_on = [](std::int64_t scan) {
+    if (scan == 1) throw ScanError("has bad times");
+    return scan < 2;
+  };
+  CHECK(used_of({good, good, good, good}, reading, {}, goes_on) == std::vector<std::int64_t>{0, 2});
   CHECK(reading.end == ReadingEnd::kComplete);
   CHECK(reading.left_out.text() == "1 scan was left out: scan 1: has bad times");
 }
@@ -96,16 +93,9 @@ TEST_CASE("a scan is used when those that it waits for were seen, or none come")
 }
 
 TEST_CASE("scans that wait for others are not used when Ctrl-C ends the reading") {
-  test::MadeScans source = made({good, good, good, [] { std::raise(SIGINT); }, good});
-  const InterruptGuard interrupt;
   Reading reading;
-  std::vector<std::int64_t> used;
-  const auto use = [&](const ReadScan& read) {
-    used.push_back(read.index);
-    return true;
-  };
-  read_scans(source, interrupt, reading, use, {2});
-  CHECK(used == std::vector<std::int64_t>{0, 1});
+  CHECK(used_of({good, good, good, [] { std::raise(SIGINT); }, good}, reading, {2}) ==
+        std::vector<std::int64_t>{0, 1});
   CHECK(reading.end == ReadingEnd::kInterrupted);
 }
 

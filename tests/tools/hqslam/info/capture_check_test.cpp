@@ -6,7 +6,6 @@
 #include "testing.h"
 
 namespace hqslam::test {
-
 namespace {
 
 /// The scan as if all of it had been measured at its stamp, by the true way of the sensor. Its

@@ -38,6 +38,8 @@ FileDescriptor connection_to(const std::string& url) {
   return connection;
 }
 
+const std::string kRequest = "GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n";
+
 /// What a server answers to these bytes.
 std::string answer_to(const std::string& url, const std::string& request) {
   const FileDescriptor connection = connection_to(url);
@@ -72,8 +74,7 @@ TEST_CASE("the live map keeps one point per voxel, and coarser ones instead of t
   // Nothing of the area is missing.
   std::array<int, 9> ninths{};
   for (const Eigen::Vector3f& p : map.points_m()) {
-    ++ninths[static_cast<std::size_t>(p.x() / 60.01F) * 3 +
-             static_cast<std::size_t>(p.y() / 60.01F)];
+    ++ninths[3 * static_cast<int>(p.x() / 60.01F) + static_cast<int>(p.y() / 60.01F)];
   }
   for (const int points : ninths) CHECK(points > static_cast<int>(map.points_m().size()) / 12);
 }
@@ -207,13 +208,10 @@ TEST_CASE("clients that send nothing, or do not read, block no other client") {
   for (std::size_t i = 0; i < 2 * ViewServer::kMostConnections; ++i) {
     silent.push_back(connection_to(server.url()));
     if (i % 2 == 0) continue;  // half of them ask and do not read
-    const std::string request = "GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n";
-    send(silent.back().get(), request.data(), request.size(), MSG_NOSIGNAL);
+    send(silent.back().get(), kRequest.data(), kRequest.size(), MSG_NOSIGNAL);
   }
   const auto start = std::chrono::steady_clock::now();
-  for (int i = 0; i < 3; ++i) {
-    CHECK(answer_to(server.url(), "GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n").size() > 1'000'000);
-  }
+  for (int i = 0; i < 3; ++i) CHECK(answer_to(server.url(), kRequest).size() > 1'000'000);
   // One after the other, with two seconds for each, they would take two minutes.
   CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(20));
 }

@@ -92,9 +92,7 @@ TEST_CASE("the page of a long run has some 100 bytes for each scan") {
 }
 
 TEST_CASE("with a reference each pose has its error, and the reference is in the map frame") {
-  const SlamRun run = compared_run(30, 2.0);
-  REQUIRE(run.comparison);
-  const nlohmann::json data = report_json(run);
+  const nlohmann::json data = report_json(compared_run(30, 2.0));
   const std::vector<float> error_m = numbers_of(data["trajectory"]["error_m"]);
   REQUIRE(error_m.size() == 30);
   CHECK(*std::ranges::max_element(error_m) ==

@@ -38,8 +38,7 @@ TEST_CASE("the timings hold medians in milliseconds, counts of statuses and ever
 TEST_CASE("the timings list the loops that were found") {
   SlamRun run = example_run(10);
   CHECK(nlohmann::json::parse(timings_json(run))["loops"].empty());
-  run.loops = {{slam::LoopStatus::kClosed, 1, 7, 2, 3.25},
-               {slam::LoopStatus::kAgrees, 1, 9, 4, 0.0}};
+  run.loops = {{slam::LoopStatus::kClosed, 1, 7, 2, 3.25}, {slam::LoopStatus::kAgrees, 1, 9, 4, 0}};
   const nlohmann::json loops = nlohmann::json::parse(timings_json(run))["loops"];
   REQUIRE(loops.size() == 2);
   CHECK(loops[0]["scan"] == 7);

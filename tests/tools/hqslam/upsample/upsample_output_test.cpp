@@ -11,14 +11,15 @@ namespace {
 namespace fs = std::filesystem;
 using namespace hqslam::test;
 
+const SensorModel kSixteen = sensor_preset("os1-16");
+
 /// Writes `scans` scans into `folder`.
 void write_scans(const std::string& folder, int scans, UpsampledFormats formats = {}) {
-  const SensorModel sensor = sensor_preset("os1-16");
-  UpsampleOutput output(folder, {"input", "linear", scans}, sensor, formats);
+  UpsampleOutput output(folder, {"input", "linear", scans}, kSixteen, formats);
   RangeImage image(16, 1024);
   image.at(3, 7) = 10.0F;
   for (int i = 0; i < scans; ++i) {
-    output.append(image, unproject(image, sensor, CaptureTime::kRolling), 0.5 + 0.25 * i);
+    output.append(image, unproject(image, kSixteen, CaptureTime::kRolling), 0.5 + 0.25 * i);
   }
 }
 
@@ -37,20 +38,18 @@ TEST_CASE("an upsampled drive is a stack with its sensor, and one file per scan 
   CHECK(read_sensor_json(folder.file("plain/sensor.json")).rows() == 16);
 
   write_scans(folder.file("all"), 2, {true, true});
-  for (const char* kind : {"bin", "pcd"}) {
-    CHECK(names_in(folder.path() / "all" / kind) ==
-          std::set<std::string>{std::string("000000.") + kind, std::string("000001.") + kind});
+  for (const std::string kind : {"bin", "pcd"}) {
+    CHECK(names_in(folder.file("all/" + kind)) == std::set{"000000." + kind, "000001." + kind});
   }
   CHECK(read_cloud(folder.file("all/pcd/000001.pcd")).points_m.size() == 1);
 }
 
 TEST_CASE("intensities have a stack of their own, where a scan has none they are not known") {
   const TemporaryDirectory folder;
-  const SensorModel sensor = sensor_preset("os1-16");
-  UpsampleOutput output(folder.file("out"), {"input", "linear", 3}, sensor, {});
+  UpsampleOutput output(folder.file("out"), {"input", "linear", 3}, kSixteen, {});
   RangeImage image(16, 1024);
   image.at(3, 7) = 10.0F;
-  OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kRolling);
+  OrganizedCloud cloud = unproject(image, kSixteen, CaptureTime::kRolling);
   output.append(image, cloud, 0.0);
   cloud.intensity.assign(cloud.range_m.size(), 300.5F);
   output.append(image, cloud, 0.1);
@@ -65,13 +64,12 @@ TEST_CASE("intensities have a stack of their own, where a scan has none they are
 
 TEST_CASE("a sensor that begins its turns anywhere has the times of its scans in the stack too") {
   const TemporaryDirectory folder;
-  const SensorModel sensor = sensor_preset("os1-16");
-  UpsampleOutput output(folder.file("out"), {"input", "linear", 3}, sensor, {});
+  UpsampleOutput output(folder.file("out"), {"input", "linear", 3}, kSixteen, {});
   RangeImage image = flat_image(16, 1024, 10.0F);
   std::vector<OrganizedCloud> clouds;
   for (const int first : {0, 700, 3}) {
     image.range_m[0] += 1.0F;  // no two scans of a real sensor are the same
-    clouds.push_back(unproject(image, sensor, CaptureTime::kRolling, first));
+    clouds.push_back(unproject(image, kSixteen, CaptureTime::kRolling, first));
     output.append(image, clouds.back(), 0.1);
   }
   CHECK(file_contents(folder.file("out/first_columns.txt")) == "0\n700\n3\n");
@@ -89,15 +87,14 @@ TEST_CASE("a sensor that begins its turns anywhere has the times of its scans in
 
 TEST_CASE("upsample.json says whether all scans were taken, and by which poses they recalled") {
   const TemporaryDirectory folder;
-  UpsampleOutput output(folder.file("out"), {"input", "linear", 7, "poses.tum"},
-                        sensor_preset("os1-16"), {});
+  UpsampleOutput output(folder.file("out"), {"input", "linear", 7, "poses.tum"}, kSixteen, {});
   const std::string origin = folder.file("out/upsample.json");
   CHECK(missing(file_contents(origin), {"\"complete\": false", "\"scans_in_recording\": 7",
                                         "\"poses\": \"poses.tum\""}) == "");
   output.finish(7);
   CHECK(holds(file_contents(origin), "\"complete\": true"));
   // How many scans a capture has is not said before it was read to its end.
-  UpsampleOutput capture(folder.file("live"), {"input", "linear"}, sensor_preset("os1-16"), {});
+  UpsampleOutput capture(folder.file("live"), {"input", "linear"}, kSixteen, {});
   CHECK(holds(file_contents(folder.file("live/upsample.json")), "\"scans_in_recording\": null"));
   capture.finish(5);
   CHECK(holds(file_contents(folder.file("live/upsample.json")), "\"scans_in_recording\": 5"));
@@ -121,8 +118,8 @@ TEST_CASE("the truth and the inertial data of a simulated drive go along") {
   fs::create_directory(folder.file("drive"));
   write_file(folder.file("drive/truth.tum"), "0.05 0 0 0 0 0 0 1\n");
   write_file(folder.file("drive/imu.csv"), "0,0,0,0,0,0,9.81\n");
-  const UpsampleOutput output(folder.file("out"), {folder.file("drive"), "linear", 1},
-                              sensor_preset("os1-16"), {});
+  const UpsampleOutput output(folder.file("out"), {folder.file("drive"), "linear", 1}, kSixteen,
+                              {});
   CHECK(file_contents(folder.file("out/truth.tum")) == "0.05 0 0 0 0 0 0 1\n");
   CHECK(file_contents(folder.file("out/imu.csv")) == "0,0,0,0,0,0,9.81\n");
 }

@@ -67,7 +67,7 @@ TEST_CASE("a drive is read as it was written, with its mount and conditions") {
     const TemporaryDirectory folder;
     DriveSpec spec{"town", 0xFFFFFFFFFFFFFFFFU, 12, {}, {}};
     if (varied) spec = with_varied_conditions(spec);
-    { const DriveWriter writer(folder.path().string(), spec, small_sensor()); }
+    { const DriveWriter writer(folder.path(), spec, small_sensor()); }
     CHECK(read_drive_json(folder.file("drive.json")) == spec);
   }
 }
@@ -76,8 +76,7 @@ TEST_CASE("what is no drive.json, or of another revision, is one line that names
   const auto refuses = [](const std::string& json, const auto&... parts) {
     CHECK(refused_with([&] { from_file("drive.json", json, read_drive_json); }, parts...));
   };
-  CHECK(
-      refused_with([] { read_drive_json("/nowhere/drive.json"); }, "drive.json", "found no file"));
+  CHECK(refused_with([] { read_drive_json("/no/drive.json"); }, "drive.json", "found no file"));
   refuses("not json", "drive.json", "JSON");
   refuses("[]", "drive.json", "object");
   refuses(R"({"name": "town", "seed": 1})", "drive.json", "scans");

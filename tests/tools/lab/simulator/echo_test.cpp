@@ -20,13 +20,10 @@ std::optional<Echo> reported(const Echo& near, double near_weight, const Echo& f
 }  // namespace
 
 TEST_CASE("echoes within a pulse melt into their mean by power, others do not") {
-  const auto mixed = reported({10.0, 4.0}, 2.0, {10.5, 8.0}, 1.0);
-  REQUIRE(mixed);
-  CHECK(mixed->range_m == doctest::Approx(10.25));
-  const auto strongest = reported({10.0, 1.0}, 2.0, {14.0, 5.0}, 1.0);
-  REQUIRE(strongest);
-  CHECK(strongest->range_m == doctest::Approx(14.0));
-  CHECK(strongest->signal == doctest::Approx(5.0 / 3.0));
+  CHECK(reported({10.0, 4.0}, 2.0, {10.5, 8.0}, 1.0).value().range_m == doctest::Approx(10.25));
+  const auto strongest = reported({10.0, 1.0}, 2.0, {14.0, 5.0}, 1.0).value();
+  CHECK(strongest.range_m == doctest::Approx(14.0));
+  CHECK(strongest.signal == doctest::Approx(5.0 / 3.0));
   CHECK_FALSE(Footprint{}.reported_echo());
 }
 
@@ -46,13 +43,11 @@ TEST_CASE("range noise has mean 0 and the stated deviation, in whole millimetres
 
 TEST_CASE("intensity is of the surface and how it is met, not of its distance") {
   const auto intensity = [](Material material, double range_m, double cosine) {
-    const RayHit hit{range_m, cosine, {material, 255}};
-    return int{intensity_of(*echo_of(hit, 120.0, {}), 120.0)};
+    return int{intensity_of(*echo_of({range_m, cosine, {material, 255}}, 120.0, {}), 120.0)};
   };
   for (const double range_m : {0.05, 2.0, 30.0, 110.0}) {
     CHECK(intensity(Material::kPlaster, range_m, 1.0) == 70);
-    CHECK(intensity(Material::kPlaster, range_m, 0.25) ==
-          std::lround(70.0 * std::pow(0.25, 0.375)));
+    CHECK(intensity(Material::kPlaster, range_m, 0.25) == std::lround(70 * std::pow(0.25, 0.375)));
     CHECK(intensity(Material::kRubber, range_m, 1.0) == 10);
     CHECK(intensity(Material::kRetroreflector, range_m, 1.0) == 255);
   }

@@ -13,8 +13,7 @@ TEST_CASE("rows far apart see no edge in smooth ground: on average it is where i
            {-200.0, 200.0, 0.0}, {Material::kConcrete, 255});
   const RayScene scene(city);
   const SensorModel sensor = sensor_preset("os1-16");
-  const std::vector<Pose> poses(static_cast<std::size_t>(sensor.columns),
-                                pose_from_xyz_rpy({3.0, 4.0, 1.8}, 0.0, 0.0, 0.0));
+  const std::vector<Pose> poses(sensor.columns, pose_from_xyz_rpy({3.0, 4.0, 1.8}, 0.0, 0.0, 0.0));
   const RangeImage image = Lidar(sensor, DriveSpec{}).measure(scene, poses, 0);
   const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kRolling);
   for (int row = 9; row < sensor.rows(); ++row) {  // from 4 degrees down

@@ -16,12 +16,10 @@ TEST_CASE("a moving thing is met where it is at the ray's time") {
   actor.T_world_at_end = Eigen::Translation3d(12.0, 0.0, 0.0);
   scene.place_actors({actor});
   for (const double fraction : {0.0, 0.25, 0.8}) {
-    const auto hit = scene.cast({0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, fraction, 200.0);
-    REQUIRE(hit);
-    CHECK(hit->range_m == doctest::Approx(9.0 + 2.0 * fraction).epsilon(1e-6));
+    CHECK(scene.cast({0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, fraction, 200.0).value().range_m ==
+          doctest::Approx(9.0 + 2.0 * fraction).epsilon(1e-6));
   }
   scene.place_actors({});
-  const auto hit = scene.cast({0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, 0.5, 200.0);
-  REQUIRE(hit);
-  CHECK(hit->range_m == doctest::Approx(100.0).epsilon(1e-9));
+  const auto hit = scene.cast({0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, 0.5, 200.0).value();
+  CHECK(hit.range_m == doctest::Approx(100.0).epsilon(1e-9));
 }

@@ -2,7 +2,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "hqslam/core/angles.h"
 #include "hqslam/sim/write_drive.h"
 #include "lidar.h"
 #include "sample_statistics.h"
@@ -144,9 +143,8 @@ TEST_CASE("before a wall each beam is off by what was drawn for it, as bright as
 TEST_CASE("a drive keeps its sensor's table and says beside it how its beams really look") {
   const TemporaryDirectory folder;
   for (const SensorErrors errors : {SensorErrors::kNone, SensorErrors::kTypical}) {
-    const DriveSpec spec = drive_with(errors);
     const std::string out = folder.file(name_of(errors));
-    { const DriveWriter writer(out, spec, small_sensor()); }
+    DriveWriter(out, drive_with(errors), small_sensor());
     CHECK(read_drive_json(out + "/drive.json").sensor_errors == errors);
   }
   const auto text = [&](const std::string& file) { return file_contents(folder.file(file)); };

@@ -1,20 +1,15 @@
 #pragma once
 
 #include "city.h"
-#include "hqslam/core/sensor_model.h"
-#include "testing.h"
+#include "made_images.h"
 
 namespace hqslam::test {
 
 /// 16 beams from +10 to -20 degrees with azimuth offsets of some columns, 128 columns.
 inline SensorModel small_sensor() {
-  SensorModel sensor;
-  sensor.name = "small";
-  sensor.columns = 128;
+  SensorModel sensor = even_sensor(16, 128, 10.0, 2.0);
   for (int row = 0; row < 16; ++row) {
-    sensor.beam_elevation_rad.push_back((10.0 - 2.0 * row) * std::numbers::pi / 180.0);
-    sensor.beam_azimuth_offset_rad.push_back((row % 2 == 0 ? 4.0 : -4.0) * std::numbers::pi /
-                                             180.0);
+    sensor.beam_azimuth_offset_rad[row] = (row % 2 == 0 ? 4.0 : -4.0) * kDegree_rad;
   }
   return sensor;
 }

@@ -46,8 +46,7 @@ double distance_by_all_triangles_m(const City& city, const Eigen::Vector3d& poin
   };
   look_at(city.fixed, Eigen::Affine3d::Identity());
   for (const Placement& placement : city.placements) {
-    look_at(city.prototypes[static_cast<std::size_t>(placement.prototype)],
-            placement.T_world_prototype);
+    look_at(city.prototypes[placement.prototype], placement.T_world_prototype);
   }
   return nearest_m;
 }
@@ -76,17 +75,16 @@ TEST_CASE("what a window shows is true where it is seen to be, and nowhere else"
     const RayScene scene(city);
     const Eigen::Vector3d eye(0.0, 1.0, 0.0);
     const Eigen::Vector3d direction = Eigen::Vector3d(10.0, -1.0, 0.5).normalized();
-    const auto hit = scene.cast(eye, direction, 0.0, 100.0);
-    REQUIRE(hit);
-    const double range_m = range_through_glass_m(*hit);
-    CHECK(range_m > hit->range_m + 0.1);
+    const auto hit = scene.cast(eye, direction, 0.0, 100.0).value();
+    const double range_m = range_through_glass_m(hit);
+    CHECK(range_m > hit.range_m + 0.1);
     const auto distance_m = [&](const Eigen::Vector3d& point_m) {
       return distance_to_true_surface_m(scene, {eye}, point_m, 1.0);
     };
     CHECK(distance_m(eye + range_m * direction) < 1e-3);
     CHECK(distance_m(eye + (range_m + 0.25) * direction) <= 0.2501);
     CHECK(distance_m(eye + (range_m + 0.25) * direction) > 0.1);
-    CHECK(distance_m(eye + hit->range_m * direction) < 1e-3);  // the pane itself
+    CHECK(distance_m(eye + hit.range_m * direction) < 1e-3);  // the pane itself
     // In front of the window there is nothing, and beside it nothing to see through.
     CHECK(std::isinf(distance_m({5.0, 0.0, 0.0})));
     CHECK(std::isinf(distance_m({range_m, 9.0, 0.0})));

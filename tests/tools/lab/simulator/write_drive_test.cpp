@@ -57,7 +57,6 @@ TEST_CASE("a drive that is written part of the way reads back as what was simula
   double x_m = 0.0;
   columns.read(reinterpret_cast<char*>(&x_m), sizeof(x_m));
   CHECK(std::abs(x_m - scans[1].T_map_sensor_at_column[5].translation().x()) < 1e-12);
-  CHECK(read_drive_json(out + "/drive.json") == spec);
 }
 
 TEST_CASE("old files among the new are one clear line") {
@@ -65,7 +64,8 @@ TEST_CASE("old files among the new are one clear line") {
   const std::string out = directory.file("drive");
   std::filesystem::create_directories(out + "/bin");
   write_file(out + "/bin/000007.bin", "old");
-  CHECK(refused_with(
-      [&] { DriveWriter(out, drive_preset("block"), small_sensor(), {.kitti_bin = true}); }, "bin",
-      "empty"));
+  const auto write = [&] {
+    DriveWriter(out, drive_preset("block"), small_sensor(), {.kitti_bin = true});
+  };
+  CHECK(refused_with(write, "bin", "empty"));
 }

@@ -31,9 +31,8 @@ inline Trajectory straight_drive(double scale, int scans = 300, int jump = 300) 
 inline tools::FinishedDrive finished_drive(const std::string& kind, std::uint64_t seed,
                                            std::vector<Trajectory> trajectories,
                                            std::optional<Trajectory> truth) {
-  const std::int64_t scans = std::ssize(trajectories.front());
   return {{kind, {}, sim::DriveSpec{kind, seed, 200, {}, {}}},
-          scans,
+          std::ssize(trajectories.front()),
           std::move(trajectories),
           std::move(truth)};
 }

@@ -5,7 +5,6 @@
 namespace hqslam::tools {
 
 TEST_CASE("a range counts as right within 0.1 m of what other scans measured, where they did") {
-  SensorModel sensor = sensor_preset("os1-64");
   nn::TrainingScan scan{RangeImage(4, 6)};  // row 1 and 3 are measured
   for (int column = 0; column < 6; ++column) scan.truth.at(1, column) = 7.0F;
   scan.truth.at(0, 0) = -10.0F;  // 10.05 m: right
@@ -24,7 +23,7 @@ TEST_CASE("a range counts as right within 0.1 m of what other scans measured, wh
   };
   nn::TrainingScan unknown{RangeImage(4, 6)};
   unknown.truth.at(1, 3) = 7.0F;
-  const PixelShares shares = pixel_shares({scan, unknown}, sensor, {1, 2}, upsample);
+  const auto shares = pixel_shares({scan, unknown}, sensor_preset("os1-64"), {1, 2}, upsample);
   CHECK(shares.right == std::vector{0.5});
   CHECK(shares.missing == std::vector{0.25});
 }

@@ -34,6 +34,12 @@ std::string stack(const TemporaryDirectory& folder, int number, int images) {
   return path;
 }
 
+std::unique_ptr<const StoredScans> stored(const nn::ScanSet& set,
+                                          const nn::TrainingConfiguration& configuration,
+                                          const DriveStore& store) {
+  return stored_scans(set, configuration, store, "scans", InterruptGuard());
+}
+
 }  // namespace
 
 TEST_CASE("scans of several files are numbered through, many threads read them at once") {
@@ -82,9 +88,7 @@ TEST_CASE("a set is its stacks, then its drives, usual or varied, of a sensor th
   set.simulated = {
       {.drive = "block", .seeds = {5}, .scans = 1},
       {.drive = "block", .seeds = {6}, .scans = 1, .conditions = nn::DriveConditions::kVaried}};
-  const InterruptGuard interrupt;
-  const auto scans = stored_scans(set, training_for(tiny_sensor()), {folder.path() / "drives", 2},
-                                  "scans", interrupt);
+  const auto scans = stored(set, training_for(tiny_sensor()), {folder.file("drives"), 2});
   REQUIRE(scans != nullptr);
   REQUIRE(scans->size() == 3);
   CHECK(scans->read(0).truth.range_m.front() == 10.0F);
@@ -101,11 +105,9 @@ TEST_CASE("a network with a memory gets what every scan recalls of those before 
   const TemporaryDirectory folder;
   nn::ScanSet set;
   set.simulated = {{.drive = "block", .seeds = {5}, .scans = 7, .every = 3}};
-  const InterruptGuard interrupt;
   const DriveStore store{folder.path(), 1};
-  const auto scans =
-      stored_scans(set, training_for(tiny_sensor(), true), store, "scans", interrupt);
-  const auto without = stored_scans(set, training_for(tiny_sensor()), store, "scans", interrupt);
+  const auto scans = stored(set, training_for(tiny_sensor(), true), store);
+  const auto without = stored(set, training_for(tiny_sensor()), store);
   REQUIRE(scans->size() == 3);
   for (std::int64_t i = 0; i < 3; ++i) {
     const auto [truth, recalled, own_sensor] = scans->read(i);
@@ -124,14 +126,13 @@ TEST_CASE("a network with a memory gets what every scan recalls of those before 
 
 TEST_CASE("a drive with a sensor of its own is simulated and recalls with that one's rows") {
   const TemporaryDirectory folder;
-  const InterruptGuard interrupt;
   nn::TrainingConfiguration configuration = training_for(tiny_sensor(), true, true);
   const SensorModel many = test::even_sensor(272, tiny_sensor().columns, 34.0, 0.25);
   configuration.drawn_from = many;
   nn::ScanSet set;
   set.simulated = {{.drive = "block", .seeds = {5, 6}, .scans = 3, .every = 2, .own_sensors = true},
                    {.drive = "block", .seeds = {7}, .scans = 1}};
-  const auto scans = stored_scans(set, configuration, {folder.path(), 1}, "scans", interrupt);
+  const auto scans = stored(set, configuration, {folder.path(), 1});
   REQUIRE(scans->size() == 5);
   for (const std::uint64_t seed : {5U, 6U}) {
     const nn::TrainingScan scan = scans->read(seed == 5 ? 1 : 3);
@@ -149,13 +150,11 @@ TEST_CASE("a drive with a sensor of its own is simulated and recalls with that o
 
 TEST_CASE("a drive that looks ahead gets what every scan recalls of those around it") {
   const TemporaryDirectory folder;
-  const InterruptGuard interrupt;
   const auto recalled_pixels = [&](bool look_ahead) {
     nn::ScanSet set;
     set.simulated = {{.drive = "block", .seeds = {5}, .scans = 30, .every = 4}};
     set.simulated.front().look_ahead = look_ahead;
-    const auto scans = stored_scans(set, training_for(tiny_sensor(), true), {folder.path(), 1},
-                                    "scans", interrupt);
+    const auto scans = stored(set, training_for(tiny_sensor(), true), {folder.path(), 1});
     REQUIRE(scans->size() == 8);
     std::vector<std::int64_t> pixels;
     for (std::int64_t i = 0; i < 8; ++i) {
@@ -175,21 +174,18 @@ TEST_CASE("a recording's folder is what is in it now, without the scans that are
   const TemporaryDirectory folder;
   SensorModel sensor = sensor_preset("os1-16");
   std::filesystem::create_directory(folder.file("scans"));
-  const InterruptGuard interrupt;
   nn::ScanSet set;
   set.stacks = {{folder.file("scans")}};
   const auto scans_now = [&] {
-    return stored_scans(set, training_for(sensor), {folder.path() / "store", 1}, "scans", interrupt)
-        ->size();
+    return stored(set, training_for(sensor), {folder.file("store"), 1})->size();
   };
   for (int i = 0; i < 3; ++i) {
-    const RangeImage image =
-        test::flat_image(sensor.rows(), sensor.columns, 5.0F + static_cast<float>(i));
+    const RangeImage image = test::flat_image(16, 1024, 5.0F + static_cast<float>(i));
     test::write_points(points_of(unproject(image, sensor, CaptureTime::kMotionCorrected)),
                        folder.file(fmt::format("scans/{}.pcd", i)));
   }
   CHECK(scans_now() == 3);
-  std::filesystem::remove(folder.path() / "scans/2.pcd");
+  std::filesystem::remove(folder.file("scans/2.pcd"));
   CHECK(scans_now() == 2);
   test::write_file(folder.file("scans/1.pcd"), "no longer");
   CHECK(scans_now() == 1);
