@@ -2,15 +2,22 @@
 
 #include <cstdint>
 #include <optional>
-#include <span>
 
 #include "tensor.h"
 
 // A convolution: its sizes and its definition.
 namespace hqslam::nn {
 
-/// Channels, kernel, stride and padding of conv2d or conv_transpose2d. The tensors' ColumnPadding
-/// decides how columns are padded.
+/// Channels, kernel, stride and padding of conv2d or conv_transpose2d.
+///
+/// 2-D convolution (cross-correlation, as everywhere in deep learning) is
+///   output[o][y][x] = bias[o] + sum_{i, r, c} weight[o][i][r][c]
+///                                input[i][y stride + r - padding][x stride + c - padding]
+/// or, for a `transposed` shape, its adjoint ("deconvolution"):
+///   output[o][y stride + r - padding][x stride + c - padding] += weight[i][o][r][c] input[i][y][x]
+/// plus bias[o]. Rows beyond the edge are zero or dropped, columns continue according to the
+/// tensors' ColumnPadding. weight: output x input x kernel rows x kernel columns, transposed:
+/// input x output x ...; bias: output channels.
 struct ConvolutionShape {
   int input_channels = 1;
   int output_channels = 1;
@@ -49,23 +56,5 @@ struct LayerEnd {
   const Tensor* skip = nullptr;  ///< of the result's shape; may be the result
   const Tensor* activated = nullptr;
 };
-
-/// 2-D convolution (cross-correlation, as everywhere in deep learning), loop by loop as its
-/// definition:
-///   output[o][y][x] = bias[o] + sum_{i, r, c} weight[o][i][r][c]
-///                                input[i][y stride + r - padding][x stride + c - padding]
-/// or, for a `transposed` shape, its adjoint ("deconvolution"):
-///   output[o][y stride + r - padding][x stride + c - padding] += weight[i][o][r][c] input[i][y][x]
-/// plus bias[o]. Rows beyond the edge are zero or dropped, columns continue
-/// according to the input's ColumnPadding. The output's shape decides between those that one input
-/// shape could have.
-/// weight: output x input x kernel rows x kernel columns, transposed: input x output x ...; bias:
-/// output channels, or empty for none.
-void conv2d_reference(const ConvolutionShape& shape, std::span<const float> weight,
-                      std::span<const float> bias, const Tensor& input, Tensor& output);
-/// The gradients, written as their derivatives. d_input is overwritten, the others are added to.
-void conv2d_backward_reference(const ConvolutionShape& shape, std::span<const float> weight,
-                               const Tensor& input, const Tensor& d_output, Tensor& d_input,
-                               std::span<float> d_weight, std::span<float> d_bias);
 
 }  // namespace hqslam::nn

@@ -24,11 +24,6 @@ constexpr Bounds kNotNegative{[](double value) { return value >= 0.0 && std::isf
                               "0 or a positive number"};
 constexpr Bounds kAcute{[](double value) { return value > 0.0 && value < std::numbers::pi / 2.0; },
                         "an angle between 0 and pi/2"};
-constexpr Bounds kShare{[](double value) { return value >= 0.0 && value < 1.0; },
-                        "a share from 0 to 1"};
-/// The product with a row of 16384 pixels fits an int.
-constexpr Bounds kSections{[](double value) { return value >= 1.0 && value <= 1000.0; },
-                           "1 to 1000"};
 constexpr Bounds kTurn{[](double value) { return std::abs(value) <= std::numbers::pi + 1e-3; },
                        "an angle between -pi and pi"};
 constexpr Bounds kTilt{[](double value) { return std::abs(value) < std::numbers::pi / 2.0; },
@@ -68,24 +63,6 @@ constexpr std::array kOptions = {
         "0: only where they are off by more than 5",
         kSwitch),
     HQSLAM_OPTION(ground, max_slope_rad, "Steepest rise from row to row on the ground", kAcute),
-    HQSLAM_OPTION(features, sections, "Sections of a row from which features are chosen",
-                  kSections),
-    HQSLAM_OPTION(features, sharp_edges_per_section,
-                  "Edges per section that the odometry matches with the last scan", kPositive),
-    HQSLAM_OPTION(features, edges_per_section,
-                  "Edges per section that are matched against and inserted into the map",
-                  kPositive),
-    HQSLAM_OPTION(features, flat_points_per_section,
-                  "Ground points per section that the odometry matches with the last scan",
-                  kPositive),
-    HQSLAM_OPTION(
-        features, min_edge_smoothness_m,
-        "Smoothness |sum of 10 neighbours' ranges - 10 range| above which a point can be an "
-        "edge, below which it can be flat",
-        kNotNegative),
-    HQSLAM_OPTION(features, min_edge_smoothness_per_range,
-                  "Smallest smoothness of an edge as a share of its range; LeGO-LOAM: 0",
-                  kNotNegative),
     HQSLAM_OPTION(features, planar_leaf_m, "Voxel size to which surface points are thinned", kLeaf),
     HQSLAM_OPTION(features, max_post_width_m, "Largest width of a post; LeGO-LOAM has no posts",
                   kNotNegative),
@@ -95,24 +72,12 @@ constexpr std::array kOptions = {
                   kPositive),
     HQSLAM_OPTION(odometry, min_planar, "Smallest number of planar points that the odometry uses",
                   kPositive),
-    HQSLAM_OPTION(odometry, min_correspondences,
-                  "Smallest number of correspondences of a step of the odometry", kPositive),
     HQSLAM_OPTION(odometry, max_distance_m,
                   "Largest distance of a feature to its neighbours in the last scan", kPositive),
-    HQSLAM_OPTION(odometry, converged_rotation_rad,
-                  "Rotation of a step below which the odometry ends", kNotNegative),
-    HQSLAM_OPTION(odometry, converged_translation_m,
-                  "Translation of a step below which the odometry ends; LeGO-LOAM: 0.001",
-                  kNotNegative),
     HQSLAM_OPTION(mapping, max_iterations, "Searches in the map per scan; LeGO-LOAM: 10",
                   kPositive),
     HQSLAM_OPTION(mapping, min_correspondences,
                   "Smallest number of correspondences of a registered scan", kPositive),
-    HQSLAM_OPTION(
-        mapping, min_matched_share,
-        "Smallest share of features that match the map in a registered scan; measured: streets "
-        "0.47 and more, noise 0.2; LeGO-LOAM: 0",
-        kShare),
     HQSLAM_OPTION(mapping, edge_leaf_m, "Voxel size of edges in the map", kLeaf),
     HQSLAM_OPTION(mapping, planar_leaf_m,
                   "Voxel size of ground and surfaces in the map; in rooms half of it", kLeaf),
@@ -142,11 +107,7 @@ constexpr std::array kOptions = {
         kPositive),
     HQSLAM_OPTION(mapping, keyframe_translation_m, "Distance between keyframes", kNotNegative),
     HQSLAM_OPTION(mapping, keyframe_rotation_rad,
-                  "Rotation between keyframes; from LIO-SAM, LeGO-LOAM has none", kNotNegative),
-    HQSLAM_OPTION(mapping, converged_rotation_rad, "Rotation of a step below which mapping ends",
-                  kNotNegative),
-    HQSLAM_OPTION(mapping, converged_translation_m,
-                  "Translation of a step below which mapping ends", kNotNegative)};
+                  "Rotation between keyframes; from LIO-SAM, LeGO-LOAM has none", kNotNegative)};
 
 #undef HQSLAM_OPTION
 
@@ -187,9 +148,6 @@ void validate(const SlamOptions& options) {
   require(std::abs(std::cos(mounting.roll_rad) * std::cos(mounting.pitch_rad)) >= 0.5,
           "mounting.pitch_rad", mounting.pitch_rad,
           "a sensor within 60 degrees of upright or upside down");
-  require(options.features.edges_per_section >= options.features.sharp_edges_per_section,
-          "features.edges_per_section", options.features.edges_per_section,
-          "at least features.sharp_edges_per_section");
   require(mapping.close_neighbour_distance_m <= mapping.max_neighbour_distance_m,
           "mapping.close_neighbour_distance_m", mapping.close_neighbour_distance_m,
           "at most mapping.max_neighbour_distance_m");

@@ -1,3 +1,4 @@
+#include "convolution_reference.h"
 #include "golden.h"
 #include "graph/layer_backward.h"
 

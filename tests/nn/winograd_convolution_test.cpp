@@ -1,5 +1,6 @@
 #include "kernels/winograd_convolution.h"
 
+#include "convolution_reference.h"
 #include "random_values.h"
 
 namespace hqslam::nn::kernels {

@@ -88,12 +88,9 @@ TEST_CASE("options that do not go together, or ask for too much, are refused") {
   const std::pair<void (*)(SlamOptions&), const char*> cases[] = {
       {[](SlamOptions& o) { o.mapping.close_neighbour_distance_m = 1.1; },
        "at most mapping.max_neighbour_distance_m"},
-      {[](SlamOptions& o) { o.features.edges_per_section = 1; },
-       "features.edges_per_section is 1, expected at least"},
       {[](SlamOptions& o) { o.mapping.edge_leaf_m = 0.04; }, "at least a twentieth"},
       {[](SlamOptions& o) { o.mapping.planar_leaf_m = 0.09; }, "at least a tenth"},
       {[](SlamOptions& o) { o.features.planar_leaf_m = 0.0005; }, "0.001 or more"},
-      {[](SlamOptions& o) { o.features.sections = 1 << 20; }, "1 to 1000"},
       {[](SlamOptions& o) { o.threads = -1; }, "threads is -1, expected 0 to 256"},
       {[](SlamOptions& o) { o.threads = 257; }, "threads is 257"},
   };

@@ -89,13 +89,6 @@ Pose alignment_of(const Trajectory& estimate, const Trajectory& reference, const
          estimate[pairs.estimate[0]].T_map_sensor.inverse();
 }
 
-void validate(const SlipOptions& options) {
-  if (options.scans > 0 && options.translation_m > 0.0 && options.rotation_rad > 0.0) return;
-  throw Error(
-      "slips: expected a positive number of scans and positive limits, found {}, {} m and {} rad",
-      options.scans, options.translation_m, options.rotation_rad);
-}
-
 /// Per pose of the estimate the index of the reference's at its time.
 std::vector<std::optional<std::size_t>> partners(const PosePairs& pairs, std::size_t poses) {
   std::vector<std::optional<std::size_t>> result(poses);
@@ -242,22 +235,21 @@ RelativePoseError relative_pose_error(const Trajectory& estimate, const Trajecto
 }
 
 std::vector<Slip> slips(const Trajectory& estimate, const Trajectory& reference,
-                        const SlipOptions& options, double max_difference_s) {
-  validate(options);
+                        double max_difference_s) {
   const PosePairs pairs = associate(estimate, reference, max_difference_s);
   require_pairs(pairs, 2, max_difference_s);
   const auto partner = partners(pairs, estimate.size());
   std::vector<Slip> result;
-  for (std::size_t i = 0; i + options.scans < estimate.size(); ++i) {
-    if (!partner[i] || !partner[i + options.scans]) continue;
+  for (std::size_t i = 0; i + kSlipScans < estimate.size(); ++i) {
+    if (!partner[i] || !partner[i + kSlipScans]) continue;
     const std::size_t first = *partner[i];
-    const std::size_t last = *partner[i + options.scans];
+    const std::size_t last = *partner[i + kSlipScans];
     const Pose difference =
-        motion_error(estimate[i], estimate[i + options.scans], reference[first], reference[last]);
+        motion_error(estimate[i], estimate[i + kSlipScans], reference[first], reference[last]);
     const double translation_m = difference.translation().norm();
     const double rotation_rad = rotation_angle_rad(difference);
     // Written so that a pose that is not a number is a slip.
-    if (translation_m <= options.translation_m && rotation_rad <= options.rotation_rad) continue;
+    if (translation_m <= kSlip_m && rotation_rad <= kSlip_rad) continue;
     if (result.empty() || first > result.back().last + 1) result.push_back({first, last});
     Slip& slip = result.back();
     slip.last = last;

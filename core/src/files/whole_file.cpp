@@ -51,22 +51,25 @@ void write_whole_file(const std::string& path, const std::string& bytes) {
   }
 }
 
+void rename_file(const std::string& from, const std::string& to) {
+  std::error_code failure;
+  std::filesystem::rename(from, to, failure);
+  if (!failure) return;
+  throw Error("{}: cannot be written ({}); check that the folder is writable", to,
+              failure.message());
+}
+
 void replace_file(const std::string& path,
                   const std::function<void(const std::string& part)>& write) {
   const std::string part = path + ".part";
-  std::error_code failure;
   try {
     write(part);
+    rename_file(part, path);
   } catch (...) {
-    std::filesystem::remove(part, failure);
+    std::error_code ignored;
+    std::filesystem::remove(part, ignored);
     throw;
   }
-  std::filesystem::rename(part, path, failure);
-  if (!failure) return;
-  std::error_code ignored;
-  std::filesystem::remove(part, ignored);
-  throw Error("{}: cannot be written ({}); check that the folder is writable", path,
-              failure.message());
 }
 
 }  // namespace hqslam

@@ -25,7 +25,7 @@ namespace hqslam {
 
 ComponentLabeler::ComponentLabeler(const SensorModel& sensor,
                                    const ConnectedComponentsOptions& options)
-    : rows_(sensor.rows()), columns_(sensor.columns), wrap_columns_(options.wrap_columns) {
+    : rows_(sensor.rows()), columns_(sensor.columns) {
   if (!(options.min_angle_rad > 0.0 && options.min_angle_rad < std::numbers::pi / 2.0)) {
     throw Error("connected components: min_angle_rad is {}, expected 0 < angle < pi/2",
                 options.min_angle_rad);
@@ -103,16 +103,10 @@ Component ComponentLabeler::grow(const float* range_m, std::int32_t start) {
     };
     if (row > 0) visit(pixel - columns_, vertical_sin_[row - 1], vertical_cos_[row - 1]);
     if (row + 1 < rows_) visit(pixel + columns_, vertical_sin_[row], vertical_cos_[row]);
-    if (column > 0) {
-      visit(pixel - 1, horizontal_sin_, horizontal_cos_);
-    } else if (wrap_columns_) {
-      visit(pixel + columns_ - 1, horizontal_sin_, horizontal_cos_);
-    }
-    if (column + 1 < columns_) {
-      visit(pixel + 1, horizontal_sin_, horizontal_cos_);
-    } else if (wrap_columns_) {
-      visit(pixel - columns_ + 1, horizontal_sin_, horizontal_cos_);
-    }
+    const std::int32_t left = column > 0 ? pixel - 1 : pixel + columns_ - 1;
+    const std::int32_t right = column + 1 < columns_ ? pixel + 1 : pixel - columns_ + 1;
+    visit(left, horizontal_sin_, horizontal_cos_);
+    visit(right, horizontal_sin_, horizontal_cos_);
   }
   component.pixels = tail;
   return component;

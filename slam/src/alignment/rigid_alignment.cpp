@@ -112,8 +112,7 @@ MotionParameters align(const std::vector<PlaneConstraint>& constraints,
   return solve(problem, NormalEquations::kDense, max_steps) ? result : start;
 }
 
-Observability observability(const std::vector<PlaneConstraint>& constraints, FreeParameters free,
-                            double min_share) {
+Observability observability(const std::vector<PlaneConstraint>& constraints, FreeParameters free) {
   Matrix6 information = Matrix6::Zero();
   double total = 0.0;
   for (const PlaneConstraint& c : constraints) {
@@ -123,11 +122,10 @@ Observability observability(const std::vector<PlaneConstraint>& constraints, Fre
     information += row.lazyProduct(row.transpose());
     total += c.weight * c.weight;
   }
-  return observability(information, total, free, min_share);
+  return observability(information, total, free);
 }
 
-Observability observability(Matrix6 information, double total, FreeParameters free,
-                            double min_share) {
+Observability observability(Matrix6 information, double total, FreeParameters free) {
   // Held parameters get the largest possible eigenvalue.
   for (const int held : held_parameters(free)) {
     information.row(held).setZero();
@@ -145,7 +143,7 @@ Observability observability(Matrix6 information, double total, FreeParameters fr
   result.direction = solver.eigenvectors();
   const Vector6 scale = six(1.0, kLever_m);
   for (int i = 0; i < 6; ++i) {
-    if (solver.eigenvalues()[i] >= min_share) continue;
+    if (solver.eigenvalues()[i] >= kMinObservableShare) continue;
     ++result.degenerate_directions;
     // The change in scaled units is scale * change; its component along the direction is removed.
     const Vector6 direction = solver.eigenvectors().col(i);

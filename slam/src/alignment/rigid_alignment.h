@@ -74,9 +74,9 @@ inline constexpr double kLever_m = 10.0;
 /// In: constraints whose points are about the origin, the estimated parameters. With angles scaled
 /// by a lever of 10 m, so that all parameters are lengths, the eigenvalues of J^T J / (sum of
 /// weight^2) are the share of the constraints with information about a direction. Directions with
-/// less than `min_share` are degenerate. Source: Zhang, Kaess & Singh, ICRA 2016. Differs from
-/// LeGO-LOAM: every direction is tested (not in the order of eigenvalues up to the first good one),
-/// by a share, which does not depend on the number of points.
+/// less than kMinObservableShare are degenerate. Source: Zhang, Kaess & Singh, ICRA 2016. Differs
+/// from LeGO-LOAM: every direction is tested (not in the order of eigenvalues up to the first good
+/// one), by a share, which does not depend on the number of points.
 struct Observability {
   int degenerate_directions = 0;
   /// The share of each direction, rising, and the directions in scaled units, a column each: (x, y,
@@ -86,11 +86,9 @@ struct Observability {
   /// Projects a change of (x, y, z, roll, pitch, yaw) onto the observable directions.
   Matrix6 projection = Matrix6::Identity();
 };
-Observability observability(const std::vector<PlaneConstraint>& constraints, FreeParameters free,
-                            double min_share = kMinObservableShare);
+Observability observability(const std::vector<PlaneConstraint>& constraints, FreeParameters free);
 /// In: J^T J, with angles scaled, and the sum of weight^2.
-Observability observability(Matrix6 information, double total, FreeParameters free,
-                            double min_share = kMinObservableShare);
+Observability observability(Matrix6 information, double total, FreeParameters free);
 
 /// `start` changed towards `end` in the observable directions only.
 MotionParameters without_unobservable(const MotionParameters& start, const MotionParameters& end,

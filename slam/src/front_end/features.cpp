@@ -19,6 +19,15 @@ constexpr float kMinSteepness = 0.5F;
 /// Returns in a row on one surface, from which on it need not stand: floors and ceilings have such
 /// runs. With 30 to 40 the real handheld OS0 is less accurate with 16 rows (weights/NOTEBOOK.md).
 constexpr int kLongRun = 45;
+// Of each of the sections into which a row is cut, as in LeGO-LOAM.
+constexpr int kSections = 6;
+constexpr int kSharpEdges = 2;
+constexpr int kEdges = 20;
+constexpr int kFlatPoints = 4;
+/// Smoothness above which a point can be an edge, below which it can be flat.
+constexpr double kEdgeSmoothness_m = 0.31622776601683794;
+/// Smallest smoothness of an edge as a share of its range; LeGO-LOAM: 0.
+constexpr double kEdgeSmoothnessPerRange = 0.02;
 
 /// The largest difference in range of neighbouring returns on one surface.
 float most_apart_m(float range_m) { return 0.5F + 0.03F * range_m; }
@@ -205,21 +214,18 @@ void choose(Row& row, int wanted, const Better& better, const Take& take) {
 }
 
 /// Edges of the points first..last-1 of a row: the largest smoothness first.
-void choose_edges(Row& row, int first, int last, const FeatureOptions& options,
-                  Features& features) {
+void choose_edges(Row& row, int first, int last, Features& features) {
   row.candidates.clear();
   for (int i = first; i < last; ++i) {
-    const double required_m = std::max(options.min_edge_smoothness_m,
-                                       options.min_edge_smoothness_per_range * row.range_m[i]);
+    const double required_m = std::max(kEdgeSmoothness_m, kEdgeSmoothnessPerRange * row.range_m[i]);
     if (row.taken[i] == 0 && row.ground[i] == 0 && row.is_ring[i] == 0 &&
         row.smoothness_m[i] > required_m) {
       row.candidates.push_back(i);
     }
   }
-  int sharp = options.sharp_edges_per_section;
+  int sharp = kSharpEdges;
   choose(
-      row, options.edges_per_section,
-      [&](int a, int b) { return row.smoothness_m[a] > row.smoothness_m[b]; },
+      row, kEdges, [&](int a, int b) { return row.smoothness_m[a] > row.smoothness_m[b]; },
       [&](int i) {
         const FeaturePoint& edge = row.post[i] != nullptr ? *row.post[i] : row.points[i];
         if (sharp-- > 0) features.sharp_edges.push_back(edge);
@@ -229,18 +235,15 @@ void choose_edges(Row& row, int first, int last, const FeatureOptions& options,
 }
 
 /// Flat ground points of the points first..last-1 of a row: the smallest smoothness first.
-void choose_flat_points(Row& row, int first, int last, const FeatureOptions& options,
-                        Features& features) {
+void choose_flat_points(Row& row, int first, int last, Features& features) {
   row.candidates.clear();
   for (int i = first; i < last; ++i) {
-    if (row.taken[i] == 0 && row.ground[i] != 0 &&
-        row.smoothness_m[i] < options.min_edge_smoothness_m) {
+    if (row.taken[i] == 0 && row.ground[i] != 0 && row.smoothness_m[i] < kEdgeSmoothness_m) {
       row.candidates.push_back(i);
     }
   }
   choose(
-      row, options.flat_points_per_section,
-      [&](int a, int b) { return row.smoothness_m[a] < row.smoothness_m[b]; },
+      row, kFlatPoints, [&](int a, int b) { return row.smoothness_m[a] < row.smoothness_m[b]; },
       [&](int i) { features.flat_points.push_back(row.points[i]); });
 }
 
@@ -263,11 +266,11 @@ Features features_of_row(const OrganizedCloud& cloud, const Segmentation& segmen
 
   Features features;
   for (const Post& post : posts) features.posts.push_back(post.centre);
-  for (int section = 0; section < options.sections; ++section) {
-    const int first = row.size() * section / options.sections;
-    const int last = row.size() * (section + 1) / options.sections;
-    choose_edges(row, first, last, options, features);
-    choose_flat_points(row, first, last, options, features);
+  for (int section = 0; section < kSections; ++section) {
+    const int first = row.size() * section / kSections;
+    const int last = row.size() * (section + 1) / kSections;
+    choose_edges(row, first, last, features);
+    choose_flat_points(row, first, last, features);
   }
   std::vector<FeaturePoint> ground;
   std::vector<FeaturePoint> surfaces;

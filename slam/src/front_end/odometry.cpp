@@ -14,6 +14,10 @@ constexpr int kRobustFromIteration = 2;
 constexpr double kNarrowSearchShare = 0.3;
 constexpr double kMinWeight = 0.1;
 constexpr int kStepsPerSearch = 3;
+constexpr int kFewestCorrespondences = 10;  // of a step, as in LeGO-LOAM
+// A step that changes the motion by less ends the odometry; LeGO-LOAM: 0.1 degrees, 0.001 m.
+constexpr double kLastStep_rad = 0.0017453292519943296;
+constexpr double kLastStep_m = 0.005;
 
 /// The parameters of a search, except the point.
 struct SearchState {
@@ -128,7 +132,7 @@ OdometryResult scan_to_scan(const OdometryTarget& reference, const Features& fea
         features.flat_points, velocity,
         [&](const auto& point_m) { return match_plane(reference.ground, point_m, planar_state); });
     result.planar_correspondences = planar.planes;
-    const bool enough_planar = has_ground && planar.planes >= options.min_correspondences;
+    const bool enough_planar = has_ground && planar.planes >= kFewestCorrespondences;
     const bool planar_observable =
         !enough_planar ||
         improve(planar.all, FreeParameters::kOutOfPlane, result.T_reference_sensor);
@@ -138,7 +142,7 @@ OdometryResult scan_to_scan(const OdometryTarget& reference, const Features& fea
       return match_edge(reference.edges, point_m, edge_state);
     });
     result.edge_correspondences = edges.edges;
-    const bool enough_edges = has_edges && edges.edges >= options.min_correspondences;
+    const bool enough_edges = has_edges && edges.edges >= kFewestCorrespondences;
     // Without ground, edges estimate all six parameters as far as they can.
     const FreeParameters free = enough_planar ? FreeParameters::kInPlane : FreeParameters::kAll;
     const bool edges_observable =
@@ -152,9 +156,8 @@ OdometryResult scan_to_scan(const OdometryTarget& reference, const Features& fea
     result.status =
         planar_observable && edges_observable ? Status::kNotConverged : Status::kDegenerate;
     const Pose change = before.inverse() * result.T_reference_sensor;
-    if (iteration > kRobustFromIteration &&
-        rotation_angle_rad(change) < options.converged_rotation_rad &&
-        change.translation().norm() < options.converged_translation_m) {
+    if (iteration > kRobustFromIteration && rotation_angle_rad(change) < kLastStep_rad &&
+        change.translation().norm() < kLastStep_m) {
       if (result.status == Status::kNotConverged) result.status = Status::kOk;
       break;
     }

@@ -11,9 +11,6 @@ namespace {
 
 constexpr std::size_t kMaxCandidates = 3;
 constexpr double kNearNode_m = 10.0;
-/// Scan contexts measure a rotation to one sector.
-constexpr double kMaxTurn_rad = 0.1;
-constexpr double kMaxShift_m = 8.0;
 constexpr double kOtherPlace_m = 2.0;
 /// Smallest ratio of a placement's share of points to the best one's.
 constexpr double kWorthVerifying = 0.9;
@@ -68,9 +65,8 @@ std::vector<FoundLoop> loops_at_candidate(const LoopSearchSpace& space,
   const Pose& T_map_place = space.graph.T_map_node[candidate.node];
   const Mapping local = map_about(space, T_map_place);
   std::vector<FoundLoop> result;
-  const std::vector<PlacedPoints> places =
-      search_place(structure_of(local, T_map_place), upright_features(space.features),
-                   {candidate.match.yaw_rad, kMaxShift_m, kMaxTurn_rad});
+  const std::vector<PlacedPoints> places = search_place(
+      structure_of(local, T_map_place), upright_features(space.features), candidate.match.yaw_rad);
   for (const PlacedPoints& placed : places) {
     if (placed.share < kWorthVerifying * places.front().share) break;
     const auto loop = verified(space, candidate.node, local, T_map_place * placed.T_place_sensor);

@@ -13,7 +13,10 @@ namespace {
 constexpr double kCell_m = 0.5;
 constexpr double kHalfSide_m = 60.0;
 constexpr int kSide = static_cast<int>(2.0 * kHalfSide_m / kCell_m);
+constexpr int kMostShift = 16;  // in cells
+constexpr int kShifts = 2 * kMostShift + 1;
 constexpr double kTurnStep_rad = 0.035;  // 0.5 m in 15 m
+constexpr int kTurnsEachWay = 3;         // scan contexts measure a rotation to one sector
 constexpr double kOtherPeak_m = 3.0;
 constexpr float kMinUprightHeight_m = 0.8F;
 
@@ -42,38 +45,29 @@ std::vector<std::uint8_t> drawn(const std::vector<Eigen::Vector3f>& structure_m)
   return grid;
 }
 
+std::size_t index_of_shift(int dx, int dy) {
+  return static_cast<std::size_t>(dx + kMostShift) * kShifts + dy + kMostShift;
+}
+
 /// The scores of all shifts, in cells of the grid, for one rotation.
-class ShiftScores {
- public:
-  ShiftScores(const std::vector<std::uint8_t>& grid, const std::vector<Eigen::Vector3f>& points_m,
-              double yaw_rad, int reach)
-      : reach_(reach), scores_(static_cast<std::size_t>(side()) * side(), 0) {
-    const Eigen::Rotation2Df turn(static_cast<float>(yaw_rad));
-    for (const Eigen::Vector3f& point_m : points_m) {
-      const Eigen::Vector2f turned_m = turn * point_m.head<2>();
-      add(grid, cell_of(turned_m.x()), cell_of(turned_m.y()));
+std::vector<int> shift_scores(const std::vector<std::uint8_t>& grid,
+                              const std::vector<Eigen::Vector3f>& points_m, double yaw_rad) {
+  std::vector<int> scores(std::size_t{kShifts} * kShifts, 0);
+  const Eigen::Rotation2Df turn(static_cast<float>(yaw_rad));
+  for (const Eigen::Vector3f& point_m : points_m) {
+    const Eigen::Vector2f turned_m = turn * point_m.head<2>();
+    const int x = cell_of(turned_m.x());
+    const int y = cell_of(turned_m.y());
+    if (!inside(x - kMostShift, y - kMostShift) || !inside(x + kMostShift, y + kMostShift))
+      continue;
+    for (int dx = -kMostShift; dx <= kMostShift; ++dx) {
+      const std::uint8_t* row = &grid[index_of(x + dx, y - kMostShift)];
+      int* score = &scores[index_of_shift(dx, -kMostShift)];
+      for (int i = 0; i < kShifts; ++i) score[i] += row[i];
     }
   }
-
-  int at(int dx, int dy) const { return scores_[index(dx, dy)]; }
-
- private:
-  int side() const { return 2 * reach_ + 1; }
-  std::size_t index(int dx, int dy) const {
-    return static_cast<std::size_t>(dx + reach_) * side() + dy + reach_;
-  }
-  void add(const std::vector<std::uint8_t>& grid, int x, int y) {
-    if (!inside(x - reach_, y - reach_) || !inside(x + reach_, y + reach_)) return;
-    for (int dx = -reach_; dx <= reach_; ++dx) {
-      const std::uint8_t* row = &grid[index_of(x + dx, y - reach_)];
-      int* score = &scores_[index(dx, -reach_)];
-      for (int i = 0; i < side(); ++i) score[i] += row[i];
-    }
-  }
-
-  int reach_;
-  std::vector<int> scores_;
-};
+  return scores;
+}
 
 struct Peak {
   int score = 0;
@@ -87,13 +81,12 @@ bool is_elsewhere(const Peak& a, const Peak& b) {
 }
 
 /// The best of all shifts and rotations, away from `taken` if that is given.
-Peak best_of(const std::vector<std::pair<double, ShiftScores>>& turns, int reach,
-             const Peak* taken) {
+Peak best_of(const std::vector<std::pair<double, std::vector<int>>>& turns, const Peak* taken) {
   Peak best;
   for (const auto& [yaw_rad, scores] : turns) {
-    for (int dx = -reach; dx <= reach; ++dx) {
-      for (int dy = -reach; dy <= reach; ++dy) {
-        const Peak peak{scores.at(dx, dy), dx, dy, yaw_rad};
+    for (int dx = -kMostShift; dx <= kMostShift; ++dx) {
+      for (int dy = -kMostShift; dy <= kMostShift; ++dy) {
+        const Peak peak{scores[index_of_shift(dx, dy)], dx, dy, yaw_rad};
         if (peak.score > best.score && (taken == nullptr || is_elsewhere(peak, *taken))) {
           best = peak;
         }
@@ -107,14 +100,12 @@ Peak best_of(const std::vector<std::pair<double, ShiftScores>>& turns, int reach
 
 std::vector<PlacedPoints> search_place(const std::vector<Eigen::Vector3f>& structure_m,
                                        const std::vector<Eigen::Vector3f>& points_m,
-                                       const SearchWindow& window) {
+                                       double yaw_rad) {
   const std::vector<std::uint8_t> grid = drawn(structure_m);
-  const int reach = static_cast<int>(std::lround(window.max_shift_m / kCell_m));
-  const int turns_each_way = static_cast<int>(std::ceil(window.max_turn_rad / kTurnStep_rad));
-  std::vector<std::pair<double, ShiftScores>> turns;
-  for (int turn = -turns_each_way; turn <= turns_each_way; ++turn) {
-    const double yaw_rad = window.yaw_rad + turn * kTurnStep_rad;
-    turns.emplace_back(yaw_rad, ShiftScores(grid, points_m, yaw_rad, reach));
+  std::vector<std::pair<double, std::vector<int>>> turns;
+  for (int turn = -kTurnsEachWay; turn <= kTurnsEachWay; ++turn) {
+    const double turned_rad = yaw_rad + turn * kTurnStep_rad;
+    turns.emplace_back(turned_rad, shift_scores(grid, points_m, turned_rad));
   }
   std::vector<PlacedPoints> result;
   const auto add = [&](const Peak& peak) {
@@ -123,9 +114,9 @@ std::vector<PlacedPoints> search_place(const std::vector<Eigen::Vector3f>& struc
         {pose_from_xyz_rpy({peak.dx * kCell_m, peak.dy * kCell_m, 0.0}, 0.0, 0.0, peak.yaw_rad),
          peak.score / (2.0 * static_cast<double>(points_m.size()))});
   };
-  const Peak best = best_of(turns, reach, nullptr);
+  const Peak best = best_of(turns, nullptr);
   add(best);
-  add(best_of(turns, reach, &best));
+  add(best_of(turns, &best));
   return result;
 }
 

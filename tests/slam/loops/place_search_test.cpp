@@ -33,7 +33,7 @@ TEST_CASE("a sensor is found to half a metre anywhere within the window, and at 
   for (const auto& [x_m, y_m, turn_rad] :
        {std::tuple{0.0, 0.0, 0.0}, {6.9, -7.3, 0.08}, {-3.1, 4.2, -0.1}}) {
     const Pose truth = pose_from_xyz_rpy({x_m, y_m, 0.0}, 0.0, 0.0, 2.0 + turn_rad);
-    const auto found = search_place(structure, points_of(posts(1), truth.inverse()), {2, 8, 0.1});
+    const auto found = search_place(structure, points_of(posts(1), truth.inverse()), 2.0);
     REQUIRE(found.size() == 2);
     const Pose error = truth.inverse() * found[0].T_place_sensor;
     CHECK(error.translation().norm() < 0.6);
@@ -50,14 +50,14 @@ TEST_CASE("in a row of equal posts the second-best place is as good as the best"
   for (int i = -15; i <= 15; ++i) row.emplace_back(5.0 * i, 6.0);
   const auto structure = points_of(row, Pose::Identity());
   const std::vector<Eigen::Vector2d> some(row.begin() + 12, row.begin() + 19);
-  const auto found = search_place(structure, points_of(some, Pose::Identity()), {0.0, 8.0, 0.1});
+  const auto found = search_place(structure, points_of(some, Pose::Identity()), 0.0);
   REQUIRE(found.size() == 2);
   CHECK(found[1].share == found[0].share);
 }
 
 TEST_CASE("where nothing stands nothing is found") {
-  CHECK(search_place({}, points_of(posts(1), Pose::Identity()), {}).empty());
-  CHECK(search_place(points_of(posts(1), Pose::Identity()), {}, {}).empty());
+  CHECK(search_place({}, points_of(posts(1), Pose::Identity()), 0.0).empty());
+  CHECK(search_place(points_of(posts(1), Pose::Identity()), {}, 0.0).empty());
 }
 
 TEST_CASE("upright structure has height; ground, however steep, has none") {

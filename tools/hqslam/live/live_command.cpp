@@ -84,10 +84,7 @@ void print_summary(const SlamRun& run, const live::LiveCounts& counts, const std
   to_stdout("{} packets, {} lost; {} of {} scans dropped; {} inertial samples\n",
             counts.packets.used, counts.packets.lost, counts.dropped_scans, counts.scans,
             counts.imu.used);
-  for (const std::string& summary : {run.dense_map_summary, run.occupancy_grid_summary}) {
-    if (!summary.empty()) to_stdout("{}\n", summary);
-  }
-  if (!out.empty()) to_stdout("{}", results_line(run, out));
+  if (!out.empty()) to_stdout("{}", results_lines(run, out));
 }
 
 /// The capture that --record writes, as hqslam run would open it.

@@ -13,6 +13,8 @@
 
 namespace hqslam::tools {
 
+namespace fs = std::filesystem;
+
 ScanPoses poses_of(const SlamRun& run) {
   ScanPoses poses{run.trajectory, {}, {}, scan_of_pose(run)};
   for (std::size_t i = 0; i < run.scans.size(); ++i) {
@@ -53,12 +55,6 @@ DenseMapRun build_dense_map(const InputChoice& recording, const UpsamplingChoice
   run.wall_s = seconds_since(start);
   return run;
 }
-
-namespace {
-
-namespace fs = std::filesystem;
-
-}  // namespace
 
 void guard_dense_map(const fs::path& folder, const Paths& inputs) {
   const auto is_own = [&](const char* name) {

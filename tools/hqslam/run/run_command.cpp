@@ -62,10 +62,7 @@ void print_summary(const SlamRun& run, const RunOptions& options) {
               error.translation_statistics.rmse, error.translation_m.size(),
               run.comparison->reference_path, name(error.alignment));
   }
-  for (const std::string& summary : {run.dense_map_summary, run.occupancy_grid_summary}) {
-    if (!summary.empty()) to_stdout("{}\n", summary);
-  }
-  to_stdout("{}", results_line(run, options.out));
+  to_stdout("{}", results_lines(run, options.out));
 }
 
 /// Why they were not compared.

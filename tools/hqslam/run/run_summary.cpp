@@ -150,13 +150,18 @@ std::string run_summary(const SlamRun& run) {
   return summary;
 }
 
-std::string results_line(const SlamRun& run, const std::string& out) {
-  return fmt::format(
+std::string results_lines(const SlamRun& run, const std::string& out) {
+  std::string lines;
+  for (const std::string& map : {run.dense_map_summary, run.occupancy_grid_summary}) {
+    if (!map.empty()) lines += map + "\n";
+  }
+  lines += fmt::format(
       "results: {}/trajectory.tum, trajectory.kitti, covariances.csv, map.pcd, timings.json, "
       "report.html{}{}{}{}\n",
       out, run.found_beams ? ", corrected_sensor.json" : "", run.saved_map ? ", saved_map.npz" : "",
       run.dense_map_summary.empty() ? "" : ", dense_map.pcd, dense_map.ply",
       run.occupancy_grid_summary.empty() ? "" : ", map.pgm, map.yaml");
+  return lines;
 }
 
 }  // namespace hqslam::tools

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,10 @@
 #include "table/table_statistics.h"
 
 namespace hqslam::tools {
+
+/// Nothing if fewer than 3 poses can be paired.
+std::optional<TrajectoryErrors> trajectory_errors(const Trajectory& estimate,
+                                                  const Trajectory& reference);
 
 /// Where one method's errors are.
 struct ErrorPath {

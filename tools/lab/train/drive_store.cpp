@@ -14,6 +14,7 @@
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
+#include "hqslam/core/whole_file.h"
 #include "side_by_side/side_by_side.h"
 #include "terminal/progress.h"
 #include "train/drive_recall.h"
@@ -56,15 +57,6 @@ bool is_stored(const std::string& path, const StoredDrive& drive) {
     return NpyStackReader(path).images() == drive.scans();
   } catch (const Error&) {
     return false;  // damaged: made again
-  }
-}
-
-void rename_to(const std::string& from, const std::string& to) {
-  std::error_code failure;
-  fs::rename(from, to, failure);
-  if (failure) {
-    throw Error("{}: cannot be written ({}); check that the folder is writable", to,
-                failure.message());
   }
 }
 
@@ -140,7 +132,7 @@ bool store_drive(const StoredDrive& drive, const std::string& path,
   std::ofstream(part).close();
   const FileLock lock(part);
   const bool whole = simulate(drive, part, stopping, progress);
-  if (whole) rename_to(part, path);
+  if (whole) rename_file(part, path);
   return whole;
 }
 

@@ -13,8 +13,6 @@ struct ConnectedComponentsOptions {
   /// line through both points is larger than this. 10 degrees for outliers (Bogoslavskyi &
   /// Stachniss' default), 60 degrees for segmentation (LeGO-LOAM).
   double min_angle_rad = 0.17453292519943295;
-  /// Whether the last column is a neighbour of the first: false only for a cut-out of a scan.
-  bool wrap_columns = true;
 };
 
 /// One connected component.
@@ -32,9 +30,9 @@ struct ConnectedComponents {
   std::vector<Component> components;
 };
 
-/// Labels a range image by breadth-first search over N4 neighbours; linear in the number of
-/// pixels, no recursion. One object serves many images of one sensor: after the first call no
-/// call allocates.
+/// Labels a range image by breadth-first search over N4 neighbours (the last column is one of the
+/// first); linear in the number of pixels, no recursion. One object serves many images of one
+/// sensor: after the first call no call allocates.
 class ComponentLabeler {
  public:
   /// Throws Error unless 0 < min_angle < pi/2.
@@ -60,7 +58,6 @@ class ComponentLabeler {
 
   int rows_;
   int columns_;
-  bool wrap_columns_;
   float tan_min_angle_;
   float horizontal_sin_;
   float horizontal_cos_;

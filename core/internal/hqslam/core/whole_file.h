@@ -19,6 +19,9 @@ std::string whole_file(const std::string& path, const std::string& kind, std::si
 /// Writes a file, replacing any of that name. Throws Error.
 void write_whole_file(const std::string& path, const std::string& bytes);
 
+/// Renames a file, replacing any of that name. Throws Error.
+void rename_file(const std::string& from, const std::string& to);
+
 /// Has `write` make `path`.part and renames it then: whenever the program stops, `path` is either
 /// what it was or whole. A part that could not be finished is removed. Throws Error.
 void replace_file(const std::string& path,

@@ -24,12 +24,6 @@ struct GroundOptions {
 };
 
 struct FeatureOptions {
-  int sections = 6;
-  int sharp_edges_per_section = 2;
-  int edges_per_section = 20;
-  int flat_points_per_section = 4;
-  double min_edge_smoothness_m = 0.31622776601683794;
-  double min_edge_smoothness_per_range = 0.02;
   double planar_leaf_m = 0.2;
   double max_post_width_m = 1.0;
 };
@@ -38,16 +32,12 @@ struct OdometryOptions {
   int max_iterations = 8;
   int min_edges = 10;
   int min_planar = 100;
-  int min_correspondences = 10;
   double max_distance_m = 5.0;
-  double converged_rotation_rad = 0.0017453292519943296;  ///< 0.1 degrees
-  double converged_translation_m = 0.005;
 };
 
 struct MappingOptions {
   int max_iterations = 40;
   int min_correspondences = 50;
-  double min_matched_share = 0.25;
   double edge_leaf_m = 0.2;
   double planar_leaf_m = 0.4;
   double located_planar_leaf_m = 0.8;
@@ -59,8 +49,6 @@ struct MappingOptions {
   double recent_path_m = 200.0;
   double keyframe_translation_m = 0.3;
   double keyframe_rotation_rad = 0.2;
-  double converged_rotation_rad = 0.0008726646259971648;  ///< 0.05 degrees
-  double converged_translation_m = 0.0005;
 };
 
 struct LoopClosingOptions {

@@ -14,10 +14,6 @@ template <typename Range, typename Value>
 auto find(Range&& range, const Value& value) {
   return std::find(std::begin(range), std::end(range), value);
 }
-template <typename Range, typename Test>
-auto find_if(Range&& range, Test test) {
-  return std::find_if(std::begin(range), std::end(range), test);
-}
 template <typename Range, typename Value, typename Projection>
 auto find(Range&& range, const Value& value, Projection projection) {
   return std::find_if(std::begin(range), std::end(range), [&](const auto& element) {
@@ -32,10 +28,6 @@ template <typename Range, typename Test>
 bool any_of(Range&& range, Test test) {
   return std::any_of(std::begin(range), std::end(range), test);
 }
-template <typename Range, typename Test>
-auto count_if(Range&& range, Test test) {
-  return std::count_if(std::begin(range), std::end(range), test);
-}
 template <typename Range, typename To>
 void copy(Range&& range, To to) {
   std::copy(std::begin(range), std::end(range), to);
@@ -48,19 +40,11 @@ template <typename A, typename B, typename Same = std::equal_to<>>
 bool equal(A&& a, B&& b, Same same = {}) {
   return std::equal(std::begin(a), std::end(a), std::begin(b), std::end(b), same);
 }
-template <typename Range, typename Value, typename Before>
-auto lower_bound(Range&& range, const Value& value, Before before) {
-  return std::lower_bound(std::begin(range), std::end(range), value, before);
-}
 template <typename Range, typename Projection>
 void stable_sort(Range&& range, std::less<> before, Projection projection) {
   std::stable_sort(std::begin(range), std::end(range), [&](const auto& a, const auto& b) {
     return before(std::invoke(projection, a), std::invoke(projection, b));
   });
-}
-template <typename Range>
-auto max_element(Range&& range) {
-  return std::max_element(std::begin(range), std::end(range));
 }
 
 }  // namespace std::ranges

@@ -9,7 +9,7 @@
 namespace hqslam {
 
 /// A stretch of a drive over which tracking was lost: the scans of consecutive windows of
-/// SlipOptions::scans whose motion is wrong by more than SlipOptions allows.
+/// kSlipScans whose motion is wrong by more than kSlip_m or kSlip_rad.
 struct Slip {
   std::size_t first = 0;       ///< index into the reference
   std::size_t last = 0;        ///< index of the last pose, included
@@ -17,25 +17,22 @@ struct Slip {
   double rotation_rad = 0.0;   ///< largest error of a window
 };
 
-/// What counts as a slip.
-struct SlipOptions {
-  std::size_t scans = 10;  ///< steps from a window's first pose to its last
-  double translation_m = 0.3;
-  double rotation_rad = 0.005235987755982988;  ///< 0.3 degrees
-};
+inline constexpr std::size_t kSlipScans = 10;  ///< steps from a window's first pose to its last
+inline constexpr double kSlip_m = 0.3;
+inline constexpr double kSlip_rad = 0.005235987755982988;  ///< 0.3 degrees
 
 /// Finds where an odometry loses track, as opposed to drifting by a little everywhere.
 ///
 /// In: an estimate with one pose per scan, and the true trajectory, paired by their stamps; frames
 /// and rates need not agree. Out: the slips, in the order of time. For each scan i with i + n, n =
-/// options.scans, both with a true pose, the window's error is
+/// kSlipScans, both with a true pose, the window's error is
 ///   E = (T_ref_i^-1 T_ref_i+n)^-1 (T_est_i^-1 T_est_i+n)
-/// It counts if |t(E)| > translation_m or angle(E) > rotation_rad. Windows that share a scan, or
+/// It counts if |t(E)| > kSlip_m or angle(E) > kSlip_rad. Windows that share a scan, or
 /// whose scans follow one another, make one slip: a jump within one scan spoils n windows and is
 /// one slip, and so is a kilometre of lost tracking. A scan without a true pose spoils no
-/// window. Throws Error if fewer than 2 poses can be paired or an option is not positive.
+/// window. Throws Error if fewer than 2 poses can be paired.
 std::vector<Slip> slips(const Trajectory& estimate, const Trajectory& reference,
-                        const SlipOptions& options = {}, double max_difference_s = 0.02);
+                        double max_difference_s = 0.02);
 
 /// Slips per 100 km of path; 0 where there is no path.
 double slips_per_100_km(std::size_t slips, double path_m);
