@@ -133,15 +133,19 @@ TEST_CASE("measured rows come out as they were, their returns with confidence 1"
   }
 }
 
-TEST_CASE("the confidence grows with the tolerance") {
-  const NetworkDescription description = small_du_mix();
+TEST_CASE("the confidence grows with the tolerance, and its exponent is that of a power") {
+  NetworkDescription description = small_du_mix();
   const RangeImage measured = measured_scene(description);
   const auto network = made(description, initial_parameters(description, 3));
   const std::vector<float> narrow = network->upsample(measured, 0.05F).confidence;
   const std::vector<float> wide = network->upsample(measured, 0.5F).confidence;
+  description.confidence_exponent = 2.0F;
+  const auto squaring = made(description, initial_parameters(description, 3));
+  const std::vector<float> squares = squaring->upsample(measured, 0.5F).confidence;
   double gain = 0.0;
   for (std::size_t i = 0; i < narrow.size(); ++i) {
     REQUIRE(wide[i] >= narrow[i] - 1e-6F);
+    REQUIRE(std::abs(squares[i] - wide[i] * wide[i]) < 1e-5F);
     gain += wide[i] - narrow[i];
   }
   CHECK(gain > 0.01 * static_cast<double>(narrow.size()));
