@@ -12,11 +12,12 @@
 #include "hqslam/slam/slam.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
+#include "terminal/progress.h"
 
 namespace hqslam::tools {
 namespace {
 
-constexpr int kMostScans = 100;
+constexpr std::int64_t kMostScans = 100;
 constexpr int kFewestScans = 15;
 /// In a turn, as far as a point 10 m away moves.
 constexpr double kMoved_m = 0.1;
@@ -52,7 +53,10 @@ std::vector<ScanFit> fits(const std::string& input, const SensorModel& sensor,
   slam::Slam slam(source.sensor());
   LeftOut left_out;
   std::vector<ScanFit> result;
-  while (result.size() < kMostScans) {
+  const bool is_rolling = capture_time == CaptureTime::kRolling;
+  Progress progress(fmt::format("fit as {}", is_rolling ? "rolling" : "corrected"),
+                    std::min(kMostScans, source.size().value_or(kMostScans)));
+  while (std::ssize(result) < kMostScans) {
     const auto scan = next_usable(source, left_out);
     if (!scan) break;
     slam::ScanTrace trace;
@@ -60,7 +64,9 @@ std::vector<ScanFit> fits(const std::string& input, const SensorModel& sensor,
     result.push_back(
         {(velocity.linear.norm() + kLever_m * velocity.angular.norm()) * sensor.scan_period_s,
          median_distance_m(trace)});
+    progress.update(std::ssize(result));
   }
+  progress.finish();
   return result;
 }
 
