@@ -27,6 +27,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kScansToTry = 10;
 constexpr std::size_t kScansToLearnFrom = 5;
+
 class FileScanSource : public ScanSource {
  public:
   FileScanSource(std::vector<std::string> paths, const ChooseSensor& choose,
@@ -130,8 +131,7 @@ class FileScanSource : public ScanSource {
     if (numbers_.empty()) return;
     warnings_.push_back(fmt::format(
         "{}: files are numbered {} to {}, and {} of these numbers are missing: {} s are counted "
-        "for "
-        "each; --stamps gives other stamps",
+        "for each; --stamps gives other stamps",
         paths_.front(), numbers_.front(), numbers_.back(),
         numbers_.back() - numbers_.front() + 1 - numbers_.size(), sensor_.scan_period_s));
   }
@@ -181,7 +181,7 @@ class FileScanSource : public ScanSource {
     }
     const bool has_times = !scan.time_offset_s.empty();
     if (!has_times && without_times_ == CaptureTime::kRolling) {
-      const double clock_s = scan.stamp_s;
+      const double clock_s = scan.stamp_s;  // remains
       azimuth_times_.set(scan, sensor_, periods_at(index));
       if (clock_s != 0.0) scan.stamp_s = clock_s;
     }

@@ -35,12 +35,12 @@ using ChooseSensor = std::function<FoundSensor(const std::function<FoundSensor()
 /// Files are taken in the natural order of their names. The stamp of a scan is what options.stamps
 /// says, else that of a timestamps.txt in the folder or, beside files, the one above it (KITTI's
 /// drives), else the middle of its points' times where those are a clock's or as
-/// options.without_times says, else its index times sensor.scan_period_s, which counts scans that
-/// are missing between numbered files. In a folder of images
-/// with truth.tum and no timestamps.txt the stamps are those of truth.tum: (index + 1/2) times the
-/// period for a simulated drive, the middle of each scan. Pixels of images that are not finite or
-/// negative count as invalid points. Throws Error: which file, what was expected, what was found,
-/// what to do; also for scans that cannot be the sensor's.
+/// options.without_times says, else its index times sensor.scan_period_s, where scans that are
+/// missing between numbered files count. In a folder of images with truth.tum and no timestamps.txt
+/// the stamps are those of truth.tum: (index + 1/2) times the period for a simulated drive, the
+/// middle of each scan. Pixels of images that are not finite or negative count as invalid points.
+/// Throws Error: which file, what was expected, what was found, what to do; also for scans that
+/// cannot be the sensor's.
 std::unique_ptr<ScanSource> open_scan_files(const std::string& path,
                                             const std::optional<SensorModel>& sensor,
                                             const RecordingOptions& options = {});

@@ -14,8 +14,8 @@ namespace hqslam::recordings {
 
 namespace {
 
-/// The fastest sensors turn twenty times a second.
-constexpr double kFastestTurn_s = 0.025;
+/// Half a turn of the fastest sensors, which turn twenty times a second.
+constexpr double kLeastTurn_s = 0.025;
 /// Of a turn's twelfths, those in which points that go all around are.
 constexpr std::size_t kTwelfths = 12;
 constexpr std::size_t kAllAround = 11;
@@ -42,12 +42,12 @@ double span_s(const Scan& scan) {
 /// "" where the times are possible; otherwise they are removed.
 std::string remove_impossible_times(Scan& scan) {
   const double span = span_s(scan);
-  if (span >= kFastestTurn_s || !goes_all_around(scan)) return "";
+  if (span >= kLeastTurn_s || !goes_all_around(scan)) return "";
   scan.time_offset_s.clear();
   return fmt::format(
       "expected at least {} s for the turn that the points make, found times within {:.2g} s: the "
       "points are taken as without times",
-      kFastestTurn_s, span);
+      kLeastTurn_s, span);
 }
 
 bool is_counterclockwise(const Scan& scan, double turn_s) {

@@ -222,8 +222,9 @@ FoundSensor sensor_of_clouds(const std::vector<RawPoints>& clouds, std::optional
 std::string fit_columns_to(RawPoints first, const CloudForm& form, const std::string& name,
                            SensorModel& sensor) {
   form.ring_numbers.count_from_0(first.ring);
+  first.time = {};
   try {
-    Scan scan = scan_of(std::move(first), nullptr, name);
+    Scan scan = scan_of(std::move(first), &sensor, name);
     if (!form.turn_s) set_rows_by_order(scan, sensor, name);
     return fit_columns(recorded_scan(scan, sensor, name).cloud, name, sensor);
   } catch (const Error&) {
