@@ -54,7 +54,7 @@ std::vector<ScanFit> fits(const std::string& input, const SensorModel& sensor,
   LeftOut left_out;
   std::vector<ScanFit> result;
   const bool is_rolling = capture_time == CaptureTime::kRolling;
-  Progress progress(fmt::format("fit as {}", is_rolling ? "rolling" : "corrected"),
+  Progress progress(fmt::format("test of --capture {}", is_rolling ? "rolling" : "corrected"),
                     std::min(kMostScans, source.size().value_or(kMostScans)));
   while (std::ssize(result) < kMostScans) {
     const auto scan = next_usable(source, left_out);

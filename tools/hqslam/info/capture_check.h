@@ -15,13 +15,13 @@ struct CaptureCheck {
   double rolling_m = 0.0;    ///< median distance of features from their surfaces, mean over scans
   double corrected_m = 0.0;  ///< the same
   std::optional<CaptureTime> verdict;  ///< nothing where both fit alike
-  bool is_of_kitti =
-      false;  ///< of .bin files, which by convention are corrected; KITTI's raw are not
+  /// Of .bin files, which by convention are corrected; KITTI's raw drives are not.
+  bool is_of_kitti = false;
 };
 
 /// Points without times do not determine which of the two they are, and corrected ones may still
 /// have their times; if it is assumed wrongly, the path of a car is off by decimetres. The scans
-/// tell: up to 100 of them go through SLAM both ways. stream: of a bag, as for OpenOptions.
+/// tell: up to 100 of them go through SLAM both ways, with progress on stderr.
 /// With d_i the median distance of what is not ground from its line or plane in the map, of scan i,
 /// the mean of log(d_i rolling / d_i corrected) over scans in which the sensor moved must differ
 /// from 0 by 2.5 of its standard errors. Throws Error where the recording cannot be opened.
