@@ -142,14 +142,16 @@ void check_idle_options(const RunOptions& options) {
 }
 
 /// Determines how points without times were captured, where that was not stated and the scans show
-/// it: a wrong assumption costs decimetres.
-void determine_capture(RunOptions& options) {
+/// it: a wrong assumption costs decimetres. Returns whether it is now stated.
+bool determine_capture(RunOptions& options) {
   const auto check = check_clouds_without_times(options.input, open_options(options));
-  if (!check || !check->verdict) return;
+  if (!check || !check->verdict) return false;
   const char* found = *check->verdict == CaptureTime::kRolling ? "rolling" : "corrected";
-  if (!check->is_of_kitti) options.capture = found;
   to_stderr("hqslam: points have no times: {}{} --capture {}\n", fit_text(*check),
             check->is_of_kitti ? "; to read them so, give" : ": read as with", found);
+  if (check->is_of_kitti) return false;
+  options.capture = found;
+  return true;
 }
 
 /// Files that are read; the recording too, where it is one.
@@ -208,8 +210,9 @@ void declare(CLI::App& app, RunOptions& options) {
 
 namespace {
 
-/// The recording and SLAM over it. Nothing if its beams have errors, which are then `corrected`.
-std::optional<SlamRun> followed(const RunOptions& options, RunOutput& output,
+/// The recording and SLAM over it. Nothing where it is to be read anew: with the capture of its
+/// points, which `options` then has, or because its beams have errors, which are then `corrected`.
+std::optional<SlamRun> followed(RunOptions& options, RunOutput& output,
                                 const InterruptGuard& interrupt, pipeline::UpsampledRecording input,
                                 std::optional<BeamsOfRun>& corrected) {
   ScanSource& source = input.recording;
@@ -221,6 +224,7 @@ std::optional<SlamRun> followed(const RunOptions& options, RunOutput& output,
                       options.input);
   session.run().located_in = options.map_file;
   session.run().wanted = wanted_scans(options);
+  if (!options.corrected && determine_capture(options)) return std::nullopt;
   pipeline::BeamCheck check;
   const auto have_errors = [&] {
     may_correct = false;  // asked once
@@ -249,7 +253,6 @@ std::optional<SlamRun> followed(const RunOptions& options, RunOutput& output,
 SlamRun run_and_write(RunOptions options, const InterruptGuard& interrupt) {
   use_threads(options.threads);
   refuse_to_write_into_recording(options.input, options.out);
-  determine_capture(options);
   pipeline::UpsampledRecording input = upsampled_recording(options, options);
   print_warnings(input.recording, options.input);
   const std::optional<TrajectoryFile> reference = reference_of(options, input.recording);
@@ -258,9 +261,11 @@ SlamRun run_and_write(RunOptions options, const InterruptGuard& interrupt) {
   std::optional<BeamsOfRun> corrected;
   std::optional<SlamRun> followed_run =
       followed(options, output, interrupt, std::move(input), corrected);
-  if (!followed_run) {
-    to_stderr("hqslam: {}; the run begins anew with these\n", beams_text(*corrected));
-    options.corrected = corrected->sensor;
+  while (!followed_run) {
+    if (corrected) {
+      to_stderr("hqslam: {}; the run begins anew with these\n", beams_text(*corrected));
+      options.corrected = corrected->sensor;
+    }
     followed_run =
         followed(options, output, interrupt, upsampled_recording(options, options), corrected);
   }
