@@ -146,7 +146,9 @@ void check_idle_options(const RunOptions& options) {
 bool determine_capture(RunOptions& options) {
   const auto check = check_clouds_without_times(options.input, open_options(options));
   if (!check || !check->verdict) return false;
-  const char* found = *check->verdict == CaptureTime::kRolling ? "rolling" : "corrected";
+  const bool is_rolling = *check->verdict == CaptureTime::kRolling;
+  if (check->is_of_kitti && !is_rolling) return false;  // as they are read
+  const char* found = is_rolling ? "rolling" : "corrected";
   to_stderr("hqslam: points have no times: {}{} --capture {}\n", fit_text(*check),
             check->is_of_kitti ? "; to read them so, give" : ": read as with", found);
   if (check->is_of_kitti) return false;
