@@ -21,7 +21,7 @@ struct InputChoice {
   std::string row_order = "highest-first";
   bool motion_corrected = false;
   std::string capture = {};  ///< "rolling": points without a time have that of their azimuth
-  std::string stamps = {};   ///< a file, or "names"; empty: the recording's own
+  std::string stamps = {};   ///< a file, "names" or seconds; empty: the recording's own
   std::string imu = {};      ///< a file of inertial data; empty: what the recording has
   std::string scans = {};    ///< "FROM..TO", indices from 0; empty: all
 };

@@ -78,13 +78,6 @@ std::string what_is_in(const recordings::Stream& stream) {
              : "packets";
 }
 
-/// Whether clouds or images were corrected for motion.
-std::string capture_line(const CaptureCheck& check) {
-  if (check.scans == 0)
-    return "too few scans that moved to tell whether they are corrected for motion";
-  return fit_text(check) + (check.verdict ? "" : ": the difference is too small to decide");
-}
-
 /// pipeline::OwnParts::text() after the first scans that can be read.
 std::string own_parts(const InfoOptions& options, const recordings::RecordingInfo& info) {
   constexpr int kScans = 100;
@@ -107,12 +100,17 @@ std::string own_parts(const InfoOptions& options, const recordings::RecordingInf
 }
 
 /// Where the points are not what they are taken for.
-std::string capture_option(const std::optional<CaptureTime>& verdict, bool is_stack,
-                           bool has_times) {
-  const bool is_corrected = verdict == CaptureTime::kMotionCorrected;
-  if (is_stack) return is_corrected ? " --motion-corrected" : "";
-  if (has_times) return is_corrected ? " --capture corrected" : "";
-  return verdict == CaptureTime::kRolling ? " --capture rolling" : "";
+std::string capture_options(const CaptureCheck& check, const SensorModel& sensor, bool is_stack,
+                            bool has_times) {
+  const bool is_corrected = check.verdict == CaptureTime::kMotionCorrected;
+  if (is_corrected && is_stack) return " --motion-corrected";
+  if (is_corrected && has_times) return " --capture corrected";
+  std::string options;
+  if (check.verdict == CaptureTime::kRolling && !is_stack && !has_times) {
+    options = " --capture rolling";
+  }
+  if (check.turns > 1) options += " --stamps " + stamps_text(check.turns, sensor);
+  return options;
 }
 
 std::string command_for(const InfoOptions& options, const std::string& capture) {
@@ -174,8 +172,8 @@ int run(const InfoOptions& options) {
   // A folder's sensor.json may state it.
   if (complaint.empty() && !info.sensor.motion_corrected && (is_stack || has_clouds)) {
     const CaptureCheck check = check_capture(options.input, info.sensor, {.stream = info.stream});
-    print_line("captured", capture_line(check));
-    capture = capture_option(check.verdict, is_stack, info.has_point_times);
+    print_line("captured", fit_text(check));
+    capture = capture_options(check, info.sensor, is_stack, info.has_point_times);
   }
   if (complaint.empty()) {
     const std::string parts = own_parts(options, info);

@@ -141,18 +141,21 @@ void check_idle_options(const RunOptions& options) {
   }
 }
 
-/// Determines how points without times were captured, where that was not stated and the scans show
-/// it: a wrong assumption costs decimetres. Returns whether it is now stated.
-bool determine_capture(RunOptions& options) {
+/// Determines how points without times were captured, and how many turns of the sensor apart: a
+/// wrong assumption costs decimetres. Returns whether it is now stated.
+bool determine_capture(RunOptions& options, const SensorModel& sensor) {
   const auto check = check_clouds_without_times(options.input, open_options(options));
-  if (!check || !check->verdict) return false;
-  const bool is_rolling = *check->verdict == CaptureTime::kRolling;
-  if (check->is_of_kitti && !is_rolling) return false;  // as they are read
-  const char* found = is_rolling ? "rolling" : "corrected";
-  to_stderr("hqslam: points have no times: {}{} --capture {}\n", fit_text(*check),
-            check->is_of_kitti ? "; to read them so, give" : ": read as with", found);
-  if (check->is_of_kitti) return false;
-  options.capture = found;
+  if (!check) return false;
+  const bool is_rolling = check->verdict == CaptureTime::kRolling && !check->is_of_kitti;
+  options.capture = is_rolling ? "rolling" : "corrected";
+  std::string found = ": read as with --capture " + options.capture;
+  if (check->turns > 1) {
+    options.stamps = stamps_text(check->turns, sensor);
+    found += " --stamps " + options.stamps;
+  }
+  if (check->is_of_kitti) found += ", as files of KITTI usually are";
+  const bool is_expected = check->is_of_kitti && check->verdict != CaptureTime::kRolling;
+  if (!is_expected) to_stderr("hqslam: points have no times: {}{}\n", fit_text(*check), found);
   return true;
 }
 
@@ -226,7 +229,7 @@ std::optional<SlamRun> followed(RunOptions& options, RunOutput& output,
                       options.input);
   session.run().located_in = options.map_file;
   session.run().wanted = wanted_scans(options);
-  if (!options.corrected && determine_capture(options)) return std::nullopt;
+  if (!options.corrected && determine_capture(options, source.sensor())) return std::nullopt;
   pipeline::BeamCheck check;
   const auto have_errors = [&] {
     may_correct = false;  // asked once

@@ -86,6 +86,12 @@ class FileScanSource : public ScanSource {
       stamps_s_ = stamps_from_names_s(paths_);
       return;
     }
+    if (const auto spacing_s = stamp_spacing_s(wanted)) {
+      for (std::size_t i = 0; i < paths_.size(); ++i) {
+        stamps_s_.push_back(static_cast<double>(i) * *spacing_s);
+      }
+      return;
+    }
     const fs::path folder = fs::path(paths_.front()).parent_path();
     for (const fs::path& above : {folder, folder.parent_path()}) {
       std::error_code error;

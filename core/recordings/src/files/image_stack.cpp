@@ -59,6 +59,7 @@ class ImageStackSource : public ScanSource {
         capture_time_(sensor.motion_corrected ? CaptureTime::kMotionCorrected
                                               : options.capture_time),
         stamps_s_(std::move(stamps_s)),
+        spacing_s_(stamp_spacing_s(options.stamps).value_or(sensor.scan_period_s)),
         reader_(path) {
     if (reader_.rows() != sensor.rows() || reader_.columns() != sensor.columns) {
       throw Error(
@@ -106,7 +107,7 @@ class ImageStackSource : public ScanSource {
     const std::int64_t index = next_++;
     RecordedScan result;
     result.name = fmt::format("{}[{}]", path_, index);
-    result.stamp_s = stamps_s_.empty() ? static_cast<double>(index) * sensor_.scan_period_s
+    result.stamp_s = stamps_s_.empty() ? static_cast<double>(index) * spacing_s_
                                        : stamps_s_[static_cast<std::size_t>(index)];
     RangeImage image = image_of(reader_, index);
     const std::int64_t foreign = remove_bad_pixels(image, result);
@@ -246,6 +247,7 @@ class ImageStackSource : public ScanSource {
   RowOrder row_order_;
   CaptureTime capture_time_;
   std::vector<double> stamps_s_;
+  double spacing_s_;                    ///< without these
   std::optional<RowSelection> filled_;  ///< the rows that hold anything; nothing: all
   std::string note_;
   std::vector<int> first_columns_;  ///< empty: all begin at 0

@@ -80,9 +80,9 @@ SensorModel sensor_of_folder(const fs::path& folder, const std::optional<SensorM
   return result;
 }
 
-/// The stamps of a stack's images that are asked for; empty if none are.
+/// The stamps of a stack's images that are asked for; empty if none are, or evenly spaced ones.
 std::vector<double> wanted_stamps_s(const std::string& stack, const RecordingOptions& options) {
-  if (options.stamps.empty()) return {};
+  if (options.stamps.empty() || stamp_spacing_s(options.stamps)) return {};
   if (options.stamps == kStampsFromNames) {
     throw Error(
         "{}: expected files with numbers in their names to take stamps from, found a stack of "

@@ -82,6 +82,9 @@ std::vector<double> read_stamps_s(const std::string& path);
 /// size. Throws Error for a name without one.
 std::vector<double> stamps_from_names_s(const std::vector<std::string>& paths);
 
+/// RecordingOptions::stamps where it is the seconds from scan to scan.
+std::optional<double> stamp_spacing_s(const std::string& wanted);
+
 /// The numbers of scans in the names of their files where some are missing, as of every third scan:
 /// they rise, somewhere by more than 1, and somewhere by 10 at most (else they may be a clock's).
 /// Empty otherwise.

@@ -112,6 +112,11 @@ std::vector<double> stamps_from_names_s(const std::vector<std::string>& paths) {
   return stamps_s;
 }
 
+std::optional<double> stamp_spacing_s(const std::string& wanted) {
+  const auto spacing_s = finite_number(wanted);
+  return spacing_s && *spacing_s > 0.0 ? spacing_s : std::nullopt;
+}
+
 std::vector<std::size_t> numbers_with_gaps(const std::vector<std::string>& paths) {
   constexpr std::size_t kMostDigits = 9;
   constexpr std::size_t kMostThinned = 10;

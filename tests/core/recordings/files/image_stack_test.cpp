@@ -126,6 +126,8 @@ TEST_CASE("images have the stamps that they are given, which go before those in 
   CHECK(second_stamp_s(folder.file(""), given) == 6.5);
   CHECK(second_stamp_s(folder.file("scans.npy"), "") == folder.sensor.scan_period_s);
   CHECK(second_stamp_s(folder.file("scans.npy"), given) == 6.5);
+  CHECK(second_stamp_s(folder.file("scans.npy"), "0.25") == 0.25);
+  CHECK(second_stamp_s(folder.file(""), "0.25") == 0.25);
   for (const char* stamps : {"5\n6.5\n8\n", "5\n"}) {  // of more images or fewer
     write_file(given, stamps);
     CHECK(refused_with([&] { second_stamp_s(folder.file(""), given); }, "each of 2 images"));

@@ -19,6 +19,7 @@ TEST_CASE("stamps come from KITTI's timestamps.txt, from a file, or from the fil
   CHECK(stamps({}) == std::vector{0.0, 0.1, 0.2});
   CHECK(stamps({.stamps = kStampsFromNames}) ==
         std::vector{1600000000.25, 1600000000.35, 1600000000.55});
+  CHECK(stamps({.stamps = "0.25"}) == std::vector{0.0, 0.25, 0.5});
   write_file(folder + "/velodyne_points/timestamps.txt",
              "1970-01-02 00:00:01.500000000\n1970-01-02 00:00:01.750000000\n"
              "1970-01-03 01:02:03\n");

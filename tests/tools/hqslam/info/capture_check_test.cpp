@@ -43,7 +43,7 @@ void write_with_times(const Scan& scan, const std::string& path) {
 
 }  // namespace
 
-TEST_CASE("scans tell whether they were corrected for motion") {
+TEST_CASE("scans determine whether they were corrected for motion, and how many turns apart") {
   const SensorModel sensor = sensor_preset("os1-16");
   const TemporaryDirectory folder;
   const std::string corrected_clouds = folder.file("corrected");
@@ -52,11 +52,13 @@ TEST_CASE("scans tell whether they were corrected for motion") {
     sim::DriveSimulator simulator({"town", 7, 40, {}, {}, sim::SensorErrors::kTypical}, sensor);
     NpyStackWriter rolling(folder.file("rolling.npy"), sensor.rows(), sensor.columns);
     NpyStackWriter corrected_stack(folder.file("corrected.npy"), sensor.rows(), sensor.columns);
+    NpyStackWriter thinned(folder.file("thinned.npy"), sensor.rows(), sensor.columns);
     NpyStackWriter standing(folder.file("standing.npy"), sensor.rows(), sensor.columns);
     std::optional<RangeImage> first;
     for (int i = 0; const auto scan = simulator.next(); ++i) {
       if (!first) first = scan->image;
       rolling.append(scan->image);
+      if (i % 2 == 0) thinned.append(scan->image);
       corrected_stack.append(corrected(*scan, sensor));
       standing.append(*first);
       write_with_times(corrected_points(*scan, sensor),
@@ -67,9 +69,14 @@ TEST_CASE("scans tell whether they were corrected for motion") {
   CHECK(rolling.verdict == CaptureTime::kRolling);
   CHECK(rolling.scans > 20);
   CHECK(rolling.rolling_m < rolling.corrected_m);
+  CHECK(rolling.turns == 1);
+  const auto thinned = tools::check_capture(folder.file("thinned.npy"), sensor);
+  CHECK(thinned.verdict == CaptureTime::kRolling);
+  CHECK(thinned.turns == 2);
   const auto corrected = tools::check_capture(folder.file("corrected.npy"), sensor);
   CHECK(corrected.verdict == CaptureTime::kMotionCorrected);
   CHECK(corrected.corrected_m < corrected.rolling_m);
+  CHECK(corrected.turns == 1);
   // Clouds that were corrected and still have their times.
   CHECK(tools::check_capture(corrected_clouds, sensor).verdict == CaptureTime::kMotionCorrected);
   const auto standing = tools::check_capture(folder.file("standing.npy"), sensor);
