@@ -10,7 +10,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/pipeline/own_parts.h"
 #include "hqslam/recordings/recording.h"
-#include "info/capture_check.h"
+#include "recording/capture_check.h"
 #include "product.h"
 #include "program/invocation.h"
 #include "recording/reading.h"

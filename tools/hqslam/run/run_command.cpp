@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "hqslam/core/error.h"
-#include "info/capture_check.h"
+#include "recording/capture_check.h"
 #include "pages/open_page.h"
 #include "recording/recording_choice.h"
 #include "run/beam_correction.h"

@@ -1,4 +1,4 @@
-#include "info/capture_check.h"
+#include "recording/capture_check.h"
 
 #include <fmt/format.h>
 

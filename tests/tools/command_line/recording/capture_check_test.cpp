@@ -1,4 +1,4 @@
-#include "info/capture_check.h"
+#include "recording/capture_check.h"
 
 #include "hqslam/core/npy.h"
 #include "hqslam/core/point_columns.h"
