@@ -10,5 +10,5 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 # To build with the libraries.
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS
-    "libeigen3-dev, libfmt-dev, nlohmann-json3-dev, libzip-dev, libpcap-dev, libcpp-httplib-dev, libsqlite3-dev, liblz4-dev, libzstd-dev, libbz2-dev, libceres-dev, libpcl-dev, openmpi-bin")
+    "libeigen3-dev, libfmt-dev, nlohmann-json3-dev, libzip-dev, libpcap-dev, libcpp-httplib-dev, libsqlite3-dev, liblz4-dev, libzstd-dev, libbz2-dev, libceres-dev, libpcl-dev")
 include(CPack)

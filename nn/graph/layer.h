@@ -34,7 +34,7 @@ inline TensorShape shape_of(const Tensor& tensor) {
   return {tensor.channels(), tensor.rows(), tensor.columns(), tensor.padding()};
 }
 
-/// One scan on its way through one layer. Tensors have their borders filled.
+/// The buffers of one scan in one layer. Tensors have their borders filled.
 struct LayerPass {
   const Tensor* input = nullptr;
   const Tensor* second = nullptr;  ///< of a layer with two inputs
@@ -59,8 +59,8 @@ class Layer {
   virtual std::int64_t multiply_adds() const { return 0; }
   /// The result is max(v, negative_slope v) of what the layer computes.
   virtual float negative_slope() const { return 1.0F; }
-  /// Called by all threads of a parallel region, they share the work. The result does not depend on
-  /// their number.
+  /// Called by all threads of a parallel region, which share the work. The result does not depend
+  /// on their number.
   virtual void forward(const LayerPass& pass) = 0;
 
  protected:

@@ -48,7 +48,7 @@ class LayerGraph {
   /// How many values they hold.
   std::int64_t values() const;
 
-  /// Called by all threads of a parallel region, they share the work.
+  /// Called by all threads of a parallel region, which share the work.
   void forward(Values& values, const GraphForward& how = {});
   /// The first layer whose result depends on the seed; as many as there are layers: none does.
   int first_random_layer() const;

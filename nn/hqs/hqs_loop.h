@@ -24,7 +24,7 @@ struct HqsLayer {
   std::vector<std::uint8_t> rejected;  ///< its mask: 1 where it rejects H's pixel; rows x columns
 };
 
-/// One scan on its way, with memory for everything it needs: after it was made nothing allocates.
+/// The buffers of one scan in the loop; nothing allocates after they were made.
 struct HqsState {
   HqsLayer& layer(int k) { return slots[k % slots.size()]; }
   const HqsLayer& layer(int k) const { return slots[k % slots.size()]; }

@@ -18,7 +18,7 @@ struct Candidates {
   Tensor above;
   Tensor below;
 };
-/// Those of one row of a channel of the tiles, wherever they stand.
+/// The candidates of one row of a channel of the tiles, wherever they are stored.
 struct CandidateRows {
   const float* above = nullptr;
   const float* below = nullptr;

@@ -24,7 +24,7 @@ namespace hqslam::nn {
 ///   -ln(w/b e^(-|y - y1|/b) + (1 - w)/b e^(-|y - y2|/b)).
 ///
 /// Where other scans measured a surface the truth is minus its range: the likelihood of the range
-/// counts, but not the cross-entropy, because nobody measured whether this beam would return.
+/// counts, but not the cross-entropy, because it is unknown whether this beam would return.
 /// kLeastTruth_m and below: nothing is known, nothing counts.
 ///
 /// An addition to the paper, which has one range per pixel and an L1 loss on it.

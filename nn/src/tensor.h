@@ -117,7 +117,7 @@ class Tensor {
 };
 
 // Groups of channels of tensors, such as tiles and memory side by side. copy and clear: called by
-// all threads of a parallel region, they share the work.
+// all threads of a parallel region, which share the work.
 
 /// Rows of the channels from `from_channel` on, borders too.
 void copy_channels(const Tensor& from, int from_channel, int channels, Tensor& to, int to_channel);

@@ -26,7 +26,8 @@ bool is_interpolation(std::string_view name) {
 Interpolation interpolation_from_name(std::string_view name) {
   const auto found = std::ranges::find(kNames, name);
   if (found != kNames.end()) return static_cast<Interpolation>(found - kNames.begin());
-  throw Error("'{}' is no interpolation; choose one of {}", name, fmt::join(kNames, ", "));
+  throw Error("expected an interpolation, found '{}'; choose one of {}", name,
+              fmt::join(kNames, ", "));
 }
 
 Upsampler::Upsampler(SuperResolver network) : method_(std::move(network)) {

@@ -85,14 +85,16 @@ constexpr std::array kOptions = {
                   "Voxel size of ground and surfaces in a scan that is registered, in rooms half "
                   "of it; LeGO-LOAM: as in the map",
                   kLeaf),
-    HQSLAM_OPTION(mapping, max_neighbour_distance_m, "Reach of the wide searches in the map",
-                  kPositive),
-    HQSLAM_OPTION(mapping, close_neighbour_distance_m,
-                  "Reach of the narrow searches in the map; LeGO-LOAM: 1 m for all", kPositive),
+    HQSLAM_OPTION(mapping, max_neighbour_distance_m,
+                  "Largest distance of neighbours in the first searches of the map", kPositive),
+    HQSLAM_OPTION(
+        mapping, close_neighbour_distance_m,
+        "Largest distance of neighbours in later searches of the map; LeGO-LOAM: 1 m in all",
+        kPositive),
     HQSLAM_OPTION(
         mapping, trusted_residual_m,
-        "Distance of a feature from its line or plane at which its weight falls, in narrow "
-        "searches; LeGO-LOAM: by 0.09 for 0.1 m",
+        "Distance of a feature from its line or plane at which its weight falls, in later "
+        "searches; LeGO-LOAM lowers the weight by 0.09 for each 0.1 m",
         kPositive),
     HQSLAM_OPTION(mapping, max_plane_residual_m,
                   "Largest distance of the five points of a surface from their plane; in rooms a "
@@ -107,7 +109,7 @@ constexpr std::array kOptions = {
         kPositive),
     HQSLAM_OPTION(mapping, keyframe_translation_m, "Distance between keyframes", kNotNegative),
     HQSLAM_OPTION(mapping, keyframe_rotation_rad,
-                  "Rotation between keyframes; from LIO-SAM, LeGO-LOAM has none", kNotNegative)};
+                  "Rotation between keyframes, as in LIO-SAM; LeGO-LOAM has none", kNotNegative)};
 
 #undef HQSLAM_OPTION
 
@@ -128,7 +130,7 @@ std::span<const NamedOption> option_table() { return kOptions; }
 void set_option(SlamOptions& options, std::string_view name, double value) {
   const auto found = std::ranges::find(kOptions, name, &NamedOption::name);
   if (found == kOptions.end()) {
-    throw Error("there is no SLAM option {}; hqslam slam-options lists them", name);
+    throw Error("expected a SLAM option, found {}; hqslam slam-options lists them", name);
   }
   require(found->holds(value), name, value, found->expected);
   const bool is_int = value == std::floor(value) && value <= std::numeric_limits<int>::max();

@@ -30,6 +30,8 @@ only slam/src hqslam/ core slam
 only slam/include hqslam/ core slam
 only slam/lego_loam hqslam/ core slam lego_loam
 only tools/pipeline hqslam/ core recordings nn slam lego_loam pipeline
+only tools/command_line hqslam/ core evaluation recordings nn slam pipeline
+only tools/hqslam hqslam/ core evaluation recordings live nn slam pipeline
 only tools/python hqslam/ core evaluation nn recordings slam pipeline
 
 # Within nn: kernels include neither graphs nor networks, graphs no networks, and what upsamples
@@ -55,5 +57,6 @@ stays_in() {
   fi
 }
 stays_in ceres 'slam/(lego_loam/)?src/.*\.cpp$'
+stays_in embree3 'tools/lab/simulator/src/'
 stays_in pcl 'slam/lego_loam/src/|slam/lego_loam/include/hqslam/pcl\.h$'
 exit $wrong

@@ -174,7 +174,7 @@ RecordingInfo info_of_files(const std::string& path, const OpenOptions& options,
   return info;
 }
 
-/// What the first scan of files that can be read tells of all.
+/// Sets what the first readable scan determines for all.
 void note_first(const RecordedScan& scan, const LeftOut& left_out, RecordingInfo& info) {
   info.first_stamp_s = scan.stamp_s;
   info.has_point_times = !scan.cloud.time_offset_s.empty();

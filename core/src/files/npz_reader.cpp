@@ -25,7 +25,7 @@ constexpr std::string_view kEnding = ".npy";
 /// The longest header that read_npy_header accepts, with what comes before it.
 constexpr std::int64_t kMaxArrayHeaderBytes = 65536 + 12;
 
-/// The one complaint about a damaged or foreign .npz file: "where: expected .., found ..".
+/// Throws the Error about a damaged or foreign .npz file: "where: expected .., found ..".
 [[noreturn]] void fail_in_npz(const std::string& where, const std::string& expected,
                               const std::string& found) {
   throw Error("{}: expected {}, found {}; copy the file or save it again with numpy.savez", where,

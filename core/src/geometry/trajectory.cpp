@@ -109,7 +109,7 @@ StampedPose kitti_pose(const Row& row, double stamp_s, const std::string& path) 
 }
 
 /// The poses of a file, each made from its line as it is met: '#' comments and empty lines are left
-/// out. Without a form the first line of numbers tells it.
+/// out. Without a form the first line of numbers determines it.
 TrajectoryFile parsed(const std::string& path, std::optional<Form> form, double period_s) {
   const std::string file = whole_file(path, "a trajectory", kMaxTrajectoryFileBytes);
   Trajectory trajectory;

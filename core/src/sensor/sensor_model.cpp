@@ -72,8 +72,9 @@ std::optional<RowSelection> measured_of(const SensorModel& sensor, RowSelection 
 
 RowSelection selection_for(int rows, int wanted) {
   if (wanted < 1 || wanted > rows || rows % wanted != 0) {
-    throw Error("cannot keep {} of {} rows evenly: the number of rows to keep must divide {}",
-                wanted, rows, rows);
+    throw Error(
+        "rows: expected a divisor of the {} rows, found {}; give one, so that they are kept evenly",
+        rows, wanted);
   }
   const int stride = rows / wanted;
   return {stride - 1, stride};

@@ -68,8 +68,8 @@ void check_state(const TrainingState& state, const NetworkDescription& descripti
   }
 }
 
-/// Weight decay pulls at the weights of convolutions and linear layers alone: a penalty or a bias
-/// that it pulled at would end where the decay wants it.
+/// Weight decay applies to the weights of convolutions and linear layers alone: it would drive a
+/// penalty or a bias to zero.
 std::vector<std::uint8_t> decays_of(const NetworkDescription& description) {
   std::vector<std::uint8_t> decays;
   for (const ParameterShape& shape : parameter_shapes(description)) {

@@ -108,7 +108,10 @@ std::string_view family_of(std::string_view drive) { return drive.substr(0, driv
 void check_apart(const ScanSet& training, const ScanSet& validation, const std::string& source) {
   for (const StackedScans& stack : validation.stacks) {
     if (std::ranges::count(training.stacks, path_of(stack), path_of) > 0) {
-      throw Error("{}: '{}' is in both training and validation", source, stack.path);
+      throw Error(
+          "{}: expected different scans for training and validation, found '{}' in both; remove "
+          "one",
+          source, stack.path);
     }
   }
   for (const SimulatedScans& v : validation.simulated) {
@@ -116,8 +119,10 @@ void check_apart(const ScanSet& training, const ScanSet& validation, const std::
       for (const int seed : v.seeds) {
         const bool shared = std::ranges::find(t.seeds, seed) != t.seeds.end();
         if (family_of(t.drive) == family_of(v.drive) && shared) {
-          throw Error("{}: the city of drive {} with seed {} is in both training and validation",
-                      source, v.drive, seed);
+          throw Error(
+              "{}: expected different cities for training and validation, found that of drive {} "
+              "with seed {} in both; remove one",
+              source, v.drive, seed);
         }
       }
     }

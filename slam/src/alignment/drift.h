@@ -117,7 +117,7 @@ class Drift {
   /// better corrected by the velocity that it measures itself.
   bool is_uneven() const;
 
-  /// A, for a registered scan.
+  /// The matrix A of a registered scan.
   Matrix6 against_map(const MotionState& state) const;
   /// The covariance of T_map_sensor against the truth, the first scan's pose being exact: (linear,
   /// angular) in the sensor's frame. motion: since the last scan that was followed.

@@ -179,7 +179,7 @@ void InertialCheck::add_innovation(double innovation) {
 
 void InertialCheck::contradict_gravity() {
   gravity_contradicts_ = true;
-  complaint_ = "its forces contradict the path of the scans; did it move on the vehicle?";
+  complaint_ = "its forces contradict the path of the scans: it may have moved on the vehicle";
 }
 
 void InertialCheck::add_gain() { is_proven_ = ++gains_ >= kProvingGains; }

@@ -15,14 +15,14 @@ bool is_gravity(const Eigen::Vector3d& specific_force_mps2);
 /// late, mounted otherwise or in another unit would move every scan.
 ///
 /// The sensor is proven once its turns agree with the registered ones, or scans have fitted clearly
-/// better with it: a hand turns at once. It is left out once the innovations of its predictions
+/// better with it, as a hand's do. It is left out once the innovations of its predictions
 /// exceed their covariance on average, or its turns or their times differ from the registered ones,
 /// and used again when they agree.
 class InertialCheck {
  public:
   bool agrees() const { return agrees_; }
   /// Until then a registration without the sensor is taken unless one with it fits clearly better:
-  /// wrong turns of a vehicle tilt the map before any fit tells.
+  /// wrong turns of a vehicle tilt the map before any fit shows it.
   bool is_proven() const { return is_proven_; }
   /// Whether the path can be levelled by its gravity.
   bool can_level() const { return is_proven_ && !gravity_contradicts_; }

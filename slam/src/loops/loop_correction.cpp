@@ -8,7 +8,7 @@ namespace hqslam::slam {
 
 namespace {
 
-// Registrations of one place differ by less.
+// Largest strain of a right loop.
 constexpr double kMaxLoopStrain_m = 0.5;
 constexpr double kMaxLoopStrain_rad = 0.02;
 

@@ -23,7 +23,7 @@ TEST_CASE("a drive is located in the map that another run saved, where it begins
     CHECK(holds(result.out, "located in the map of"));
     const auto timings = json_of(out.file("timings.json"));
     CHECK(timings["located_in"] == saved_map());
-    CHECK(timings["key_frames"] == 0);
+    CHECK(timings["keyframes"] == 0);
     CHECK(timings["mapping_status"]["not recognized"].get<int>() <= 2);
     // The map's frame is that of the drive's first scan: the same path comes out.
     const Trajectory path = read_tum(out.file("trajectory.tum"));

@@ -17,8 +17,8 @@ class ContentHash {
   std::uint64_t hash_ = 14695981039346656037ULL;
 };
 
-/// FNV-1a, 64 bits, of a file's bytes as 16 hexadecimal digits: tells whether a file is the one
-/// that it was, not whether it was forged. Throws Error if it cannot be read.
+/// FNV-1a, 64 bits, of a file's bytes as 16 hexadecimal digits, which change if the file
+/// changes; no protection against forgery. Throws Error if it cannot be read.
 std::string content_hash(const std::string& path);
 /// The hash of all files in a folder and below it, their names included.
 std::string folder_hash(const std::string& folder);

@@ -114,7 +114,7 @@ struct ScanFolder {
   std::span<const char* const> scan_folders;
   std::string_view marker;  ///< one of the files: it is replaced, not removed
 };
-/// guard_results of all of it.
+/// guard_results() of a whole ScanFolder.
 void guard_scan_folder(const std::filesystem::path& folder, const ScanFolder& names, bool is_own,
                        const std::string& but, const Paths& inputs = {});
 /// Removes all of it but the marker, and no other file.

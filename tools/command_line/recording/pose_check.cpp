@@ -18,7 +18,7 @@ constexpr double kStretch_m = 1.0;
 constexpr std::size_t kFewestStretches = 5;
 constexpr std::size_t kManyStretches = 20;
 constexpr int kMostScans = 300;
-/// Enough to tell whether poses turn with the scans: half a corner.
+/// Least turn that shows whether poses turn with the scans: half a corner.
 constexpr double kManyTurns_rad = 0.8;
 /// Right poses differ by up to 0.015 (KITTI, a handheld OS0; 0.006 in simulated drives of five
 /// kinds), a tenth of scale or five degrees of yaw make 0.09 to 0.1.

@@ -121,7 +121,7 @@ void declare_upsampling_method(Command& command, UpsamplingChoice& choice) {
   command.option("--rows", &choice.rows, kRowsHelp, {.within = kAnyCount})
       .option(
           "--upsample", &choice.upsample,
-          fmt::format("Fill the rows between the measured ones first: {}, or an "
+          fmt::format("Upsample each scan before SLAM: {}, or an "
                       "interpolation ({}); without a value: {}",
                       weights_help(), fmt::join(nn::interpolation_names(), ", "), kUsualWeights),
           {.given = Given::kFile, .one_of = methods, .if_bare = kUsualWeights});

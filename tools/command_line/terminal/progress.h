@@ -13,7 +13,7 @@ namespace hqslam::tools {
 struct ProgressState {
   std::string label;  ///< "run 64x1024"
   std::int64_t done = 0;
-  std::optional<std::int64_t> total;  ///< nothing: only the end tells
+  std::optional<std::int64_t> total;  ///< nothing: not known before the end
   double elapsed_s = 0.0;
   std::string unit = "scans";
   double share = 0.0;  ///< done of all, where the total is not known

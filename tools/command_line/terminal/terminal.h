@@ -16,9 +16,9 @@ enum ExitStatus : int {
 };
 
 /// Print what is formatted; control characters in it are shown, not sent. A stream that takes
-/// nothing, since it is closed or its disk is full, costs no work: nothing is thrown, all_printed()
-/// tells. On stdout a text of lines, on stderr one line, of which the middle is left out if it is
-/// longer than any path.
+/// nothing, since it is closed or its disk is full, costs no work: nothing is thrown, and
+/// all_printed() returns false. On stdout a text of lines, on stderr one line, of which the middle
+/// is left out if it is longer than any path.
 void print_lines(std::string_view lines);
 void print_message(std::string_view line);
 

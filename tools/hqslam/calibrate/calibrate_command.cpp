@@ -66,7 +66,7 @@ bool is_calibrated_sensor(const std::string& path) {
 
 void declare(CLI::App& app, CalibrateOptions& options) {
   Command command = add_command(
-      app, "calibrate", "Corrections of each beam of a sensor, from a recording of a drive",
+      app, "calibrate", "Determine corrections of a sensor's beams from a recording of a drive",
       "Surfaces that several beams measure from several places determine the error of\n"
       "each beam's elevation and range. Beams that meet no ground, and errors that all\n"
       "beams share, are not corrected: the page shows how well each is known.");

@@ -193,7 +193,8 @@ Kind kind_of(const EvaluateOptions& options) {
 
 void declare(CLI::App& app, EvaluateOptions& options) {
   const OptionRules read = {.required = true, .given = Given::kFile};
-  add_command(app, "evaluate", "Errors of a trajectory, a point cloud or a stack of range images",
+  add_command(app, "evaluate",
+              "Compute errors of a trajectory, a point cloud or a stack of range images",
               kDefinitions)
       .option("ESTIMATE", &options.estimate,
               "Trajectory (TUM or KITTI), cloud (.pcd, .ply, .bin) or .npy stack of range images",

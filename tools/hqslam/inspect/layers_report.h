@@ -18,7 +18,7 @@ struct Variant {
   RangeImage result;
 };
 
-/// One scan on its way through a network.
+/// What a network makes of one scan, layer by layer.
 struct LayersReport {
   std::string recording;
   std::string weights;

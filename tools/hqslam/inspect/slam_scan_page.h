@@ -9,7 +9,7 @@
 
 namespace hqslam::tools {
 
-/// One scan on its way through SLAM.
+/// What SLAM makes of one scan, stage by stage.
 struct SlamScanReport {
   std::string recording;
   std::int64_t scan = 0;

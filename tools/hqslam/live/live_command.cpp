@@ -103,7 +103,7 @@ void add_maps_of_capture(const LiveOptions& options, RunOutput& output, SlamRun&
   add_maps(recording_of(options), options, options, interrupt, output, run);
 }
 
-/// What to tell the shell, with the line on stderr that explains it.
+/// The exit status, with the line on stderr that explains it.
 int exit_status_of(const SlamRun& run, const live::LiveCounts& counts, const MapChoice& maps) {
   int status = exit_status_of_maps(maps, run);
   if (status == kOk) status = exit_status_of(run, std::ssize(run.scans), counts.scans);
@@ -130,7 +130,7 @@ int finish(const LiveOptions& options, const live::LiveCounts& counts, const std
 
 void declare(CLI::App& app, LiveOptions& options) {
   Command command = add_command(
-      app, "live", "From a connected sensor to a trajectory and a map",
+      app, "live", "Make a trajectory and a map from a connected sensor",
       "Set the sensor to send to this computer. A line each second shows the pose, located scans "
       "a second, the longest latency from the packet that completes a scan to its pose, lost "
       "packets, and scans that were dropped because the computer is too slow. Ctrl-C (or SIGTERM) "
@@ -139,7 +139,8 @@ void declare(CLI::App& app, LiveOptions& options) {
       .option(
           "--sensor", &options.sensor,
           fmt::format("Sensor: {}, or a .json file (an Ouster's metadata, or the beam angles of "
-                      "a Velodyne); an Ouster given by name is asked for its metadata over HTTP",
+                      "a Velodyne); the metadata of an Ouster given by name are requested "
+                      "over HTTP",
                       fmt::join(sensor_preset_names(), ", ")),
           {.required = true})
       .option("--port", &options.port,

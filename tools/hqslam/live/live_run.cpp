@@ -19,7 +19,7 @@ namespace hqslam::tools {
 namespace {
 
 constexpr double kStatusInterval_s = 1.0;
-/// How long to wait for a scan before looking whether the user wants to stop.
+/// How long to wait for a scan before checking for an interruption.
 constexpr double kWait_s = 0.1;
 
 /// By the clock that packets are timed with.
@@ -80,7 +80,7 @@ class LiveProgress {
 
   void set_results_failure(const std::string& failure) {
     if (!failure.empty() && status_.results_failure.empty()) {
-      to_stderr("hqslam: {}; the drive continues, the next attempt follows\n", failure);
+      to_stderr("hqslam: {}; the drive continues, and it will be tried again\n", failure);
     }
     status_.results_failure = failure;
   }

@@ -73,8 +73,8 @@ void declare(CLI::App& app, ReplayOptions& options) {
       add_command(app, "replay", "Send the packets of a capture by UDP, as the sensor did",
                   "Packets keep the intervals at which they were captured. In a second terminal:\n"
                   "  hqslam live --sensor vlp-16 --out results/live --view\n"
-                  "An Ouster given by name would be asked for its metadata: give hqslam live\n"
-                  "the metadata file of the capture instead.");
+                  "For an Ouster give hqslam live the metadata file of the capture: a replay does\n"
+                  "not answer requests for it.");
   command
       .option("CAPTURE", &options.capture, ".pcap or .pcapng file",
               {.required = true, .given = Given::kFile})

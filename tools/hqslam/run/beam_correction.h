@@ -22,7 +22,7 @@ struct BeamEvidence {
   std::vector<slam::LocatedScan> scans;
   double path_m = 0.0;
 };
-/// Nothing where the path is too short to tell.
+/// Nothing where the path is too short.
 std::optional<BeamEvidence> evidence_of(const pipeline::BeamCheck& check,
                                         const pipeline::Pipeline& pipeline);
 /// The corrections; nothing if the beams have no errors.

@@ -70,7 +70,6 @@ void guard_dense_map(const fs::path& folder, const Paths& inputs) {
 void write_dense_map(const DenseMapRun& run, const fs::path& folder) {
   make_result_folder(folder);
   PartFiles parts;  // an earlier map stays until all of this one is there
-  // The .ply, by which the others are known as ours, comes first.
   for (const char* name : {"dense_map.ply", "dense_map.pcd"}) {
     slam::write_dense_map(run.points, parts.add(folder / name), run.intensity);
   }

@@ -39,7 +39,7 @@ DenseMapRun build_dense_map(const InputChoice& recording, const UpsamplingChoice
                             const ScanPoses& poses, const slam::DenseMapOptions& options,
                             const InterruptGuard& interrupt);
 
-/// The .ply, by which the others are known as ours, is the last.
+/// dense_map.ply is written first: it is the marker by which the other is recognized.
 inline constexpr const char* kDenseMapFiles[] = {"dense_map.pcd", "dense_map.ply"};
 
 /// Throws Error if one of the files is there and was not written by hqslam, or is one of `inputs`.

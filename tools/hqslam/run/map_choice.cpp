@@ -40,7 +40,7 @@ void declare_maps(Command& command, MapChoice& choice, const std::vector<const c
               {.given = Given::kFile, .excludes = {"--save-map"}})
       .option("--start", &choice.start,
               "X,Y,YAW: the first pose in the map of --map, in metres and degrees, within 10 m and "
-              "25 degrees; default: it is searched in all of the map",
+              "25 degrees; default: the whole map is searched",
               {.delimiter = ',', .values = 3, .needs = {"--map"}})
       .option("--dense-map", &choice.dense_map,
               "Also make a dense map of the points of all scans, measured and upsampled; reads the "
@@ -56,7 +56,9 @@ pipeline::PipelineOptions pipeline_options(const SlamSettings& slam, const MapCh
   pipeline.slam = slam_kind(slam);
   pipeline.slam_options = slam_options(slam);
   if (pipeline.slam == pipeline::SlamKind::kLegoLoam && choice.save_map) {
-    throw Error("--slam lego-loam: recognizes no places for a saved map; leave --save-map out");
+    throw Error(
+        "--save-map: expected --slam hqslam, found lego-loam, which recognizes no places; leave "
+        "--save-map out");
   }
   if (choice.map_file.empty()) return pipeline;
   pipeline.slam_options.loop_closing.enabled = false;

@@ -42,7 +42,7 @@ void check_near_origin(const ScanPoses& poses, const std::string& path) {
 
 void declare(CLI::App& app, MapOptions& options) {
   Command command =
-      add_command(app, "map", "The dense map of a recorded drive whose poses are known",
+      add_command(app, "map", "Make a dense map of a recorded drive whose poses are known",
                   R"(Writes into --out, in the frame of the poses:
   dense_map.pcd, dense_map.ply   x y z, intensity where the recording has it,
                                  confidence, times_seen per voxel, binary

@@ -33,13 +33,13 @@ class MapInput {
   /// Shows progress on stderr. A scan that cannot be read ends each reading at the same place.
   MapReading read_measured(const ScanPoses& poses, const std::string& label,
                            const InterruptGuard& interrupt, const Use& use);
-  /// The same with all pixels that there are of each.
+  /// Calls use(scan, path) in the same way, with the computed pixels too.
   MapReading read_upsampled(const ScanPoses& poses, const std::string& label,
                             const InterruptGuard& interrupt, const Use& use);
 
-  /// Behind what read_measured gives.
+  /// The sensor of the scans of read_measured().
   SensorModel measuring() const;
-  /// Of what read_upsampled gives; nothing: all of them.
+  /// Which rows of the scans of read_upsampled() are measured; nothing: all.
   const std::optional<RowSelection>& measured_rows() const { return measured_rows_; }
 
  private:

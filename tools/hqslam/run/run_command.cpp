@@ -77,7 +77,7 @@ std::string no_pairs_message(const SlamRun& run, const TrajectoryFile& reference
       span(run.trajectory));
 }
 
-/// What to tell the shell, with the lines on stderr that explain it.
+/// The exit status, with the lines on stderr that explain it.
 int exit_status_of(const SlamRun& run, const RunOptions& options) {
   const int status = exit_status_of_maps(options, run);
   if (run.end == ReadingEnd::kComplete && status != kOk) return status;
@@ -169,7 +169,7 @@ Paths inputs_of(const RunOptions& options) {
 
 void declare(CLI::App& app, RunOptions& options) {
   Command command = add_command(
-      app, "run", "From a recorded drive to a trajectory and a map",
+      app, "run", "Make a trajectory and a map from a recorded drive",
       "Writes into --out, in the level frame of the first scan (mounting in hqslam\n"
       "slam-options), or in that of --map:\n"
       "  trajectory.tum    stamp x y z qx qy qz qw per scan\n"
@@ -208,7 +208,7 @@ void declare(CLI::App& app, RunOptions& options) {
   declare_slam_kind(command, options.slam);
   declare_slam_settings(command, options.slam);
   command.option("--no-calibration", &options.no_calibration,
-                 "Keep the beams as the sensor has them (default: a run whose first 150 m of path "
+                 "Do not correct the sensor's beams (default: a run whose first 150 m of path "
                  "determine that beams have errors begins anew with corrected ones)");
   declare_maps(command, options);
 }

@@ -132,10 +132,10 @@ std::string timings_json(const SlamRun& run) {
   Json statistics;
   for (const auto& [stage, values_ms] : durations) statistics[stage] = distribution_json(values_ms);
   std::int64_t invalid_points = 0;
-  std::int64_t key_frames = 0;
+  std::int64_t keyframes = 0;
   for (const ScanRecord& scan : run.scans) {
     invalid_points += scan.invalid_points;
-    key_frames += scan.report.keyframe ? 1 : 0;
+    keyframes += scan.report.keyframe ? 1 : 0;
   }
   Json slam_options = Json::object();
   for (const auto& [option, value] : changed_options(run.slam)) slam_options[option] = value;
@@ -154,7 +154,7 @@ std::string timings_json(const SlamRun& run) {
       {"scans_in_recording", run.scans_in_recording ? Json(*run.scans_in_recording) : Json()},
       {"wall_s", rounded(run.wall_s)},
       {"scans_per_second", rounded(scans_per_second(run))},
-      {"key_frames", key_frames},
+      {"keyframes", keyframes},
       {"invalid_points_dropped", invalid_points},
       {"scans_left_out", run.left_out.scans},
       {"left_out", run.left_out.each},

@@ -1,4 +1,7 @@
+#include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 
 #include "hqslam/slam/options.h"
@@ -29,13 +32,28 @@ std::string json_of_defaults() {
 }
 
 void declare(CLI::App& app, SlamOptionsCommand& options) {
-  add_command(app, "slam-options",
-              "The options of SLAM: names, defaults, bounds and what they mean",
+  add_command(app, "slam-options", "List the options of SLAM: names, defaults, bounds and meanings",
               "Lengths in metres, angles in radians. Given to run and live by --slam-options "
               "FILE.json\n"
               "and --set NAME=NUMBER. LeGO-LOAM's values are given where they differ.")
       .option("--json", &options.json,
               "Print JSON; >options.json makes a file of it for run --slam-options");
+}
+
+/// Lines of at most 80 columns, indented by four.
+std::string wrapped(const std::string& text) {
+  constexpr std::size_t kMostColumns = 80;
+  std::string lines;
+  std::string line = "   ";
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    if (line.size() + 1 + word.size() > kMostColumns) {
+      lines += line + "\n";
+      line = "   ";
+    }
+    line += " " + word;
+  }
+  return lines + line;
 }
 
 int run(const SlamOptionsCommand& options) {
@@ -44,10 +62,10 @@ int run(const SlamOptionsCommand& options) {
     return kOk;
   }
   const slam::SlamOptions defaults;
-  to_stdout("{:<42} {:<8} {}\n", "option", "default", "what it means, and what it may be");
+  to_stdout("{:<42} {}\n", "option", "default");
   for (const slam::NamedOption& option : slam::option_table()) {
-    to_stdout("{:<42} {:<8.4g} {} ({})\n", option.name, option.get(defaults), option.meaning,
-              option.expected);
+    to_stdout("{:<42} {:.4g}\n{}\n", option.name, option.get(defaults),
+              wrapped(fmt::format("{} ({})", option.meaning, option.expected)));
   }
   return kOk;
 }

@@ -137,11 +137,12 @@ void declare(CLI::App& app, UpsampleOptions& options) {
                 "sensor, of which the measured ones are used",
                 "Sensor of the recording (name or .json file; for interpolation with all rows); "
                 "default: determined from the recording, or that of the weights");
-  command.alternatives("How", "One of")
+  command.alternatives("Method", "One of")
       .option("--weights", &options.upsample, fmt::format("Network: {}", weights_help()),
               {.given = Given::kFile, .one_of = pipeline::installed_weights_names()})
       .option("--method", &options.upsample,
-              "Interpolation between the measured rows (default: every fourth)",
+              "Interpolation between the measured rows; by default every fourth row of the "
+              "sensor is measured",
               {.one_of = nn::interpolation_names()});
   command.option("--rows", &options.rows, kRowsHelp, {.within = kAnyCount});
   command.option("--out", &options.out, "Folder for the results; made if it does not exist",

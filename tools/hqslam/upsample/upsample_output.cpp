@@ -117,7 +117,7 @@ void UpsampleOutput::append(const RangeImage& image, const OrganizedCloud& cloud
 void UpsampleOutput::append_line(std::ofstream& file, const char* name,
                                  const std::string& line) const {
   if (file.write(line.data(), std::ssize(line)).flush()) return;
-  throw Error("{}: cannot be written; is the disk full?", (folder_ / name).string());
+  throw Error("{}: cannot be written: the disk may be full", (folder_ / name).string());
 }
 
 /// The file is there from the first scan that does not begin at column 0.

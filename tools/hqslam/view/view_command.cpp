@@ -159,7 +159,8 @@ TurningView view_of(const ViewOptions& options, std::vector<std::string>& notes)
 
 void declare(CLI::App& app, ViewOptions& options) {
   Command command = add_command(
-      app, "view", "A page on which maps, trajectories and scans can be turned, for any browser",
+      app, "view",
+      "Make a page on which maps, trajectories and scans can be turned, for any browser",
       "The page needs no other file and no network. Large maps are thinned evenly to the number\n"
       "of points that a page may have. Of several maps and scans one is shown at a time, of\n"
       "trajectories all, each aligned to the first (SE(3), by stamps) where three poses are of\n"

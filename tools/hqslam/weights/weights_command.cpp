@@ -127,17 +127,19 @@ void print_arrays(const nn::Weights& weights) {
   }
 }
 
-/// A file, or the one that is installed under a name.
-std::string file_of(const std::string& given) {
-  if (!pipeline::is_weights_name(given)) return given;
-  const std::vector<std::string> files = pipeline::installed_weights_files(given);
-  if (files.size() == 1) return files.front();
-  throw Error("{}: expected the name of one file, found several; give one of {}", given,
-              fmt::join(files, ", "));
+/// The names of the installed files, without .npz.
+std::vector<std::string> installed_stems() {
+  std::vector<std::string> stems;
+  for (const std::string& name : pipeline::installed_weights_names()) {
+    for (const std::filesystem::path file : pipeline::installed_weights_files(name)) {
+      stems.push_back(file.stem().string());
+    }
+  }
+  return stems;
 }
 
 int show(const std::string& given) {
-  const std::string path = file_of(given);
+  const std::string path = pipeline::installed_weights(given + ".npz").value_or(given);
   const nn::Weights weights = nn::read_weights(path);
   const nn::NetworkDescription& d = weights.description;
   const auto network = network_with(weights);
@@ -161,10 +163,9 @@ void declare(CLI::App& app, WeightsOptions& options) {
   Command command =
       add_command(app, "weights", "Show a weights file, or make one from another program's arrays");
   const OptionRules read = {.required = true, .given = Given::kFile};
-  command.subcommand("show", "What a weights file holds")
-      .option(
-          "weights", &options.show, "Weights file, or the name of one that is installed",
-          {.required = true, .given = Given::kFile, .one_of = pipeline::installed_weights_names()});
+  command.subcommand("show", "Print the contents of a weights file")
+      .option("weights", &options.show, "Weights file, or the name of one that is installed",
+              {.required = true, .given = Given::kFile, .one_of = installed_stems()});
   Command packed = command.subcommand(
       "pack", "Make a weights file of arrays that another program has trained",
       "Names and shapes of the arrays: nn/README.md, or hqslam weights show. If the arrays\n"

@@ -42,7 +42,7 @@ struct CompareOptions : InputChoice {
   int threads = 0;  ///< 0: what OpenMP chooses
 };
 
-/// In every file that --json writes: tells it from others.
+/// The marker by which a file of --json is recognized.
 constexpr const char* kJsonMarker = R"("written_by": "hqslam-lab compare")";
 
 void guard_outputs(const CompareOptions& options) {
@@ -198,8 +198,8 @@ void declare(CLI::App& app, CompareOptions& options) {
       .option("--every", &options.every, "Compare every n-th scan (default: all)",
               {.within = kAnyCount})
       .option("--layers", &options.layers,
-              "Instead of methods, compare the steps of the first weights' layers (H: data step, "
-              "Z: denoiser, Y: filter), as if the network ended there",
+              "Compare, instead of methods, the results after each step of the first weights' "
+              "layers (H: data step, Z: denoiser, Y: filter)",
               {.needs = {"--weights"}})
       .option("--json", &options.json, "Also write the figures into this file",
               {.excludes = {"--layers"}});

@@ -10,8 +10,8 @@
 
 namespace hqslam::tools {
 
-/// How a method does between the rows of a recording, where nothing but other scans of the same
-/// drive says what is there.
+/// Errors of a method between the rows of a recording, where other scans of the same drive are the
+/// only reference.
 struct OtherScansScore {
   std::string method;
   double right_share = 0.0;    ///< computed pixels that are right, of those that others measured

@@ -125,10 +125,12 @@ void declare(CLI::App& app, SimulateOptions& options) {
               "ROLL,PITCH of the sensor's mounting, degrees; positive roll raises the left side, "
               "positive pitch lowers the front, 180,0 is upside down",
               {.delimiter = ',', .values = 2})
-      .option("--sensor-errors", &options.sensor_errors,
-              "Errors of the sensor against its beam table (default: none): typical as makers "
-              "specify, bad as in a badly kept sensor; sensor_errors.json gets the true errors",
-              {.one_of = sim::sensor_errors_names()})
+      .option(
+          "--sensor-errors", &options.sensor_errors,
+          "Errors of the sensor against its beam table (default: none): typical, as "
+          "manufacturers specify, or bad, as of a poorly calibrated sensor; the true errors are "
+          "written to sensor_errors.json",
+          {.one_of = sim::sensor_errors_names()})
       .option("--bin", &options.bin, "Also write KITTI .bin files")
       .option("--pcd", &options.pcd, "Also write .pcd files")
       .option("--imu", &options.imu,

@@ -48,7 +48,7 @@ void declare(CLI::App& app, TableOptions& options) {
       app, "table",
       "Compare SLAM with 16 rows, with 16 upsampled to 64 by every method, and with 64",
       R"(METHOD+as-published in --methods or --weights, such as du-or+as-published, is a row with
-LeGO-LOAM as published. Writes into --out:
+LeGO-LOAM as its paper has it. Writes into --out:
   table.md, table.json, table.html  drift, slips and position errors; the page
                                     has maps of them
   results/DRIVE/METHOD-KEY.tum      trajectories of finished runs, for hqslam

@@ -60,7 +60,7 @@ TableMethod method_named(const std::string& text, const char* option) {
   }
   TableMethod method = plain_method(text.substr(0, plus), option);
   method.name += kAsPublished;
-  method.title += ", LeGO-LOAM as published";
+  method.title += ", LeGO-LOAM";
   method.slam = pipeline::SlamKind::kLegoLoam;
   return method;
 }

@@ -27,7 +27,7 @@ nlohmann::ordered_json page_data(const std::vector<PartReport>& parts);
 /// table.json: the figures of every method and part, and those of every drive. The same in every
 /// run.
 std::string json_of(const std::vector<PartReport>& parts);
-/// In every table.json: tells one from other files.
+/// The marker by which a table.json is recognized.
 inline constexpr const char* kTableJsonMarker = R"("written_by": "hqslam-lab table")";
 
 }  // namespace hqslam::tools

@@ -17,10 +17,10 @@
 namespace hqslam::tools {
 namespace {
 
-/// The scans before and after a scan that tell what is between its rows: 4 s of a sensor with ten
-/// turns a second. Further ones saw most surfaces from too far away.
+/// The scans before and after a scan that are the reference between its rows: 4 s of a sensor with
+/// ten turns a second. Further ones saw most surfaces from too far away.
 constexpr std::int64_t kScansAround = 40;
-constexpr nn::ScanMemoryOptions kScansThatTell = {
+constexpr nn::ScanMemoryOptions kReferenceScans = {
     .scans = 2 * kScansAround + 1, .path_m = 80.0, .time_s = 20.0};
 /// W^2 from which a recalled range is the truth: as much as one point through a pixel's centre.
 constexpr float kLeastWeight = 4.0F;
@@ -120,7 +120,7 @@ RecordedDrive read_recorded_drive(const InputChoice& input, const std::string& w
   const LocatedScans located = located_scans(opened, interrupt);
   const SensorModel& sensor = upsampler.sensor();
   RecordedDrive drive{{}, sensor, *sensor.measured_rows};
-  nn::ScanMemory memory(sensor, kScansThatTell);
+  nn::ScanMemory memory(sensor, kReferenceScans);
   const auto count = std::ssize(located.measured);
   const auto poses_of = [&](std::int64_t i) -> std::optional<nn::ColumnPoses> {
     const auto path = located.poses.path_of(i, located.stamp_s[i], sensor.scan_period_s);

@@ -20,8 +20,8 @@ struct RecordedDrive {
   RowSelection measured_rows;
 };
 
-/// Reads a recording, locates its scans by SLAM, and sees from each of them what those around it
-/// measured. weights: for any sensor, or for the recording's. Throws Error; returns no scans if
+/// Reads a recording, locates its scans by SLAM, and projects into each of them the points of those
+/// around it. weights: for any sensor, or for the recording's. Throws Error; returns no scans if
 /// interrupted.
 RecordedDrive read_recorded_drive(const InputChoice& input, const std::string& weights,
                                   const InterruptGuard& interrupt);

@@ -244,16 +244,18 @@ The drives of the recipe are simulated once into --drives (0.26 MB for a scan of
 and read from there scan by scan.
 Ctrl-C stops after the current step; the same command then continues exactly there. The
 recipes of the weights that come with hqslam are weights/*.json.)");
-  Command what = command.alternatives("What to train", "what to train");
-  what.option("--config", &options.config, "Network, data and recipe (.json)")
+  Command what = command.alternatives("Source", "what to train on");
+  what.option("--config", &options.config,
+              "Recipe (.json): network, drives and settings of the training")
       .option("--from-recording", &options.recording.input,
               "A recording on which weights are trained further: what other scans "
               "measured is the truth between the rows of each; its last fifth is held out",
               {.given = Given::kFileOrFolder});
   command
-      .option("--start-from", &options.start_from, "Weights to train on with a recording",
+      .option("--start-from", &options.start_from,
+              "Weights that are trained further on the recording",
               {.given = Given::kFile, .needs = {"--from-recording"}})
-      .option("--steps", &options.steps, "Steps with a recording",
+      .option("--steps", &options.steps, "Number of training steps on the recording",
               {.shows_default = true, .needs = {"--from-recording"}})
       .option("--sensor", &options.recording.sensor, "Sensor of the recording, as for hqslam run",
               {.needs = {"--from-recording"}});

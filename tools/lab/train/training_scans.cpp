@@ -127,7 +127,9 @@ nn::TrainingScan StoredScans::read(std::int64_t i) const {
   RangeImage image = NpyStackReader(file.stack.path).read(i - file.begin);
   const bool recalls = image.rows == 3 * file.rows;
   if ((image.rows != file.rows && !recalls) || image.columns != file.columns) {
-    throw Error("{}: changed while it was read", file.stack.path);
+    throw Error(
+        "{}: expected the images of the beginning, found others: it has changed; start again",
+        file.stack.path);
   }
   for (float& range_m : image.range_m) {
     if (!std::isfinite(range_m) || range_m < 0.0F) range_m = 0.0F;

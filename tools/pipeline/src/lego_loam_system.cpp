@@ -52,7 +52,8 @@ class LegoLoamSystem : public SlamSystem {
   }
   slam::SavedMap saved_map() const override {
     throw Error(
-        "LeGO-LOAM: recognizes no places for a saved map; save that of a run of hqslam's own SLAM");
+        "saved map: expected hqslam's SLAM, found LeGO-LOAM, which recognizes no places; save the "
+        "map of a run of hqslam's");
   }
 
  private:

@@ -11,15 +11,16 @@ namespace hqslam::pipeline {
 namespace {
 
 constexpr float kNear_m = 3.0F;
-/// Three standard deviations of a range, and what a vehicle's parts shake.
+/// Three standard deviations of a range, and the vibration of a vehicle's parts.
 constexpr float kSame_m = 0.1F;
 constexpr int kConstantScans = 10;
 constexpr int kMovingScans = 20;
-/// Of all pixels; with fewer beyond kNear_m nobody knows whether the sensor moves.
+/// Least share of all pixels beyond kNear_m; with fewer it cannot be determined whether the sensor
+/// moves.
 constexpr double kFewestFarShare = 0.05;
 constexpr std::int32_t kFewestPixels = 10;
 constexpr double kMostContinuedShare = 0.2;
-/// ConnectedComponentsOptions::min_angle_rad. Floors are seen as flatly as that.
+/// ConnectedComponentsOptions::min_angle_rad. Beams meet floors at similarly small angles.
 constexpr double kMinAngle_rad = 0.035;
 
 /// The pixels with a return around a component.

@@ -131,9 +131,8 @@ void Upsampler::fit_network(nn::SuperResolver network, const UpsamplingOptions& 
   const RowSelection measured_rows = network.description().measured_rows;
   const SensorModel measured = select_rows(full, measured_rows);
   if (options.rows > 0 && options.rows != measured.rows()) {
-    throw Error(
-        "{}: was made for {} measured rows, expected no other number, found {}; leave it out",
-        options.method, measured.rows(), options.rows);
+    throw Error("{}: expected its {} measured rows, found --rows {}; leave --rows out",
+                options.method, measured.rows(), options.rows);
   }
   check_columns(options, source, recorded_.columns, full.columns);
   recorded_.columns = full.columns;

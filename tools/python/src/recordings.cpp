@@ -62,7 +62,7 @@ void add_recordings(nb::module_& module) {
           "The sensor that recorded it.")
       .def_prop_ro(
           "size", [](Recording& r) { return r.call([](auto& s) { return s.size(); }); },
-          "How many scans there are; None where only the end tells.")
+          "Number of scans; None where it is known only after the last one was read.")
       .def_prop_ro(
           "warnings", [](Recording& r) { return r.call([](auto& s) { return s.warnings(); }); },
           "What should be known of it, a line each; complete at the end.")

@@ -28,7 +28,7 @@ class ScanSource {
  public:
   virtual ~ScanSource() = default;
   virtual const SensorModel& sensor() const = 0;
-  /// How many scans there are; nothing where only reading them all tells.
+  /// Number of scans; nothing where it is known only after the last one was read.
   virtual std::optional<std::int64_t> size() const = 0;
   /// How much of the recording was read, 0 to 1.
   virtual double read_share() const = 0;

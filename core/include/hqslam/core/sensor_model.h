@@ -67,7 +67,7 @@ struct SensorModel {
   double time_offset_s(int row, int column) const;
   /// The column whose pixel contains this direction, 0..columns-1.
   int column_of(int row, double azimuth_rad) const;
-  /// The same for a row without residual azimuth.
+  /// The column of this azimuth in a row without residual azimuth.
   int column_of_azimuth(double azimuth_rad) const;
 
   bool operator==(const SensorModel&) const = default;

@@ -203,8 +203,9 @@ std::unique_ptr<ScanAssembler> LiveStream::assembler(int columns) {
   const DecoderOptions options = {options_.kept_return, true, serial_number_};
   if (is_ouster_) {
     if (columns > 0 && columns != sensor_.columns) {
-      throw Error("the sensor sends {} columns a turn, {} are asked for; set it to another mode",
-                  sensor_.columns, columns);
+      throw Error(
+          "expected the {} columns a turn that the sensor sends, found {}; set it to another mode",
+          sensor_.columns, columns);
     }
     return std::make_unique<OusterDecoder>(*metadata_, options, "live");
   }

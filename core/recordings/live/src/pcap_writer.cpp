@@ -117,7 +117,7 @@ void PcapWriter::put_beside(const std::string& metadata) const {
   std::ofstream stream(beside(path_), std::ios::binary);
   stream << metadata;
   stream.close();
-  if (!stream) throw Error("{}: cannot be written; is the disk full?", beside(path_));
+  if (!stream) throw Error("{}: cannot be written: the disk may be full", beside(path_));
 }
 
 void PcapWriter::add(const Packet& packet) {
@@ -138,7 +138,7 @@ void PcapWriter::add(const Packet& packet) {
 
 void PcapWriter::write(const void* bytes, std::size_t count) {
   if (std::fwrite(bytes, 1, count, file_.get()) == count) return;
-  throw Error("{}: cannot be written; is the disk full?", path_);
+  throw Error("{}: cannot be written: the disk may be full", path_);
 }
 
 }  // namespace hqslam::live

@@ -31,10 +31,10 @@ class BagFile {
   virtual std::optional<Message> next() = 0;
   /// The topics of the messages read so far.
   const std::map<std::uint32_t, Topic>& topics() const { return topics_; }
-  /// As RecordingFile's.
+  /// RecordingFile::keep_only().
   virtual void keep_only(const std::vector<std::string>& /*topics*/) {}
   virtual double read_share() const = 0;
-  /// As RecordingFile's.
+  /// RecordingFile::missing().
   virtual std::string missing() const { return ""; }
 
  protected:

@@ -9,7 +9,7 @@ namespace hqslam::recordings {
 
 /// How long a turn of the sensor takes where messages are not one turn each but parts of one or
 /// several: by azimuths and times of the points of messages that come every period_s and last as
-/// long. Nothing where a message is a turn, or where their points do not tell.
+/// long. Nothing where a message is a turn, or where their points do not determine it.
 std::optional<double> turn_of_parts_s(const std::vector<RawPoints>& messages, double period_s);
 
 /// Points of messages that are not one turn each -> scans of one turn, cut by the points' times.

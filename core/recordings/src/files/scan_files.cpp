@@ -55,9 +55,9 @@ bool nearly_equal(const std::vector<double>& a, const std::vector<double>& b) {
                             [](double x, double y) { return std::abs(x - y) < kTolerance_rad; });
 }
 
-/// The images of such a folder are those of one sensor; another one would bend every point. What
-/// the folder says about them, which rows were measured and whether they are corrected for motion,
-/// holds whatever the caller calls the sensor.
+/// The images of such a folder are those of one sensor; with another one every point would be
+/// displaced. Its sensor.json determines which rows were measured and whether they are corrected
+/// for motion, for any sensor that the caller names.
 SensorModel sensor_of_folder(const fs::path& folder, const std::optional<SensorModel>& named) {
   const std::string path = (folder / "sensor.json").string();
   const SensorModel recorded = read_sensor_json(path);

@@ -32,15 +32,15 @@ using ChooseSensor = std::function<FoundSensor(const std::function<FoundSensor()
 ///   `options` apply), with confidence and intensity of its pixels if there is a confidence.npy or
 ///   an intensity.npy (float32, or bytes): the measured rows and the correction for motion of
 ///   its sensor.json take precedence over those of `sensor`.
-/// Files are taken in the natural order of their names. The stamp of a scan is what options.stamps
-/// says, else that of a timestamps.txt in the folder or, beside files, the one above it (KITTI's
-/// drives), else the middle of its points' times where those are a clock's or as
-/// options.without_times says, else its index times sensor.scan_period_s, where scans that are
-/// missing between numbered files count. In a folder of images with truth.tum and no timestamps.txt
-/// the stamps are those of truth.tum: (index + 1/2) times the period for a simulated drive, the
-/// middle of each scan. Pixels of images that are not finite or negative count as invalid points.
-/// Throws Error: which file, what was expected, what was found, what to do; also for scans that
-/// cannot be the sensor's.
+/// Files are taken in the natural order of their names. The stamp of a scan is that of
+/// options.stamps, else that of a timestamps.txt in the folder or, beside files, the one above it
+/// (KITTI's drives), else the middle of its points' times where those are a clock's or of its
+/// azimuths by options.without_times, else its index times sensor.scan_period_s, where scans that
+/// are missing between numbered files count. In a folder of images with truth.tum and no
+/// timestamps.txt the stamps are those of truth.tum: (index + 1/2) times the period for a simulated
+/// drive, the middle of each scan. Pixels of images that are not finite or negative count as
+/// invalid points. Throws Error: which file, what was expected, what was found, what to do; also
+/// for scans that cannot be the sensor's.
 std::unique_ptr<ScanSource> open_scan_files(const std::string& path,
                                             const std::optional<SensorModel>& sensor,
                                             const RecordingOptions& options = {});
@@ -53,7 +53,7 @@ std::unique_ptr<ScanSource> open_scan_files(const std::string& path,
 
 /// A recording with inertial samples that were kept elsewhere, in the order of their stamps, in
 /// place of its own. Once most of the scans that were read have none, as by another clock, its
-/// warnings end with one that says so; `name` stands for the samples in it.
+/// warnings end with one that states it; `name` stands for the samples in it.
 std::unique_ptr<ScanSource> with_imu(std::unique_ptr<ScanSource> source,
                                      std::vector<ImuSample> samples,
                                      const std::string& name = "inertial data");

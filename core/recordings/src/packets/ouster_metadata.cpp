@@ -33,7 +33,7 @@ const Profile& facts(OusterProfile profile) { return kProfiles[static_cast<std::
 
 constexpr std::size_t kMaxFileBytes = 16U << 20U;
 
-/// A text, "" where there is none.
+/// The text in a field; empty without one.
 std::string words(JsonFields& fields, const std::string& field) {
   return fields.has(field) && fields.dumped(field).starts_with('"') ? fields.text(field) : "";
 }

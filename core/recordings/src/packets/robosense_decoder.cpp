@@ -106,7 +106,7 @@ struct Angles {
   std::vector<double> elevation, azimuth;  ///< hundredths of a degree, azimuths clockwise
 };
 
-/// An RS-16's are 24 bits, ten thousandths of a degree; the first eight look down.
+/// Elevations of an RS-16: 24 bits each, ten thousandths of a degree, negative for the first eight.
 Angles rs16_angles(Bytes settings) {
   Angles angles;
   for (int channel = 0; channel < 16; ++channel) {

@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kHalfTurn = kTurn / 2.0;
 constexpr std::int64_t kSecond_us = 1'000'000;
-/// Two clocks that tell of the same gap differ by less, seconds: packets are recorded late.
+/// Largest difference, in seconds, of one gap by two clocks: packets are recorded late.
 constexpr double kMostApart = 0.5;
 /// No recording has a longer gap.
 constexpr double kMostHours = 1000.0;

@@ -84,7 +84,7 @@ struct VelodyneChannel {
   double azimuth_us = 0.0;  ///< the same, for the interpolation of the azimuth
 };
 
-/// Of the blocks of each bank.
+/// The channels of a block, by its bank.
 using VelodyneChannels = std::array<std::vector<VelodyneChannel>, kBankFlags.size()>;
 
 /// `sensor` gives elevation and azimuth offset of each row. Throws Error if it has not as many rows

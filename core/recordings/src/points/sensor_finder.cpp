@@ -136,7 +136,7 @@ FoundSensor sensor_with(const std::vector<Beam>& beams) {
     SensorModel preset = sensor_preset(name);
     const auto off_rad = farthest_off_rad(preset, beams);
     if (!off_rad || *off_rad > kSameBeam_rad || 4 * std::ssize(beams) < 3 * preset.rows()) continue;
-    // A sensor that turns faster than usual; finer images than a preset's are none that it lacks.
+    // A sensor that turns faster has fewer columns than its preset; more are not used.
     if (columns < preset.columns * 3 / 4) preset.columns = columns;
     return {
         preset, {}, fmt::format("those of {} within {:.3f} degrees", name, *off_rad / kDegree_rad)};

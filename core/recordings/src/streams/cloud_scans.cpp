@@ -192,7 +192,7 @@ std::vector<RawPoints> first_clouds(StreamReader& reader, std::size_t clouds) {
   });
 }
 
-/// Points and rings of a turn's parts together; one of them may have too few to tell a beam.
+/// Points and rings of a turn's parts together; one of them may have too few to determine a beam.
 std::vector<RawPoints> joined(const std::vector<RawPoints>& parts) {
   RawPoints whole = parts.front();
   for (std::size_t i = 1; i < parts.size(); ++i) {

@@ -92,8 +92,8 @@ std::vector<TopicText> later_metadata(const std::string& path) {
                                     const std::vector<Candidate>& candidates) {
   if (candidates.empty()) {
     throw Error(
-        "{}: packets of {} bytes from {} look like an Ouster's, but no metadata for such packets "
-        "are beside it; put the sensor's .json file there or give it as the sensor",
+        "{}: packets of {} bytes from {} have the size of an Ouster's, but no metadata for such "
+        "packets are beside it; put the sensor's .json file there or give it as the sensor",
         reader.path(), reader.stream().packet_bytes, reader.stream().name);
   }
   std::string found;
@@ -136,8 +136,8 @@ Candidate metadata_of(StreamReader& reader, const OpenOptions& options) {
   return candidates.front();
 }
 
-/// Which sensor's packets are read, where packets say whose they are: that of the metadata, else
-/// the one that is there. 0: any.
+/// The serial number of the sensor that is read, where packets have one: that of the metadata, else
+/// the only one present. 0: any.
 std::uint64_t serial_to_read(StreamReader& reader, const Candidate& of,
                              std::vector<std::string>& warnings) {
   const auto found = serial_numbers(reader, of.metadata.profile);
@@ -198,7 +198,8 @@ std::unique_ptr<StreamScans> open_ouster(StreamReader reader, const OpenOptions&
       return std::make_unique<OusterDecoder>(metadata, decoding, path);
     }
     throw Error(
-        "{}: an Ouster's packets have {} columns a turn, {} are asked for; record in another mode",
+        "{}: expected the {} columns a turn of the Ouster's packets, found {}; record in another "
+        "mode",
         path, metadata.sensor.columns, sensor.columns);
   });
   if (options.columns > 0) source->use_columns(options.columns);

@@ -80,8 +80,8 @@ auto first_packet(StreamReader& reader, const char* sender, const Read& read) {
               sender);
 }
 
-/// The columns that the user wants; 0: of a preset, which is for 10 turns a second, as many as its
-/// lasers fire in a turn of the sensor's period, others as they are.
+/// Sets the wished number of columns. 0: those of a preset, which is for 10 turns a second, become
+/// as many as its lasers fire in a turn of the sensor's period; others stay.
 void set_columns(SensorModel& sensor, int wanted, bool is_preset);
 
 /// Where beams of a named sensor look more than 1.5 degrees beside those that the packets' own has.

@@ -27,7 +27,7 @@ class LayerBackward {
 
   /// The layer's new parameters, which it has already.
   virtual void set_parameters(std::span<const float> /*parameters*/) {}
-  /// Whether `backward` writes d_input, borders too, as BackwardPass::end says.
+  /// Whether `backward` writes d_input, borders too, as BackwardPass::end specifies.
   virtual bool ends_gradients() const { return false; }
   /// The scans of a batch together, because their results may depend on each other (batch norm).
   /// One thread.

@@ -31,7 +31,7 @@ inline constexpr std::size_t kVelodynePacketBytes = 1206;
 struct VelodyneStream {
   VelodyneModel model = VelodyneModel::kVlp16;
   bool dual_return = false;
-  double scan_period_s = 0.1;  ///< measured; 0.1 if there are too few packets to tell
+  double scan_period_s = 0.1;  ///< measured; 0.1 if there are too few packets
   /// Where scans are cut, in the sensor's azimuth (clockwise, 0 in front), degrees: 0, or the
   /// middle of what the sensor does not look at.
   double cut_azimuth_deg = 0.0;
@@ -47,8 +47,8 @@ struct VelodyneStream {
 class VelodyneProbe {
  public:
   void add(const Packet& packet);
-  /// `otherwise` is the model where neither spacing nor factory byte tell one. Nothing if no packet
-  /// is a Velodyne's, or nothing tells the model.
+  /// `otherwise` is the model where neither spacing nor factory byte determines one. Nothing if no
+  /// packet is a Velodyne's, or nothing determines the model.
   std::optional<VelodyneStream> result(std::optional<VelodyneModel> otherwise = std::nullopt) const;
 
  private:

@@ -4,7 +4,7 @@
 
 namespace hqslam::nn {
 
-/// Those of hqs_architectures() and the network that they are compared with, SRAE.
+/// The architectures of hqs_architectures(), and SRAE, with which they are compared.
 const Architectures& all_architectures();
 
 }  // namespace hqslam::nn
