@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "hqslam/core/error.h"
-#include "recording/capture_check.h"
 #include "pages/open_page.h"
+#include "recording/capture_check.h"
 #include "recording/recording_choice.h"
 #include "run/beam_correction.h"
 #include "run/run_output.h"
