@@ -17,8 +17,8 @@
 namespace hqslam::tools {
 namespace {
 
-constexpr std::int64_t kMostScans = 100;
-constexpr int kFewestScans = 15;
+constexpr std::int64_t kMostTestedScans = 100;
+constexpr int kFewestTestedScans = 15;
 /// In a turn, as far as a point 10 m away moves.
 constexpr double kMoved_m = 0.1;
 constexpr double kLever_m = 10.0;
@@ -72,8 +72,8 @@ Fits fits(const std::string& input, const SensorModel& sensor, recordings::OpenO
   LeftOut left_out;
   Fits result;
   result.has_stamps = source.has_stamps();
-  Progress progress(tested, std::min(kMostScans, source.size().value_or(kMostScans)));
-  while (std::ssize(result.scans) < kMostScans) {
+  Progress progress(tested, std::min(kMostTestedScans, source.size().value_or(kMostTestedScans)));
+  while (std::ssize(result.scans) < kMostTestedScans) {
     const auto scan = next_usable(source, left_out);
     if (!scan) break;
     result.is_of_kitti = scan->name.ends_with(".bin");
@@ -116,7 +116,7 @@ Comparison compared(const Fits& first, const Fits& second) {
   result.second_m /= result.scans;
   result.log_ratio /= result.scans;
   const double variance = sum_of_squares / result.scans - result.log_ratio * result.log_ratio;
-  result.is_clear = result.scans >= kFewestScans &&
+  result.is_clear = result.scans >= kFewestTestedScans &&
                     std::abs(result.log_ratio) > kClear * std::sqrt(variance / result.scans);
   return result;
 }

@@ -90,8 +90,8 @@ void declare_reading(Command& command, InputChoice& choice) {
               {.one_of = {"rolling", "corrected"}})
       .option("--stamps", &choice.stamps,
               "File with the stamp of each scan (seconds, or dates as in KITTI's timestamps.txt), "
-              "'names' for the numbers in the files' names, or the seconds from scan to scan; not "
-              "for captures and bags, which have their own",
+              "'names' for the numbers in the files' names, or the seconds from scan to scan where "
+              "turns were left out; not for captures and bags, which have their own",
               {.complaint = nothing});
 }
 

@@ -34,7 +34,10 @@ class FileScanSource : public ScanSource {
                  const RecordingOptions& options)
       : paths_(std::move(paths)), without_times_(options.without_times) {
     read_stamps(options.stamps);
-    FoundSensor chosen = choose([&] { return find_sensor_of_files(paths_, stamps_s_); });
+    // Seconds that the user gave are those of several turns.
+    const bool are_of_turns = !stamp_spacing_s(options.stamps);
+    const std::vector<double> stamps_of_turns_s = are_of_turns ? stamps_s_ : std::vector<double>();
+    FoundSensor chosen = choose([&] { return find_sensor_of_files(paths_, stamps_of_turns_s); });
     sensor_ = std::move(chosen.sensor);
     validate(sensor_);
     if (!chosen.note.empty()) {

@@ -28,7 +28,8 @@ struct RecordingOptions {
   /// warning.
   std::optional<CaptureTime> without_times = std::nullopt;
   /// A file with the stamp of each scan (seconds, or dates as in KITTI's timestamps.txt), or
-  /// kStampsFromNames for the number in each file's name, or the seconds from scan to scan ("0.2").
+  /// kStampsFromNames for the number in each file's name, or the seconds from scan to scan ("0.2"),
+  /// where turns of the sensor were left out.
   /// Empty: the recording's own.
   std::string stamps = {};
 };
