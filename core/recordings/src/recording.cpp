@@ -13,6 +13,7 @@
 #include "hqslam/core/left_out.h"
 #include "hqslam/core/npy.h"
 #include "ordered_scans.h"
+#include "points/limit_returns.h"
 #include "streams/stream_scans.h"
 
 namespace hqslam::recordings {
@@ -223,6 +224,7 @@ Recording::Recording(std::string path, OpenOptions options, bool with_points)
     if (stated_) stated_->columns = source_->sensor().columns;
   }
   const bool is_packets = stream_ != nullptr && stream_->has_packets();
+  if (!is_packets) source_ = without_limit_returns(std::move(source_));
   source_ = ordered(std::move(source_), is_packets ? Repeats::kKept : Repeats::kLeftOut);
   const std::string imu = options_.imu.empty() ? imu_of_drive(path_) : options_.imu;
   if (imu == kNoInertialData) {

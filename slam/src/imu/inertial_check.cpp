@@ -56,20 +56,21 @@ struct Conversion {
   double scale = 1.0;
 };
 
-/// The plausible mistakes: axes swapped or negated, degrees for radians or the opposite.
+/// The plausible mistakes: axes swapped or negated, degrees for radians or the opposite. Frames
+/// that are right-handed come first: signs of axes about which little turned are thus theirs.
 template <typename Visit>
 void for_each_conversion(const Visit& visit) {
-  std::array<int, 3> order = {0, 1, 2};
-  do {
-    for (int signs = 0; signs < 8; ++signs) {
-      Conversion conversion{Matrix3d::Zero(), 1.0};
-      for (int i = 0; i < 3; ++i) conversion.axes(i, order[i]) = (signs >> i & 1) != 0 ? -1.0 : 1.0;
-      for (const double scale : {1.0, kDegree_rad, 1.0 / kDegree_rad}) {
-        conversion.scale = scale;
-        visit(conversion);
+  for (const double handedness : {1.0, -1.0}) {
+    std::array<int, 3> order = {0, 1, 2};
+    do {
+      for (int signs = 0; signs < 8; ++signs) {
+        Matrix3d axes = Matrix3d::Zero();
+        for (int i = 0; i < 3; ++i) axes(i, order[i]) = (signs >> i & 1) != 0 ? -1.0 : 1.0;
+        if (handedness * axes.determinant() < 0.0) continue;
+        for (const double scale : {1.0, kDegree_rad, 1.0 / kDegree_rad}) visit({axes, scale});
       }
-    }
-  } while (std::ranges::next_permutation(order).found);
+    } while (std::ranges::next_permutation(order).found);
+  }
 }
 
 /// Root mean square of vectors about their median, without the tenth that is farthest from it:

@@ -3,7 +3,10 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdlib>
 #include <map>
+#include <string>
 
 #include "hqslam/core/nearest_names.h"
 
@@ -40,6 +43,10 @@ void check_given(CLI::Option& option, const OptionRules& rules) {
   }
 }
 
+std::string is_number(const std::string& text) {
+  return std::isnan(std::strtod(text.c_str(), nullptr)) ? "expected a number, found " + text : "";
+}
+
 void apply(const OptionRules& rules, CLI::App& command, CLI::Option& option) {
   option.required(rules.required);
   check_given(option, rules);
@@ -47,6 +54,7 @@ void apply(const OptionRules& rules, CLI::App& command, CLI::Option& option) {
     option.check(CLI::Range(ints->first, ints->second));
   } else if (const auto* reals = std::get_if<std::pair<double, double>>(&rules.within)) {
     option.check(CLI::Range(reals->first, reals->second));
+    option.check(is_number);  // CLI::Range takes nan
   }
   if (rules.complaint) option.check(rules.complaint);
   if (rules.delimiter != 0) option.delimiter(rules.delimiter);

@@ -37,3 +37,10 @@ TEST_CASE("an option that takes a file or a name takes either, and names both wh
   CHECK(refusal_of("/no/file", file_or_name) ==
         "--method: expected an existing file or none, found /no/file");
 }
+
+TEST_CASE("an option that takes a range of numbers refuses what is none") {
+  const OptionRules share = {.within = std::pair(0.0, 1.0)};
+  CHECK(refusal_of("0.5", share).empty());
+  CHECK_FALSE(refusal_of("1.5", share).empty());
+  CHECK(refusal_of("nan", share) == "--method: expected a number, found nan");
+}

@@ -1,0 +1,56 @@
+#include "points/limit_returns.h"
+
+#include "made_scans.h"
+#include "testing.h"
+
+using namespace hqslam;
+using namespace hqslam::recordings;
+using namespace hqslam::test;
+
+namespace {
+
+struct Read {
+  RecordedScan scan;
+  std::vector<std::string> warnings;
+};
+
+/// A scan of 1,600 pixels, of which the first `at_limit` are at `limit_m`, each `step_m` farther
+/// than the one before, and the others between 5 and 21 m.
+Read read(int at_limit, float limit_m, float step_m = 0.0F) {
+  const auto source = without_limit_returns(std::make_unique<MadeScans>(1, [=](std::size_t) {
+    RecordedScan scan;
+    scan.cloud = OrganizedCloud(16, 100);
+    for (int i = 0; i < 1600; ++i) {
+      const auto at = static_cast<float>(i);
+      scan.cloud.range_m[i] = i < at_limit ? limit_m + step_m * at : 5.0F + 0.01F * at;
+      scan.cloud.points_m[i] = {scan.cloud.range_m[i], 0.0F, 0.0F};
+    }
+    scan.counts.kept = 1600;
+    return scan;
+  }));
+  RecordedScan scan = *source->next();
+  return {std::move(scan), source->warnings()};
+}
+
+}  // namespace
+
+TEST_CASE("pixels without a return that hold the largest range are taken out, and counted") {
+  for (const float limit_m : {65.535F, 90.0F, 120.0F}) {
+    const Read found = read(80, limit_m);
+    CHECK(found.scan.counts.kept == 1520);
+    CHECK(found.scan.counts.out_of_range == 80);
+    CHECK(found.scan.cloud.range_m[79] == 0.0F);
+    CHECK(found.scan.cloud.points_m[79].isZero());
+    CHECK(found.scan.cloud.range_m[80] == 5.8F);
+    CHECK(one_line_with(found.warnings, "80 of 1600 returns", "taken as none"));
+  }
+}
+
+TEST_CASE("what a scan measures at its farthest stays") {
+  const auto stays = [](const Read& found) {
+    return found.scan.counts.kept == 1600 && found.warnings.empty();
+  };
+  CHECK(stays(read(16, 90.0F)));          // 1 % of the returns
+  CHECK(stays(read(80, 60.0F, 0.001F)));  // within 8 cm: a wall
+  CHECK(stays(read(1600, 10.0F)));        // of one range alone
+}
