@@ -48,8 +48,9 @@ class WithoutLimitReturns : public ScanSource {
     const float limit_m = farthest_m - kSame_m;
     const auto returns = std::ranges::count_if(range_m, [](float r) { return r > 0.0F; });
     const auto at_limit = std::ranges::count_if(range_m, [&](float r) { return r > limit_m; });
-    const double share = static_cast<double>(at_limit) / std::max(1.0, 1.0 * returns);
-    if (returns < kFewestReturns || share < kLeastShare || share > kMostShare) return;
+    if (returns < kFewestReturns) return;
+    const double share = static_cast<double>(at_limit) / static_cast<double>(returns);
+    if (share < kLeastShare || share > kMostShare) return;
     for (std::size_t i = 0; i < range_m.size(); ++i) {
       if (!(range_m[i] > limit_m)) continue;
       range_m[i] = 0.0F;

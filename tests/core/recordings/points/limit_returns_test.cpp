@@ -9,14 +9,14 @@ using namespace hqslam::test;
 
 namespace {
 
-struct Read {
+struct LimitRead {
   RecordedScan scan;
   std::vector<std::string> warnings;
 };
 
 /// A scan of 1,600 pixels, of which the first `at_limit` are at `limit_m`, each `step_m` farther
 /// than the one before, and the others between 5 and 21 m.
-Read read(int at_limit, float limit_m, float step_m = 0.0F) {
+LimitRead read_limit(int at_limit, float limit_m, float step_m = 0.0F) {
   const auto source = without_limit_returns(std::make_unique<MadeScans>(1, [=](std::size_t) {
     RecordedScan scan;
     scan.cloud = OrganizedCloud(16, 100);
@@ -36,7 +36,7 @@ Read read(int at_limit, float limit_m, float step_m = 0.0F) {
 
 TEST_CASE("pixels without a return that hold the largest range are taken out, and counted") {
   for (const float limit_m : {65.535F, 90.0F, 120.0F}) {
-    const Read found = read(80, limit_m);
+    const LimitRead found = read_limit(80, limit_m);
     CHECK(found.scan.counts.kept == 1520);
     CHECK(found.scan.counts.out_of_range == 80);
     CHECK(found.scan.cloud.range_m[79] == 0.0F);
@@ -47,10 +47,10 @@ TEST_CASE("pixels without a return that hold the largest range are taken out, an
 }
 
 TEST_CASE("what a scan measures at its farthest stays") {
-  const auto stays = [](const Read& found) {
+  const auto stays = [](const LimitRead& found) {
     return found.scan.counts.kept == 1600 && found.warnings.empty();
   };
-  CHECK(stays(read(16, 90.0F)));          // 1 % of the returns
-  CHECK(stays(read(80, 60.0F, 0.001F)));  // within 8 cm: a wall
-  CHECK(stays(read(1600, 10.0F)));        // of one range alone
+  CHECK(stays(read_limit(16, 90.0F)));          // 1 % of the returns
+  CHECK(stays(read_limit(80, 60.0F, 0.001F)));  // within 8 cm: a wall
+  CHECK(stays(read_limit(1600, 10.0F)));        // of one range alone
 }
