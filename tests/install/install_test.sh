@@ -1,10 +1,9 @@
-#!/ usr / bin / env bash
-#The libraries install alone and are found from another project:
-#install_test.sh BUILD_FOLDER CXX_COMPILER CXX_FLAGS[HQSLAM_LAB_PROGRAM]
-#With the program the projects also run, on a drive that it simulates.
+#!/usr/bin/env bash
+# The libraries install alone and are found from another project:
+#   install_test.sh BUILD_FOLDER CXX_COMPILER CXX_FLAGS [HQSLAM_LAB_PROGRAM]
+# With the program the projects also run, on a drive that it simulates.
 set -euo pipefail
-source_folder=$(cd "$(dirname "${
-  BASH_SOURCE[0]}")" && pwd)
+source_folder=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 build_folder=$1
 compiler=$2
 flags=$3 # a library with sanitizers needs them in its user too
@@ -12,30 +11,21 @@ program=${4:-}
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
-for component in core recordings nn slam pipeline;
-do
-  cmake-- install "$build_folder" --prefix "$folder/prefix" --component
-      "$component" > / dev / null done if[[-d "$build_folder/slam/lego_loam"]];
-then cmake-- install "$build_folder" --prefix "$folder/prefix" --component lego_loam >
-    / dev /
-            null fi
+for component in core recordings nn slam pipeline; do
+  cmake --install "$build_folder" --prefix "$folder/prefix" --component "$component" >/dev/null
+done
+if [[ -d "$build_folder/slam/lego_loam" ]]; then
+  cmake --install "$build_folder" --prefix "$folder/prefix" --component lego_loam >/dev/null
+fi
 
-                cmake -
-        S "$source_folder" - B "$folder/build" - G Ninja - DCMAKE_BUILD_TYPE =
-    Release - Wno - dev - DCMAKE_CXX_COMPILER = "$compiler" - DCMAKE_CXX_FLAGS =
-                                                    "$flags" - DCMAKE_PREFIX_PATH =
-                                                        "$folder/prefix" > "$folder/log" 2 > &1 || {
-  cat "$folder/log";
-  exit 1;
-}
-cmake-- build "$folder/build" > "$folder/log" 2 > &1 || {
-  cat "$folder/log";
-  exit 1;
-}
+cmake -S "$source_folder" -B "$folder/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -Wno-dev \
+  -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_CXX_FLAGS="$flags" \
+  -DCMAKE_PREFIX_PATH="$folder/prefix" >"$folder/log" 2>&1 ||
+  { cat "$folder/log"; exit 1; }
+cmake --build "$folder/build" >"$folder/log" 2>&1 || { cat "$folder/log"; exit 1; }
 
-#They run : without arguments their exit status is 2. Each has fewer than 40 lines.
-for
-example in "$source_folder" /../../ examples / cpp/*.cpp; do
+# They run: without arguments their exit status is 2. Each has fewer than 40 lines.
+for example in "$source_folder"/../../examples/cpp/*.cpp; do
   (($(wc -l <"$example") < 40)) || { echo "$example has 40 lines or more"; exit 1; }
   consumer=$folder/build/$(basename "$example" .cpp)
   [[ -x "$consumer" ]] || continue  # needs a library that was not built

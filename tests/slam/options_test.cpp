@@ -31,7 +31,8 @@ TEST_CASE("an invalid or unknown option is named with its value and the constrai
   options.mapping.trusted_residual_m = std::numeric_limits<double>::max();
   CHECK(complaint(options) == "no Error");
   using hqslam::test::one_line_with;
-  CHECK(one_line_with(complaint_about("mapping.no_such", 1.0), "no SLAM option mapping.no_such"));
+  CHECK(one_line_with(complaint_about("mapping.no_such", 1.0),
+                      "a SLAM option, found mapping.no_such"));
   for (const double value : {2.5, 1e12}) {
     CHECK(one_line_with(complaint_about("mapping.max_iterations", value), "a whole number"));
   }

@@ -1,10 +1,13 @@
 // What the weights that come with the program are worth, on a drive that none of them has seen.
 
+#include <nlohmann/json.hpp>
+
 #include "compare/upsampling_comparison.h"
 #include "golden_folder.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/nn/compare/compared_networks.h"
 #include "hqslam/nn/scan_memory.h"
+#include "hqslam/nn/weights_file.h"
 #include "hqslam/sim/drive.h"
 #include "testing.h"
 
@@ -84,6 +87,17 @@ TEST_CASE("the network for any sensor has a third of linear's outliers on sensor
 TEST_CASE("DU-OR has a sixth of linear's outliers on the OS1, a third on the HDL-64E") {
   check("du-or_os1_16to64.npz", "os1-64", {0.25, 1.1});
   check("du-or_hdl64e_16to64.npz", "hdl-64e", {0.5, 1.0});
+}
+
+TEST_CASE("weights hold the recipe beside them, by which they were trained") {
+  for (const char* name : {"du-or_os1_16to64", "du-or_hdl64e_16to64", "du-mix_real-scans"}) {
+    CAPTURE(name);
+    const std::string path = golden_folder() + "/../../weights/" + name;
+    const auto training = nlohmann::json::parse(nn::read_weights(path + ".npz").training);
+    for (const auto& [key, value] : nlohmann::json::parse(file_contents(path + ".json")).items()) {
+      CHECK(training["configuration"][key] == value);
+    }
+  }
 }
 
 TEST_CASE("DU-Mix taught by real scans is better than interpolation on simulated ones too") {

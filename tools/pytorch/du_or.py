@@ -41,6 +41,10 @@ class DuOr(FromWeights):
         if find_outliers is None and network["filter"]["min_pixels"] > 0:
             raise ValueError("the network was trained with a filter inside: give find_outliers")
         denoiser = network["denoiser"]
+        other = {"rejected_pixel": "takes-z", "filtered_iterate": "h", "penalty": None}
+        for name, usual in other.items():
+            if network.get(name, usual) != usual:
+                raise ValueError(f"{name} {network[name]}: this module has {usual} alone")
         self.slope, self.memory = denoiser["negative_slope"], denoiser["memory"]
         self.tile = (denoiser["tile_rows"], denoiser["tile_columns"])
         self.scale_m, self.rows, self.count = network["range_scale_m"], Rows(network), network["layers"]

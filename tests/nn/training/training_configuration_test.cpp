@@ -101,10 +101,9 @@ TEST_CASE("mistakes in a configuration are named with field, expected and found"
 }
 
 TEST_CASE("training and validation never share a drive or a stack") {
-  refuses_recipe("\"seeds\": [3]", "\"seeds\": [2]", "town", "seed 2",
-                 "both training and validation");
+  refuses_recipe("\"seeds\": [3]", "\"seeds\": [2]", "town", "seed 2", "expected different");
   refuses_recipe("[3]", R"({"first": 2, "count": 2}, "conditions": "varied")", "town", "seed 2",
-                 "both training and validation");
+                 "expected different");
   refuses_recipe(R"({"drive": "town", "seeds": [3], "scans": 10})", R"({"stack": "a.npy"})",
                  "a.npy", "both");
   // By another name.

@@ -57,7 +57,7 @@ pipeline::PipelineOptions pipeline_options(const SlamSettings& slam, const MapCh
   pipeline.slam_options = slam_options(slam);
   if (pipeline.slam == pipeline::SlamKind::kLegoLoam && choice.save_map) {
     throw Error(
-        "--save-map: expected --slam hqslam, found lego-loam, which recognizes no places; leave "
+        "--save-map: expected SLAM that recognizes places, found --slam lego-loam; leave "
         "--save-map out");
   }
   if (choice.map_file.empty()) return pipeline;

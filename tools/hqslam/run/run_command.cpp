@@ -146,16 +146,24 @@ void check_idle_options(const RunOptions& options) {
 bool determine_capture(RunOptions& options, const SensorModel& sensor) {
   const auto check = check_clouds_without_times(options.input, open_options(options));
   if (!check) return false;
-  const bool is_rolling = check->verdict == CaptureTime::kRolling && !check->is_of_kitti;
+  const bool is_rolling = check->verdict == CaptureTime::kRolling;
+  if (check->is_of_kitti) {
+    options.capture = "corrected";
+    if (is_rolling) {
+      to_stderr(
+          "hqslam: points have no times: {}; read as corrected, as files of KITTI usually are; "
+          "--capture rolling reads them as captured while the sensor turned\n",
+          fit_text(*check));
+    }
+    return true;
+  }
   options.capture = is_rolling ? "rolling" : "corrected";
-  std::string found = ": read as with --capture " + options.capture;
+  std::string found = "--capture " + options.capture;
   if (check->turns > 1) {
     options.stamps = stamps_text(check->turns, sensor);
     found += " --stamps " + options.stamps;
   }
-  if (check->is_of_kitti) found += ", as files of KITTI usually are";
-  const bool is_expected = check->is_of_kitti && check->verdict != CaptureTime::kRolling;
-  if (!is_expected) to_stderr("hqslam: points have no times: {}{}\n", fit_text(*check), found);
+  to_stderr("hqslam: points have no times: {}: read as with {}\n", fit_text(*check), found);
   return true;
 }
 

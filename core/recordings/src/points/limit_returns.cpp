@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,9 +17,37 @@ namespace {
 /// at many ranges.
 constexpr float kSame_m = 0.002F;
 constexpr double kLeastShare = 0.02;
+/// A surface at one range would have returns beside it, too.
+constexpr float kAround_m = 0.1F;
+constexpr double kLeastOfAround = 0.9;
+/// Fewer are farther: a driver's limit may be below the sensor's.
+constexpr double kFarRank = 0.985;
 /// Images of one range alone are drawn by somebody.
 constexpr double kMostShare = 0.95;
 constexpr std::int64_t kFewestReturns = 500;
+
+/// The range below which kFarRank of the returns are; of every seventh pixel.
+float far_range_m(const std::vector<float>& range_m) {
+  constexpr std::size_t kStep = 7;
+  std::vector<float> some_m;
+  for (std::size_t i = 0; i < range_m.size(); i += kStep) {
+    if (range_m[i] > 0.0F) some_m.push_back(range_m[i]);
+  }
+  if (some_m.empty()) return 0.0F;
+  const auto rank = static_cast<std::ptrdiff_t>(kFarRank * static_cast<double>(some_m.size()));
+  std::ranges::nth_element(some_m, some_m.begin() + rank);
+  return some_m[static_cast<std::size_t>(rank)];
+}
+
+/// Whether two rows hold a part of these returns: a single one may be a ring on flat ground.
+bool are_in_rows(const std::vector<bool>& is_at_limit, int columns) {
+  std::vector<std::int64_t> in_row(is_at_limit.size() / static_cast<std::size_t>(columns));
+  for (std::size_t i = 0; i < is_at_limit.size(); ++i) {
+    in_row[i / static_cast<std::size_t>(columns)] += is_at_limit[i] ? 1 : 0;
+  }
+  const std::int64_t all = std::reduce(in_row.begin(), in_row.end());
+  return std::ranges::count_if(in_row, [&](std::int64_t n) { return 10 * n >= all; }) > 1;
+}
 
 class WithoutLimitReturns : public ScanSource {
  public:
@@ -43,16 +73,21 @@ class WithoutLimitReturns : public ScanSource {
  private:
   void take_out(RecordedScan& scan) {
     std::vector<float>& range_m = scan.cloud.range_m;
-    if (range_m.empty()) return;
-    const float farthest_m = *std::ranges::max_element(range_m);
-    const float limit_m = farthest_m - kSame_m;
     const auto returns = std::ranges::count_if(range_m, [](float r) { return r > 0.0F; });
-    const auto at_limit = std::ranges::count_if(range_m, [&](float r) { return r > limit_m; });
     if (returns < kFewestReturns) return;
+    const float limit_m = far_range_m(range_m);
+    std::vector<bool> is_at_limit;
+    for (const float r : range_m) is_at_limit.push_back(std::abs(r - limit_m) < kSame_m);
+    const auto at_limit = std::ranges::count(is_at_limit, true);
+    const auto around =
+        std::ranges::count_if(range_m, [&](float r) { return std::abs(r - limit_m) < kAround_m; });
     const double share = static_cast<double>(at_limit) / static_cast<double>(returns);
-    if (share < kLeastShare || share > kMostShare) return;
+    if (share < kLeastShare || share > kMostShare ||
+        static_cast<double>(at_limit) < kLeastOfAround * static_cast<double>(around))
+      return;
+    if (!are_in_rows(is_at_limit, scan.cloud.columns)) return;
     for (std::size_t i = 0; i < range_m.size(); ++i) {
-      if (!(range_m[i] > limit_m)) continue;
+      if (!is_at_limit[i]) continue;
       range_m[i] = 0.0F;
       scan.cloud.points_m[i].setZero();
     }

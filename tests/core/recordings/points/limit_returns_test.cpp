@@ -14,7 +14,7 @@ struct LimitRead {
   std::vector<std::string> warnings;
 };
 
-/// A scan of 1,600 pixels, of which the first `at_limit` are at `limit_m`, each `step_m` farther
+/// A scan of 16 x 100 pixels, of which the first `at_limit` are at `limit_m`, each `step_m` farther
 /// than the one before, and the others between 5 and 21 m.
 LimitRead read_limit(int at_limit, float limit_m, float step_m = 0.0F) {
   const auto source = without_limit_returns(std::make_unique<MadeScans>(1, [=](std::size_t) {
@@ -36,13 +36,13 @@ LimitRead read_limit(int at_limit, float limit_m, float step_m = 0.0F) {
 
 TEST_CASE("pixels without a return that hold the largest range are taken out, and counted") {
   for (const float limit_m : {65.535F, 90.0F, 120.0F}) {
-    const LimitRead found = read_limit(80, limit_m);
-    CHECK(found.scan.counts.kept == 1520);
-    CHECK(found.scan.counts.out_of_range == 80);
-    CHECK(found.scan.cloud.range_m[79] == 0.0F);
-    CHECK(found.scan.cloud.points_m[79].isZero());
-    CHECK(found.scan.cloud.range_m[80] == 5.8F);
-    CHECK(one_line_with(found.warnings, "80 of 1600 returns", "taken as none"));
+    const LimitRead found = read_limit(160, limit_m);
+    CHECK(found.scan.counts.kept == 1440);
+    CHECK(found.scan.counts.out_of_range == 160);
+    CHECK(found.scan.cloud.range_m[159] == 0.0F);
+    CHECK(found.scan.cloud.points_m[159].isZero());
+    CHECK(found.scan.cloud.range_m[160] == 6.6F);
+    CHECK(one_line_with(found.warnings, "160 of 1600 returns", "taken as none"));
   }
 }
 
@@ -50,7 +50,8 @@ TEST_CASE("what a scan measures at its farthest stays") {
   const auto stays = [](const LimitRead& found) {
     return found.scan.counts.kept == 1600 && found.warnings.empty();
   };
-  CHECK(stays(read_limit(16, 90.0F)));          // 1 % of the returns
-  CHECK(stays(read_limit(80, 60.0F, 0.001F)));  // within 8 cm: a wall
-  CHECK(stays(read_limit(1600, 10.0F)));        // of one range alone
+  CHECK(stays(read_limit(16, 90.0F)));           // 1 % of the returns
+  CHECK(stays(read_limit(160, 60.0F, 0.001F)));  // within 8 cm: a wall
+  CHECK(stays(read_limit(100, 90.0F)));          // a ring on flat ground
+  CHECK(stays(read_limit(1600, 10.0F)));         // of one range alone
 }

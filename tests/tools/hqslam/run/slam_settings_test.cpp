@@ -45,10 +45,10 @@ TEST_CASE("settings of SLAM that cannot be meant are refused with their name or 
       {R"({"mapping": 3})", {}, "expected an object in \"mapping\""},
       {R"({"mapping": {"max_iterations": "12"}})", {}, "a number in mapping.max_iterations"},
       {R"({"mapping": {"max_iterations": 2.5}})", {}, "expected a whole number"},
-      {R"({"mapping": {"no_such": 1}})", {}, "no SLAM option mapping.no_such"},
+      {R"({"mapping": {"no_such": 1}})", {}, "a SLAM option, found mapping.no_such"},
       {"{}", {"mapping.max_iterations"}, "expected NAME=NUMBER"},
       {"{}", {"mapping.max_iterations=12x"}, "expected NAME=NUMBER"},
-      {"{}", {"=1"}, "no SLAM option"},
+      {"{}", {"=1"}, "a SLAM option"},
       {"{}", {"ground.max_slope_rad=2"}, "an angle between 0 and pi/2"},
       {"{}", {"mapping.close_neighbour_distance_m=3"}, "at most mapping.max_neighbour_distance_m"},
   };

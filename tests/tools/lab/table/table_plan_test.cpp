@@ -49,7 +49,7 @@ TEST_CASE("LeGO-LOAM is a row of its own, so are a weights file and no last filt
                                      .weights = {file + "+as-published"},
                                      .out = "out"});
   REQUIRE(plan.methods.size() == 4);
-  CHECK(plan.methods[0].title == "DU-OR, LeGO-LOAM as published");
+  CHECK(plan.methods[0].title == "DU-OR, LeGO-LOAM");
   CHECK(plan.methods[0].source == "du-or");
   CHECK(plan.methods[1].rows == kTableAllRows);
   CHECK(plan.methods[2].name == "mi+ne");
