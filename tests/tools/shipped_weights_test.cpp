@@ -94,8 +94,9 @@ TEST_CASE("weights hold the recipe beside them, by which they were trained") {
     CAPTURE(name);
     const std::string path = golden_folder() + "/../../weights/" + name;
     const auto training = nlohmann::json::parse(nn::read_weights(path + ".npz").training);
-    for (const auto& [key, value] : nlohmann::json::parse(file_contents(path + ".json")).items()) {
-      CHECK(training["configuration"][key] == value);
+    const auto recipe = nlohmann::json::parse(file_contents(path + ".json"));
+    for (auto item = recipe.begin(); item != recipe.end(); ++item) {
+      CHECK(training["configuration"][item.key()] == item.value());
     }
   }
 }

@@ -39,14 +39,14 @@ float far_range_m(const std::vector<float>& range_m) {
   return some_m[static_cast<std::size_t>(rank)];
 }
 
-/// Whether two rows hold a part of these returns: a single one may be a ring on flat ground.
+/// Whether these returns are in several rows: those in a single one may be a ring on flat ground.
 bool are_in_rows(const std::vector<bool>& is_at_limit, int columns) {
   std::vector<std::int64_t> in_row(is_at_limit.size() / static_cast<std::size_t>(columns));
   for (std::size_t i = 0; i < is_at_limit.size(); ++i) {
     in_row[i / static_cast<std::size_t>(columns)] += is_at_limit[i] ? 1 : 0;
   }
   const std::int64_t all = std::reduce(in_row.begin(), in_row.end());
-  return std::ranges::count_if(in_row, [&](std::int64_t n) { return 10 * n >= all; }) > 1;
+  return 10 * *std::ranges::max_element(in_row) < 9 * all;
 }
 
 class WithoutLimitReturns : public ScanSource {
@@ -94,10 +94,9 @@ class WithoutLimitReturns : public ScanSource {
     scan.counts.kept -= at_limit;
     scan.counts.out_of_range += at_limit;
     if (!warning_.empty()) return;
-    warning_ = fmt::format(
-        "{}: {} of {} returns are at {:.2f} m, the farthest: taken as none, here and in other "
-        "scans",
-        scan.name, at_limit, returns, farthest_m);
+    warning_ =
+        fmt::format("{}: {} of {} returns are at {:.2f} m: taken as none, here and in other scans",
+                    scan.name, at_limit, returns, limit_m);
   }
 
   std::unique_ptr<ScanSource> source_;
