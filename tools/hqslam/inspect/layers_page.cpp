@@ -7,6 +7,7 @@
 #include <span>
 
 #include "hqslam/core/angles.h"
+#include "hqslam/nn/network_json.h"
 #include "hqslam/nn/super_resolver.h"
 #include "pages/page.h"
 
@@ -74,7 +75,8 @@ void add_input(const LayersReport& report, Images& images) {
   images.share("recalled_share", share, recalled.rows, recalled.columns);
 }
 
-void add_layer(const LayersReport& report, int k, Images& images) {
+/// filtered: the image that the filter works on, "h" or "z".
+void add_layer(const LayersReport& report, int k, const char* filtered, Images& images) {
   const nn::Trace& trace = report.trace;
   const RangeImage z = trace.image(layer_name(k, "z"));
   images.begin(fmt::format("Layer {}", k + 1));
@@ -93,8 +95,7 @@ void add_layer(const LayersReport& report, int k, Images& images) {
   }
   images.range("z", z);
   if (const std::string rejected = layer_name(k, "rejected"); trace.has(rejected)) {
-    const bool has_h = trace.has(layer_name(k, "h"));
-    images.mask(has_h ? trace.image(layer_name(k, "h")) : z, rejected);
+    images.mask(trace.image(layer_name(k, filtered)), rejected);
     images.range("y", trace.image(layer_name(k, "y")));
   }
 }
@@ -174,14 +175,17 @@ Json json_of(const LayerFigures& figures) {
 }  // namespace
 
 Json layers_json(const LayersReport& report) {
+  const Json network = Json::parse(nn::network_json(report.network));
+  const char* filtered = network.value("filtered_iterate", "z") == "h" ? "h" : "z";
   Images images(report);
   add_input(report, images);
-  for (int k = 0; k < layer_count(report.trace); ++k) add_layer(report, k, images);
+  for (int k = 0; k < layer_count(report.trace); ++k) add_layer(report, k, filtered, images);
   add_result(report, images);
   for (const std::string& name : report.tensors) add_tensor(report.trace.tensor(name), images);
   Json data = {{"title", fmt::format("Scan {}, layer by layer", report.scan)},
                {"subtitle",
                 fmt::format("{}, upsampled by {}", report.recording, short_name(report.weights))},
+               {"network", network},
                {"max_range_m", report.network.sensor.max_range_m},
                {"tolerance_m", nn::SuperResolverOptions{}.tolerance_m},
                {"least_confidence", report.network.least_confidence},
