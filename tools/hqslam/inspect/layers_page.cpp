@@ -7,6 +7,7 @@
 #include <span>
 
 #include "hqslam/core/angles.h"
+#include "hqslam/nn/network_json.h"
 #include "hqslam/nn/super_resolver.h"
 #include "pages/page.h"
 
@@ -41,6 +42,18 @@ class Images {
   void share(const char* what, std::span<const float> shares, int rows, int columns) {
     add(what, "share", rows, columns, share_block(shares));
   }
+  /// One channel, on a scale of its own: beside a channel of large values one of small ones would
+  /// have one colour all over.
+  Json& channel(const char* what, const nn::TracedTensor& tensor, int channel) {
+    const auto pixels = static_cast<std::size_t>(tensor.rows()) * tensor.columns();
+    const std::span<const float> values = tensor.all().subspan(channel * pixels, pixels);
+    const auto [low, high] = std::ranges::minmax(values);
+    Json& image = add(what, "value", tensor.rows(), tensor.columns(), u16_block(values, low, high));
+    image["unit"] = tensor.unit;
+    image["low"] = low + 0.0F;  // no zero has a sign
+    image["high"] = high + 0.0F;
+    return image;
+  }
   /// 0: no return, 1: kept, 2: rejected.
   void mask(const RangeImage& filtered, const std::string& tensor) {
     const std::span<const float> rejected = report_.trace.tensor(tensor).all();
@@ -74,7 +87,8 @@ void add_input(const LayersReport& report, Images& images) {
   images.share("recalled_share", share, recalled.rows, recalled.columns);
 }
 
-void add_layer(const LayersReport& report, int k, Images& images) {
+/// filtered: the image that the filter works on, "h" or "z".
+void add_layer(const LayersReport& report, int k, const char* filtered, Images& images) {
   const nn::Trace& trace = report.trace;
   const RangeImage z = trace.image(layer_name(k, "z"));
   images.begin(fmt::format("Layer {}", k + 1));
@@ -91,10 +105,12 @@ void add_layer(const LayersReport& report, int k, Images& images) {
       images.share(what.c_str(), trace.tensor(name).all(), z.rows, z.columns);
     }
   }
+  if (const std::string name = layer_name(k, "choice.correction"); trace.has(name)) {
+    images.channel("choice.correction", trace.tensor(name), 0);
+  }
   images.range("z", z);
   if (const std::string rejected = layer_name(k, "rejected"); trace.has(rejected)) {
-    const bool has_h = trace.has(layer_name(k, "h"));
-    images.mask(has_h ? trace.image(layer_name(k, "h")) : z, rejected);
+    images.mask(trace.image(layer_name(k, filtered)), rejected);
     images.range("y", trace.image(layer_name(k, "y")));
   }
 }
@@ -136,21 +152,11 @@ void add_result(const LayersReport& report, Images& images) {
   if (report.truth) images.range("truth", *report.truth);
 }
 
-/// The tensors that were asked for, channel by channel, each on a scale of its own: beside a
-/// channel of large values one of small ones would have one colour all over.
+/// The tensors that were asked for, channel by channel.
 void add_tensor(const nn::TracedTensor& tensor, Images& images) {
-  const auto pixels = static_cast<std::size_t>(tensor.rows()) * tensor.columns();
   images.begin(tensor.name);
   for (int channel = 0; channel < tensor.channels(); ++channel) {
-    const std::span<const float> values =
-        tensor.all().subspan(static_cast<std::size_t>(channel) * pixels, pixels);
-    const auto [low, high] = std::ranges::minmax(values);
-    Json& image = images.add("tensor", "value", tensor.rows(), tensor.columns(),
-                             u16_block(values, low, high));
-    image["channel"] = channel;
-    image["unit"] = tensor.unit;
-    image["low"] = low + 0.0F;  // no zero has a sign
-    image["high"] = high + 0.0F;
+    images.channel("tensor", tensor, channel)["channel"] = channel;
   }
 }
 
@@ -174,14 +180,17 @@ Json json_of(const LayerFigures& figures) {
 }  // namespace
 
 Json layers_json(const LayersReport& report) {
+  const Json network = Json::parse(nn::network_json(report.network));
+  const char* filtered = network.value("filtered_iterate", "z") == "h" ? "h" : "z";
   Images images(report);
   add_input(report, images);
-  for (int k = 0; k < layer_count(report.trace); ++k) add_layer(report, k, images);
+  for (int k = 0; k < layer_count(report.trace); ++k) add_layer(report, k, filtered, images);
   add_result(report, images);
   for (const std::string& name : report.tensors) add_tensor(report.trace.tensor(name), images);
   Json data = {{"title", fmt::format("Scan {}, layer by layer", report.scan)},
                {"subtitle",
                 fmt::format("{}, upsampled by {}", report.recording, short_name(report.weights))},
+               {"network", network},
                {"max_range_m", report.network.sensor.max_range_m},
                {"tolerance_m", nn::SuperResolverOptions{}.tolerance_m},
                {"least_confidence", report.network.least_confidence},

@@ -1,12 +1,13 @@
 #include "inspect/layers_page.h"
 
+#include "inspect/what_if.h"
 #include "tools/page_data.h"
 #include "tools/parts_of_text.h"
+#include "tools/program/untrained_weights.h"
 
 namespace hqslam::tools {
 namespace {
 
-/// Two rows of two pixels, of which the second row is measured.
 nn::TracedTensor tensor(const std::string& name, const std::string& unit,
                         const std::array<int, 3>& shape, const std::vector<float>& values) {
   nn::TracedTensor result{name, unit, nn::TracedTensor::Values(shape[0], shape[1], shape[2])};
@@ -14,9 +15,12 @@ nn::TracedTensor tensor(const std::string& name, const std::string& unit,
   return result;
 }
 
-LayersReport example_report() {
+/// Two rows of two pixels, of which the second row is measured.
+LayersReport example_report(const std::string& change = "q=h") {
   LayersReport report;
   report.recording = "</script>";
+  const SensorModel sensor = test::preset_with("os1-64", 64);
+  report.network = what_if(test::untrained_weights(sensor, "du-or"), change).description;
   report.network.measured_rows = RowSelection{1, 2};
   report.network.sensor.beam_elevation_rad = {0.1, 0.0};
   report.network.sensor.min_range_m = 0.5;
@@ -67,6 +71,23 @@ TEST_CASE("what a network does not have is not among the figures and images") {
   CHECK(data["layers"][0]["penalty"] == 0.25);
   report.truth.reset();
   CHECK_FALSE(layers_json(report)["layers"][0].contains("error_all_m"));
+}
+
+TEST_CASE("pixels without a return in the mask are those of the image that is filtered") {
+  for (const auto& [change, first] : {std::pair("q=h", 1.0F), {"q=z", 0.0F}}) {
+    LayersReport report = example_report(change);
+    report.trace = {};
+    report.trace.add(tensor("layers.0.h", "m", {1, 2, 2}, {10.0F, 10.0F, 10.0F, 21.0F}));
+    for (const char* name : {"layers.0.z", "layers.0.y", "measured"}) {
+      report.trace.add(tensor(name, "m", {1, 2, 2}, {0.0F, 10.0F, 13.0F, 21.0F}));
+    }
+    report.trace.add(tensor("layers.0.rejected", "", {1, 2, 2}, {0.0F, 0.0F, 0.0F, 1.0F}));
+    const nlohmann::json data = layers_json(report);
+    CHECK(data["network"]["filtered_iterate"] == std::string(change).substr(2));
+    const auto is_mask = [](const auto& image) { return image["what"] == "rejected"; };
+    const auto mask = std::ranges::find_if(data["images"], is_mask);
+    CHECK(test::numbers_of((*mask)["values"]) == std::vector<float>{first, 1.0F, 1.0F, 2.0F});
+  }
 }
 
 TEST_CASE("of the computed pixels the wrong and the missing ones are counted") {

@@ -62,8 +62,8 @@ struct ReferenceDifference {
   double largest = 0.0;
   double root_mean_square = 0.0;
 };
-/// The differences of all tensors that both have, in the reference's order, with the filter's
-/// decisions and what is recalled from the trace. Throws Error as reference_trace.
+/// The differences of all tensors that both have, in the reference's order, but of the filter's
+/// masks: they and what is recalled are taken from the trace. Throws Error as reference_trace.
 std::vector<ReferenceDifference> differences_from_reference(const NetworkDescription& description,
                                                             std::span<const float> parameters,
                                                             const Trace& trace);
