@@ -5,6 +5,7 @@
 #include "architecture.h"
 #include "hqslam/core/error.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
+#include "hqslam/nn/interpolation.h"
 #include "parameters.h"
 
 namespace hqslam::nn {
@@ -49,6 +50,11 @@ NetworkDescription for_sensor(const NetworkDescription& d, const SensorModel& se
   if (result.architecture == nullptr) {
     throw Error("network: made for {}, expected one for any sensor; take weights for {}",
                 d.sensor.name, sensor.name);
+  }
+  const int measured = measured_row_count(sensor.rows(), measured_rows);
+  if (measured % 2 != 0) {
+    throw Error("network: expected an even number of measured rows, found {} of {}; interpolate",
+                measured, sensor.name);
   }
   validate(result);
   return result;

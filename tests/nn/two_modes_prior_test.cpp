@@ -87,6 +87,10 @@ TEST_CASE("a network of one sensor refuses another one, and one for any beams ta
   CHECK(fits_any_sensor(any));
   const NetworkDescription other = for_sensor(any, any.sensor, {1, 2});
   CHECK(elements(parameter_shapes(other)) == elements(parameter_shapes(any)));
+  SensorModel odd = any.sensor;
+  odd.beam_elevation_rad.resize(12);
+  odd.beam_azimuth_offset_rad.resize(12);
+  CHECK(test::refused_with([&] { for_sensor(any, odd, {3, 4}); }, "even number", "found 3"));
 }
 
 TEST_CASE("the loss is the mean over the columns, where they are no whole vectors too") {

@@ -108,7 +108,7 @@ TEST_CASE("training and validation never share a drive or a stack") {
                  "a.npy", "both");
   // By another name.
   refuses_recipe(R"({"drive": "town", "seeds": [3])", R"({"drive": "town-busy", "seeds": [2])",
-                 "city of drive town-busy with seed 2", "both");
+                 "that of drive town-busy with seed 2", "both");
   refuses_recipe(R"({"drive": "town", "seeds": [3], "scans": 10})", R"({"stack": "./a.npy"})",
                  "a.npy", "both");
 }

@@ -82,6 +82,18 @@ TEST_CASE("run takes points without times as its scans show, KITTI's as correcte
   CHECK(corrected != rolling);
 }
 
+TEST_CASE("info takes images of a named sensor of which few rows hold returns") {
+  const TemporaryDirectory folder;
+  RangeImage image(64, 1024);
+  for (int row = 3; row < 64; row += 4) {
+    std::fill_n(&image.at(row, 0), image.columns, 5.0F + 0.1F * static_cast<float>(row));
+  }
+  NpyStackWriter stack(folder.file("ranges.npy"), image.rows, image.columns);
+  for (int i = 0; i < 2; ++i) stack.append(image);
+  const ProgramResult result = succeeds("info '{}' --sensor os1-64", folder.file("ranges.npy"));
+  CHECK(holds(result.out, "hqslam run"));
+}
+
 TEST_CASE("info and run distinguish a folder of captures from one of scans") {
   const TemporaryDirectory folder;
   for (const char* name : {"b.pcap", "a.pcap"}) {

@@ -82,8 +82,9 @@ std::string what_is_in(const recordings::Stream& stream) {
 std::string own_parts(const InfoOptions& options, const recordings::RecordingInfo& info) {
   constexpr int kScans = 100;
   recordings::OpenOptions open;
+  open.sensor = options.sensor;
   open.stream = info.stream;
-  open.all_rows = info.sensor;
+  if (open.sensor.empty()) open.all_rows = info.sensor;
   auto source = recordings::Recording::open(options.input, open);
   pipeline::OwnParts parts(source.sensor());
   LeftOut left_out;
@@ -171,7 +172,8 @@ int run(const InfoOptions& options) {
                                                : info.format.starts_with("point clouds");
   // A folder's sensor.json may state it.
   if (complaint.empty() && !info.sensor.motion_corrected && (is_stack || has_clouds)) {
-    const CaptureCheck check = check_capture(options.input, info.sensor, {.stream = info.stream});
+    const CaptureCheck check = check_capture(options.input, info.sensor,
+                                             {.sensor = options.sensor, .stream = info.stream});
     print_line("captured", fit_text(check));
     capture = capture_options(check, info.sensor, is_stack, info.has_point_times);
   }
