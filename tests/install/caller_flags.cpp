@@ -3,6 +3,9 @@
 
 #include <hqslam/core/projection.h>
 #include <hqslam/core/trajectory.h>
+#include <hqslam/nn/network.h>
+#include <hqslam/nn/network_json.h>
+#include <hqslam/nn/trace.h>
 #include <hqslam/slam/beam_calibration.h>
 #include <hqslam/slam/occupancy_grid.h>
 #include <hqslam/slam/saved_map.h>
@@ -99,10 +102,27 @@ double solved(const slam::Covariance& covariance) {
   return eigen.eigenvalues().sum() + svd.singularValues().sum() + (inverse * matrix).trace();
 }
 
+/// A trace of a network is copied, changed and freed by the caller.
+void show_trace() {
+  const nn::NetworkDescription description = nn::network_from_json(
+      R"({"kind": "du-or", "sensor": "os1-64", "measured_rows": 16, "layers": 1})", "caller");
+  const auto network = nn::make_network(description, 64, nn::InstructionSet::kPortable, 1);
+  network->set_parameters(nn::initial_parameters(description, 1));
+  nn::Trace trace = network->trace(RangeImage(16, 64));
+  const nn::Trace copied = trace;
+  for (nn::TracedTensor longer : copied.tensors()) {
+    longer.values.resize(longer.channels() + 1, longer.rows(), longer.columns());
+    longer.values.setZero();
+    trace.add(std::move(longer));
+  }
+  std::printf("tensors %zu of %zu\n", trace.tensors().size(), copied.tensors().size());
+}
+
 }  // namespace
 
 int main() {
   show_layout();
+  show_trace();
   const SensorModel sensor = small_sensor();
   slam::Slam slam(sensor);
   double checked = 0.0;

@@ -22,7 +22,7 @@ constexpr float kAround_m = 0.1F;
 constexpr double kLeastOfAround = 0.9;
 /// Fewer are farther: a driver's limit may be below the sensor's.
 constexpr double kFarRank = 0.985;
-/// Images of one range alone are drawn by somebody.
+/// More are at one range in images that were made by hand alone.
 constexpr double kMostShare = 0.95;
 constexpr std::int64_t kFewestReturns = 500;
 

@@ -29,8 +29,7 @@ struct RecordingOptions {
   std::optional<CaptureTime> without_times = std::nullopt;
   /// A file with the stamp of each scan (seconds, or dates as in KITTI's timestamps.txt), or
   /// kStampsFromNames for the number in each file's name, or the seconds from scan to scan ("0.2"),
-  /// where turns of the sensor were left out.
-  /// Empty: the recording's own.
+  /// where turns of the sensor were left out. Empty: the recording's own.
   std::string stamps = {};
 };
 
