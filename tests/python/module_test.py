@@ -375,6 +375,24 @@ class Threads(unittest.TestCase):
         for result in results:
             np.testing.assert_array_equal(result, expected)
 
+    def test_that_are_daemons_end_with_the_process(self):
+        code = f"""
+import threading, time
+import hqslam, numpy
+
+def upsample():
+    upsampler = hqslam.Upsampler("{WEIGHTS}", hqslam.load_sensor("os1-16"))
+    scan = numpy.full((16, 1024), 10, "f4")
+    while True:
+        upsampler.run(scan)
+
+for _ in range(3):
+    threading.Thread(target=upsample, daemon=True).start()
+time.sleep(1)
+"""
+        ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+        self.assertEqual((ended.returncode, ended.stderr), (0, ""))
+
     def test_ctrl_c_ends_a_drive(self):
         code = f"""
 import hqslam

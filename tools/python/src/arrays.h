@@ -14,6 +14,7 @@
 
 #include "hqslam/core/imu_sample.h"
 #include "hqslam/core/trajectory.h"
+#include "others_go_on.h"
 
 namespace nb = nanobind;
 
@@ -77,7 +78,7 @@ class Guarded {
 
   template <typename Work>
   auto call(const Work& work) {
-    const nb::gil_scoped_release others_go_on;
+    const OthersGoOn others_go_on;
     const std::scoped_lock one_at_a_time(mutex_);
     return work(object_);
   }

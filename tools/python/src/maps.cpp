@@ -33,7 +33,7 @@ void for_each_scan(const Clouds& clouds, const Trajectory& trajectory, const Use
     const nb::object given = clouds[scan];
     if (given.is_none()) continue;
     const auto& cloud = nb::cast<const OrganizedCloud&>(given);
-    const nb::gil_scoped_release others_go_on;
+    const OthersGoOn others_go_on;
     use(cloud, SensorPath(trajectory, scan));
   }
 }

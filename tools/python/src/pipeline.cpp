@@ -48,7 +48,7 @@ void make_pipeline(Pipeline* self, const SensorModel& sensor, const std::filesys
   validate(options.slam_options);
   if (map != nullptr) options.map = *map;
   if (T_map_level_start) options.T_map_level_start = pose_of(*T_map_level_start);
-  const nb::gil_scoped_release others_go_on;
+  const OthersGoOn others_go_on;
   new (self) Pipeline(pipeline::Pipeline(sensor, options));
 }
 

@@ -27,7 +27,7 @@ void open(Recording* self, const std::filesystem::path& path, const std::filesys
   options.stream = stream;
   options.columns = columns;
   if (times_from_azimuth) options.files.without_times = CaptureTime::kRolling;
-  const nb::gil_scoped_release others_go_on;
+  const OthersGoOn others_go_on;
   new (self) Recording(recordings::Recording::open(path.string(), options));
 }
 

@@ -55,7 +55,7 @@ void make_upsampler(Upsampling* self, const std::filesystem::path& method,
                     const std::optional<SensorModel>& sensor, int measured_rows, double spacing_rad,
                     int threads, std::optional<float> least_confidence) {
   if (method.empty()) throw Error("Upsampler: expected weights or an interpolation, found ''");
-  const nb::gil_scoped_release others_go_on;
+  const OthersGoOn others_go_on;
   pipeline::UpsamplingOptions options{method.string(), measured_rows, spacing_rad};
   options.network.threads = threads;
   options.network.least_confidence = least_confidence;
@@ -87,7 +87,7 @@ void add_super_resolver(nb::module_& module) {
           "__init__",
           [](Resolver* self, const std::filesystem::path& weights, int threads,
              std::optional<float> least_confidence) {
-            const nb::gil_scoped_release others_go_on;
+            const OthersGoOn others_go_on;
             new (self) Resolver(loaded(weights, threads, least_confidence));
           },
           "weights"_a, nb::kw_only(), "threads"_a = 0, "least_confidence"_a = nb::none(),
