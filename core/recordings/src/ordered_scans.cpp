@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hqslam/core/error.h"
+#include "wrapped_source.h"
 
 namespace hqslam::recordings {
 
@@ -40,18 +41,13 @@ struct Ahead {
   std::string complaint = {};
 };
 
-class OrderedScans : public ScanSource {
+class OrderedScans : public WrappedSource {
  public:
   OrderedScans(std::unique_ptr<ScanSource> source, Repeats repeats)
-      : source_(std::move(source)), repeats_(repeats) {}
-
-  const SensorModel& sensor() const override { return source_->sensor(); }
-  std::optional<std::int64_t> size() const override { return source_->size(); }
-  double read_share() const override { return source_->read_share(); }
-  bool has_stamps() const override { return source_->has_stamps(); }
+      : WrappedSource(std::move(source)), repeats_(repeats) {}
 
   std::vector<std::string> warnings() const override {
-    std::vector<std::string> warnings = source_->warnings();
+    std::vector<std::string> warnings = WrappedSource::warnings();
     if (exchanged_ > 0) {
       warnings.push_back(
           fmt::format("{} recorded after a later one: read in the order of their stamps",
@@ -162,7 +158,6 @@ class OrderedScans : public ScanSource {
     counted_on_s_ += *last_s_ + step_s - stamp_s(scan);
   }
 
-  std::unique_ptr<ScanSource> source_;
   Repeats repeats_;
   std::deque<Ahead> ahead_;
   bool has_begun_ = false;

@@ -24,7 +24,7 @@ struct CaptureCheck {
 
 /// Points without times do not determine which of the two they are, and corrected ones may still
 /// have their times; if it is assumed wrongly, the path of a car is off by decimetres. The scans
-/// tell: up to 100 of them go through SLAM both ways, with progress on stderr.
+/// decide: up to 100 of them go through SLAM both ways, with progress on stderr.
 /// With d_i the median distance of what is not ground from its line or plane in the map, of scan i,
 /// the mean of log(d_i rolling / d_i corrected) over scans in which the sensor moved must differ
 /// from 0 by 2.5 of its standard errors. Scans without stamps are taken as those of every turn; as

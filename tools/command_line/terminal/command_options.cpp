@@ -43,7 +43,7 @@ void check_given(CLI::Option& option, const OptionRules& rules) {
   }
 }
 
-std::string is_number(const std::string& text) {
+std::string refuse_nan(const std::string& text) {
   return std::isnan(std::strtod(text.c_str(), nullptr)) ? "expected a number, found " + text : "";
 }
 
@@ -54,7 +54,7 @@ void apply(const OptionRules& rules, CLI::App& command, CLI::Option& option) {
     option.check(CLI::Range(ints->first, ints->second));
   } else if (const auto* reals = std::get_if<std::pair<double, double>>(&rules.within)) {
     option.check(CLI::Range(reals->first, reals->second));
-    option.check(is_number);  // CLI::Range takes nan
+    option.check(refuse_nan);  // CLI::Range takes nan
   }
   if (rules.complaint) option.check(rules.complaint);
   if (rules.delimiter != 0) option.delimiter(rules.delimiter);

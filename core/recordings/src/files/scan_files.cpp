@@ -12,6 +12,7 @@
 #include "hqslam/core/point_fields.h"
 #include "hqslam/core/trajectory.h"
 #include "hqslam/core/words.h"
+#include "wrapped_source.h"
 
 namespace hqslam::recordings {
 
@@ -165,18 +166,14 @@ std::unique_ptr<ScanSource> open_folder(const fs::path& folder,
   fail_for_folder_without_scans(folder);
 }
 
-class SourceWithImu : public ScanSource {
+class SourceWithImu : public WrappedSource {
  public:
   SourceWithImu(std::unique_ptr<ScanSource> source, std::vector<ImuSample> samples,
                 std::string name)
-      : source_(std::move(source)), samples_(std::move(samples)), name_(std::move(name)) {}
+      : WrappedSource(std::move(source)), samples_(std::move(samples)), name_(std::move(name)) {}
 
-  const SensorModel& sensor() const override { return source_->sensor(); }
-  std::optional<std::int64_t> size() const override { return source_->size(); }
-  double read_share() const override { return source_->read_share(); }
-  bool has_stamps() const override { return source_->has_stamps(); }
   std::vector<std::string> warnings() const override {
-    std::vector<std::string> warnings = source_->warnings();
+    std::vector<std::string> warnings = WrappedSource::warnings();
     if (2 * measured_scans_ >= scans_ || samples_.empty()) return warnings;
     warnings.push_back(
         fmt::format("{}: has samples of {:.3f} to {:.3f} s, the scans are of {:.3f} to {:.3f} s: "
@@ -203,7 +200,6 @@ class SourceWithImu : public ScanSource {
   }
 
  private:
-  std::unique_ptr<ScanSource> source_;
   std::vector<ImuSample> samples_;
   std::string name_;
   std::size_t next_ = 0;

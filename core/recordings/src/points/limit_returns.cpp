@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "wrapped_source.h"
 
 namespace hqslam::recordings {
 
@@ -39,67 +40,64 @@ float far_range_m(const std::vector<float>& range_m) {
   return some_m[static_cast<std::size_t>(rank)];
 }
 
-/// Whether these returns are in several rows: those in a single one may be a ring on flat ground.
-bool are_in_rows(const std::vector<bool>& is_at_limit, int columns) {
-  std::vector<std::int64_t> in_row(is_at_limit.size() / static_cast<std::size_t>(columns));
-  for (std::size_t i = 0; i < is_at_limit.size(); ++i) {
-    in_row[i / static_cast<std::size_t>(columns)] += is_at_limit[i] ? 1 : 0;
-  }
-  const std::int64_t all = std::reduce(in_row.begin(), in_row.end());
-  return 10 * *std::ranges::max_element(in_row) < 9 * all;
+/// Whether these pixels are in several rows: those in a single one may be a ring on flat ground.
+bool are_in_rows(const std::vector<std::size_t>& pixels, const OrganizedCloud& cloud) {
+  std::vector<std::size_t> in_row(static_cast<std::size_t>(cloud.rows));
+  for (const std::size_t i : pixels) ++in_row[i / static_cast<std::size_t>(cloud.columns)];
+  return 10 * *std::ranges::max_element(in_row) < 9 * pixels.size();
 }
 
-class WithoutLimitReturns : public ScanSource {
- public:
-  explicit WithoutLimitReturns(std::unique_ptr<ScanSource> source) : source_(std::move(source)) {}
+/// The pixels that hold a range instead of no return.
+std::vector<std::size_t> pixels_at_limit(const OrganizedCloud& cloud) {
+  const float limit_m = far_range_m(cloud.range_m);
+  std::vector<std::size_t> pixels;
+  std::int64_t returns = 0;
+  std::int64_t around = 0;
+  for (std::size_t i = 0; i < cloud.range_m.size(); ++i) {
+    const float away_m = std::abs(cloud.range_m[i] - limit_m);
+    returns += cloud.range_m[i] > 0.0F ? 1 : 0;
+    around += away_m < kAround_m ? 1 : 0;
+    if (away_m < kSame_m) pixels.push_back(i);
+  }
+  const auto at_limit = static_cast<double>(pixels.size());
+  const double share = at_limit / static_cast<double>(returns);
+  const bool is_limit = returns >= kFewestReturns && share >= kLeastShare && share <= kMostShare &&
+                        at_limit >= kLeastOfAround * static_cast<double>(around);
+  return is_limit && are_in_rows(pixels, cloud) ? pixels : std::vector<std::size_t>();
+}
 
-  const SensorModel& sensor() const override { return source_->sensor(); }
-  std::optional<std::int64_t> size() const override { return source_->size(); }
-  double read_share() const override { return source_->read_share(); }
-  bool has_stamps() const override { return source_->has_stamps(); }
+class WithoutLimitReturns : public WrappedSource {
+ public:
+  using WrappedSource::WrappedSource;
 
   std::vector<std::string> warnings() const override {
-    std::vector<std::string> warnings = source_->warnings();
+    std::vector<std::string> warnings = WrappedSource::warnings();
     if (!warning_.empty()) warnings.push_back(warning_);
     return warnings;
   }
 
   std::optional<RecordedScan> next() override {
     std::optional<RecordedScan> scan = source_->next();
-    if (scan) take_out(*scan);
+    if (scan) take_out(pixels_at_limit(scan->cloud), *scan);
     return scan;
   }
 
  private:
-  void take_out(RecordedScan& scan) {
-    std::vector<float>& range_m = scan.cloud.range_m;
-    const auto returns = std::ranges::count_if(range_m, [](float r) { return r > 0.0F; });
-    if (returns < kFewestReturns) return;
-    const float limit_m = far_range_m(range_m);
-    std::vector<bool> is_at_limit;
-    for (const float r : range_m) is_at_limit.push_back(std::abs(r - limit_m) < kSame_m);
-    const auto at_limit = std::ranges::count(is_at_limit, true);
-    const auto around =
-        std::ranges::count_if(range_m, [&](float r) { return std::abs(r - limit_m) < kAround_m; });
-    const double share = static_cast<double>(at_limit) / static_cast<double>(returns);
-    if (share < kLeastShare || share > kMostShare ||
-        static_cast<double>(at_limit) < kLeastOfAround * static_cast<double>(around))
-      return;
-    if (!are_in_rows(is_at_limit, scan.cloud.columns)) return;
-    for (std::size_t i = 0; i < range_m.size(); ++i) {
-      if (!is_at_limit[i]) continue;
-      range_m[i] = 0.0F;
+  void take_out(const std::vector<std::size_t>& pixels, RecordedScan& scan) {
+    if (pixels.empty()) return;
+    if (warning_.empty()) {
+      warning_ = fmt::format(
+          "{}: {} of {} returns are at {:.2f} m: taken as none, here and in other scans", scan.name,
+          pixels.size(), scan.counts.kept, scan.cloud.range_m[pixels.front()]);
+    }
+    for (const std::size_t i : pixels) {
+      scan.cloud.range_m[i] = 0.0F;
       scan.cloud.points_m[i].setZero();
     }
-    scan.counts.kept -= at_limit;
-    scan.counts.out_of_range += at_limit;
-    if (!warning_.empty()) return;
-    warning_ =
-        fmt::format("{}: {} of {} returns are at {:.2f} m: taken as none, here and in other scans",
-                    scan.name, at_limit, returns, limit_m);
+    scan.counts.kept -= std::ssize(pixels);
+    scan.counts.out_of_range += std::ssize(pixels);
   }
 
-  std::unique_ptr<ScanSource> source_;
   std::string warning_;
 };
 
