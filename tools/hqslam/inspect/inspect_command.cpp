@@ -122,9 +122,9 @@ NpzArrays arrays_of(const nn::Trace& trace) {
 }
 
 void check_options(const InspectOptions& options) {
-  if (options.weights.empty())
-    throw Error(
-        "inspect: expected --weights or --slam, found neither; give --weights du-mix, for one");
+  if (options.weights.empty()) {
+    throw Error("inspect: expected --weights or --slam, found neither; give --weights du-mix");
+  }
   if (options.out.ends_with(".npz")) {
     throw Error("inspect: --out {} is for a page (.html); --npz {} writes the tensors", options.out,
                 options.out);
