@@ -64,8 +64,6 @@ constexpr std::array kOptions = {
         kSwitch),
     HQSLAM_OPTION(ground, max_slope_rad, "Steepest rise from row to row on the ground", kAcute),
     HQSLAM_OPTION(features, planar_leaf_m, "Voxel size to which surface points are thinned", kLeaf),
-    HQSLAM_OPTION(features, max_post_width_m, "Largest width of a post; LeGO-LOAM has no posts",
-                  kNotNegative),
     HQSLAM_OPTION(odometry, max_iterations,
                   "Searches of the odometry per scan; LeGO-LOAM: 25, of shorter steps", kPositive),
     HQSLAM_OPTION(odometry, min_edges, "Smallest number of edges that the odometry uses",

@@ -249,7 +249,7 @@ void choose_flat_points(Row& row, int first, int last, Features& features) {
 
 Features features_of_row(const OrganizedCloud& cloud, const Segmentation& segmentation,
                          const std::vector<int>& rows, std::size_t row_index,
-                         const FeatureOptions& options) {
+                         const FeatureOptions& options, bool returns_fail) {
   Row row = gather_row(cloud, segmentation, rows[row_index]);
   row.smoothness_m.assign(row.points.size(), 0.0F);
   row.taken.assign(row.points.size(), 1);
@@ -259,8 +259,7 @@ Features features_of_row(const OrganizedCloud& cloud, const Segmentation& segmen
   }
   row.take_unreliable();
   mark_rings(cloud, segmentation.up.cast<float>(), rows, row_index, row);
-  const std::vector<Post> posts =
-      posts_in_row(cloud, segmentation, rows[row_index], options.max_post_width_m);
+  const std::vector<Post> posts = posts_in_row(cloud, segmentation, rows[row_index], returns_fail);
   mark_posts(posts, row);
   row.is_edge.assign(row.points.size(), 0);
 
@@ -292,9 +291,10 @@ Features extract_features(const OrganizedCloud& cloud, const Segmentation& segme
                           const std::optional<RowSelection>& measured_rows) {
   const std::vector<int> rows = selected_rows(cloud.rows, measured_rows.value_or(RowSelection{}));
   std::vector<Features> of_row(rows.size());
+  const bool fail = returns_fail(cloud);
 #pragma omp parallel for schedule(dynamic)
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    of_row[i] = features_of_row(cloud, segmentation, rows, i, options);
+    of_row[i] = features_of_row(cloud, segmentation, rows, i, options, fail);
   }
   Features all;
   all.up = segmentation.up;

@@ -9,15 +9,28 @@ namespace hqslam::slam {
 namespace {
 
 constexpr float kPostDepth_m = 0.3F;
+constexpr float kMaxWidth_m = 1.0F;
 constexpr float kMiddleBehindMean = std::numbers::pi_v<float> / 8.0F;  // of the width
 /// Width of a beam: HDL-64E 2 mrad, VLP-16 and OS1 3 mrad (data sheets).
 constexpr float kBeam_rad = 0.003F;
+/// The share of holes in surfaces above which returns fail: 0.04 at most in 15 real recordings of
+/// ten sensors and on simulated drives of seven kinds, 0.16 to 0.24 in made fog with a visibility
+/// of 40 and 80 m.
+constexpr double kManyHoles = 0.08;
+/// A surface on both sides of a hole: at one range, within a tenth of it or kPostDepth_m.
+constexpr float kHoleDepthShare = 0.1F;
+/// So many columns without a return have the sky behind them, where returns fail and where not.
+constexpr int kGapWhereReturnsFail = 4;
+constexpr int kGap = 1;
+/// Echoes of fog, dust and snow are nearer.
+constexpr float kFarthestEcho_m = 10.0F;
 
 /// One row of a scan.
 struct PostRow {
   const OrganizedCloud& cloud;
   const Segmentation& segmentation;
   int row;
+  bool returns_fail;
 
   std::size_t pixel(int column) const { return cloud.index(row, column); }
   float range_m(int column) const { return cloud.range_m[pixel(column)]; }
@@ -33,13 +46,29 @@ struct PostRow {
     }
     return last;
   }
-  /// Whether the row has nothing at `column`, or something behind an object at range_m_.
-  bool goes_on_behind(int column, float range_m_) const {
-    return !(range_m(column) > 0.0F) || range_m(column) > range_m_ + kPostDepth_m;
+  /// Whether the first return beside an object at range_m_, from `column` on in steps of `step`, is
+  /// behind it, or there is none near by.
+  bool goes_on_behind(int column, int step, float range_m_) const {
+    const int gap = returns_fail ? kGapWhereReturnsFail : kGap;
+    const int end = std::clamp(column + step * gap, -1, cloud.columns);
+    while (column != end && !(range_m(column) > 0.0F)) column += step;
+    return column == end || range_m(column) > range_m_ + kPostDepth_m;
   }
   bool stands_alone(int first, int last) const {
-    return first > 0 && last + 1 < cloud.columns && goes_on_behind(first - 1, range_m(first)) &&
-           goes_on_behind(last + 1, range_m(last));
+    return first > 0 && last + 1 < cloud.columns && goes_on_behind(first - 1, -1, range_m(first)) &&
+           goes_on_behind(last + 1, 1, range_m(last));
+  }
+  /// Whether it is near, and neither the row above nor the one below meets it, too.
+  bool may_be_echo(int first, int last) const {
+    if (!returns_fail || range_m(first) > kFarthestEcho_m) return false;
+    for (const int other : {row - 1, row + 1}) {
+      if (other < 0 || other >= cloud.rows) continue;
+      for (int column = first - 1; column <= last + 1; ++column) {
+        const float other_m = cloud.range_m[cloud.index(other, column)];
+        if (other_m > 0.0F && std::abs(other_m - range_m(first)) <= kPostDepth_m) return false;
+      }
+    }
+    return true;
   }
   float width_m(int first, int last) const {
     return (cloud.points_m[pixel(last)] - cloud.points_m[pixel(first)]).norm();
@@ -61,9 +90,28 @@ struct PostRow {
 
 }  // namespace
 
+bool returns_fail(const OrganizedCloud& cloud) {
+  std::int64_t returns = 0;
+  std::int64_t holes = 0;
+  for (int row = 0; row < cloud.rows; ++row) {
+    const float* range_m = &cloud.range_m[cloud.index(row, 0)];
+    for (int column = 1; column + 1 < cloud.columns; ++column) {
+      if (range_m[column] > 0.0F) {
+        ++returns;
+        continue;
+      }
+      const float before_m = range_m[column - 1];
+      const float after_m = range_m[column + 1];
+      holes += before_m > 0.0F && after_m > 0.0F &&
+               std::abs(before_m - after_m) < std::max(kPostDepth_m, kHoleDepthShare * before_m);
+    }
+  }
+  return static_cast<double>(holes) > kManyHoles * static_cast<double>(returns);
+}
+
 std::vector<Post> posts_in_row(const OrganizedCloud& cloud, const Segmentation& segmentation,
-                               int row, double max_width_m) {
-  const PostRow in{cloud, segmentation, row};
+                               int row, bool returns_fail) {
+  const PostRow in{cloud, segmentation, row, returns_fail};
   std::vector<Post> posts;
   for (int first = 0; first < cloud.columns;) {
     if (!in.stands(first)) {
@@ -71,7 +119,8 @@ std::vector<Post> posts_in_row(const OrganizedCloud& cloud, const Segmentation& 
       continue;
     }
     const int last = in.end_of_run(first);
-    if (in.stands_alone(first, last) && in.width_m(first, last) <= max_width_m) {
+    const bool is_narrow = in.stands_alone(first, last) && in.width_m(first, last) <= kMaxWidth_m;
+    if (is_narrow && !in.may_be_echo(first, last)) {
       posts.push_back({in.centre(first, last), first, last});
     }
     first = last + 1;

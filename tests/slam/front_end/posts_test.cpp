@@ -10,6 +10,7 @@ namespace {
 /// One level row with objects 10 m away, 0.17 m from column to column.
 struct RowWithPosts {
   SensorModel sensor = test::beams_at({0.0}, 360);
+  bool returns_fail = false;
   std::vector<float> range_m = std::vector<float>(360, 10.0F);
   slam::Segmentation segmentation{std::vector(360, slam::PixelClass::kObject)};
 
@@ -19,13 +20,13 @@ struct RowWithPosts {
               range > 0.0F ? slam::PixelClass::kObject : slam::PixelClass::kNoReturn);
   }
   OrganizedCloud cloud() const {
-    RangeImage image(1, sensor.columns);
+    RangeImage image(sensor.rows(), sensor.columns);
     image.range_m = range_m;
     return unproject(image, sensor, CaptureTime::kRolling);
   }
   std::vector<slam::FeaturePoint> posts() const {
     std::vector<slam::FeaturePoint> centres;
-    for (const slam::Post& post : slam::posts_in_row(cloud(), segmentation, 0, 1.0)) {
+    for (const slam::Post& post : slam::posts_in_row(cloud(), segmentation, 0, returns_fail)) {
       centres.push_back(post.centre);
     }
     return centres;
@@ -107,6 +108,40 @@ TEST_CASE("an object wider than a metre, occluded or at the seam of the image is
   at_seam.put(0, 2, 5.0F);
   at_seam.put(358, 359, 5.0F);
   CHECK(at_seam.posts().empty());
+}
+
+TEST_CASE("a piece of a wall between holes is no post where returns fail, one before the sky is") {
+  RowWithPosts wall;
+  for (const int column : {97, 98, 99, 101, 102}) wall.put(column, column, 0.0F);
+  CHECK(wall.posts().size() == 1);
+  wall.returns_fail = true;
+  CHECK(wall.posts().empty());
+  wall.put(95, 99, 0.0F);
+  wall.put(101, 105, 0.0F);
+  wall.put(100, 100, 10.5F);
+  CHECK(wall.posts().size() == 1);
+}
+
+TEST_CASE("where returns fail, what is near in one row alone is an echo") {
+  RowWithPosts row;
+  row.returns_fail = true;
+  row.put(100, 102, 5.0F);
+  CHECK(row.posts().empty());
+  row.sensor = test::beams_at({0.5, 0.0}, 360);
+  const std::vector<float> one = row.range_m;
+  row.range_m.insert(row.range_m.end(), one.begin(), one.end());
+  row.segmentation.pixel_class.resize(720, slam::PixelClass::kObject);
+  CHECK(row.posts().size() == 1);
+}
+
+TEST_CASE("returns fail where many surfaces have holes of one pixel") {
+  RowWithPosts row;
+  for (int hole = 0; hole < 20; ++hole) row.put(10 * hole, 10 * hole, 0.0F);
+  CHECK_FALSE(slam::returns_fail(row.cloud()));
+  for (int hole = 0; hole < 40; ++hole) row.put(5 * hole, 5 * hole, 0.0F);
+  CHECK(slam::returns_fail(row.cloud()));
+  row.put(0, 359, 0.0F);
+  CHECK_FALSE(slam::returns_fail(row.cloud()));
 }
 
 TEST_CASE("two posts side by side are two where one stands behind the other's gap") {

@@ -80,4 +80,17 @@ TEST_CASE("a scan is kept for each metre of path, as far as wanted, with the tra
   CHECK(beams.scans(pipeline.trajectory()).size() == kept);
 }
 
+TEST_CASE("scans of fog are not kept: its echoes are no errors of beams") {
+  Pipeline pipeline(kDriven);
+  BeamCheck beams(3.0);
+  for (int i = 0; i < 40; ++i) {
+    const OrganizedCloud cloud = test::drive_scan(kDriven, i);
+    slam::ScanReport report = pipeline.process(cloud, test::kDrivePeriod_s * i).report;
+    report.scattered = 1;
+    beams.add(cloud, report, pipeline);
+  }
+  CHECK(beams.path_m() == 0.0);
+  CHECK(beams.scans(pipeline.trajectory()).empty());
+}
+
 }  // namespace hqslam::pipeline

@@ -15,8 +15,10 @@ namespace {
 constexpr std::size_t kPlaces = 5;
 /// More points than ten scans of any LiDAR have, as in a map.
 constexpr std::size_t kMostPoints = 5'000'000;
-/// Longer than a turn of any LiDAR.
-constexpr double kLongestTurn_s = 1.0;
+/// Longer than a scan of any LiDAR.
+constexpr double kLongestScan_s = 1.0;
+/// No LiDAR turns more slowly: stamps farther apart are those of several turns.
+constexpr double kSlowestTurn_s = 0.25;
 
 std::set<std::size_t> scans_to_look_at(std::size_t scans) {
   std::set<std::size_t> indices;
@@ -30,7 +32,7 @@ std::set<std::size_t> scans_to_look_at(std::size_t scans) {
 /// Most steps from stamp to stamp are one turn, and so is the time from a scan's first point to its
 /// last.
 std::optional<double> period_of(std::vector<double> turns_s) {
-  std::erase_if(turns_s, [](double turn_s) { return !(turn_s > 0.01 && turn_s < kLongestTurn_s); });
+  std::erase_if(turns_s, [](double turn_s) { return !(turn_s > 0.01 && turn_s < kSlowestTurn_s); });
   if (turns_s.empty()) return std::nullopt;
   return std::round(1e4 * median(turns_s)) * 1e-4;
 }
@@ -52,14 +54,15 @@ FoundSensor find_sensor_of_files(const std::vector<std::string>& paths,
     }
     points += scans.back().scan.points_m.size();
     if (points > kMostPoints) break;
-    const auto times = usable_times(scans.back().time, kLongestTurn_s);
+    const auto times = usable_times(scans.back().time, kLongestScan_s);
     if (times) lasted_s.push_back(times->duration_s);
   }
   for (std::size_t i = 1; i < stamps_s.size(); ++i) {
     stamp_steps_s.push_back(stamps_s[i] - stamps_s[i - 1]);
   }
   if (scans.empty() && unreadable) std::rethrow_exception(unreadable);
-  return find_sensor(scans, period_of(stamps_s.empty() ? lasted_s : stamp_steps_s), paths.front());
+  const auto by_stamps_s = period_of(std::move(stamp_steps_s));
+  return find_sensor(scans, by_stamps_s ? by_stamps_s : period_of(lasted_s), paths.front());
 }
 
 }  // namespace hqslam::recordings

@@ -96,7 +96,8 @@ class CloudScans : public StreamScans {
 
   std::optional<RecordedScan> read_turn() {
     while (true) {
-      if (const auto scan = turns_.next()) {
+      if (auto scan = turns_.next()) {
+        if (form_.without_times == CaptureTime::kMotionCorrected) scan->time_offset_s.clear();
         return named(name(), [&](const std::string& name) {
           return recorded_scan(*scan, info_.sensor, name);
         });

@@ -25,7 +25,6 @@ struct GroundOptions {
 
 struct FeatureOptions {
   double planar_leaf_m = 0.2;
-  double max_post_width_m = 1.0;
 };
 
 struct OdometryOptions {

@@ -75,6 +75,8 @@ TEST_CASE("messages of half a turn, of a twentieth and of two turns are scans of
       }
     }
     CHECK(inspect(bag.path).scans == 6);
+    auto corrected = bag.open({.files = {.without_times = CaptureTime::kMotionCorrected}});
+    CHECK(corrected.next()->cloud.time_offset_s.empty());
   }
 }
 
