@@ -18,12 +18,6 @@ constexpr double kSteady_periods = 10.0;
 /// 0.83 at the lowest on simulated drives of all kinds, and to 0.44 in another street.
 constexpr double kLeastShareOfInlierRatio = 0.6;
 
-/// Planes of features other than the ground that a scan through fog must have within 0.1 m of the
-/// map to determine the pose. In a street (raw HDL-64E, made fog with a visibility of 40 m, echoes
-/// in 5 to 30 % of the lost pixels) steps of 16 rows that are wrong have 207 to 528 of them; 64
-/// rows, where no step is wrong, have 815 to 1,930.
-constexpr int kFewestPlanesInFog = 600;
-
 Matrix6 pose_covariance(const MotionState& state) { return state.covariance.topLeftCorner<6, 6>(); }
 
 /// Whether a sensor that is not carried can deviate this much from its expected state.
@@ -210,10 +204,7 @@ Registered Slam::Implementation::registered(const Tracking& last, const Scan& sc
       mapping, scan.map_features,
       {expected, [&] { return odometry.T_map_sensor(); }, reference.state.T_map_sensor, duration_s,
        is_precise(expected) ? last.close_ratio : last.usual_close_ratio, measured.has_value()});
-  // Ground and walls alone fit any motion along them.
-  const bool is_fog = notes.report.scattered > 0 && matched.close_planes < kFewestPlanesInFog;
-  if (is_fog || may_be_elsewhere(last, expected, matched, kLeastShareOfUsualFit))
-    doubt(expected, matched);
+  if (may_be_elsewhere(last, expected, matched, kLeastShareOfUsualFit)) doubt(expected, matched);
   Registered found = judged(last, scan, expected, matched, odometry);
   if (measured) {
     found.innovation = normalized_innovation(*measured, found.state, matched.information);

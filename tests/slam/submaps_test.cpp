@@ -55,11 +55,13 @@ Driven drive(const Village& village, const std::vector<Pose>& path, const Villag
   return driven;
 }
 
-/// Shortens a fifth of the returns at random, so that the scan fits less well than the last one.
+/// Shortens half of the returns, by one share for ten neighbours, so that the scan fits less well
+/// than the last one.
 void add_clutter(OrganizedCloud& cloud) {
   std::mt19937 generator(1);
-  for (std::size_t i = 0; i < cloud.range_m.size(); i += 5) {
-    const float share = static_cast<float>(generator() % 1000) / 1000.0F;
+  float share = 1.0F;
+  for (std::size_t i = 0; i < cloud.range_m.size(); ++i) {
+    if (i % 10 == 0) share = std::min(static_cast<float>(generator() % 2000) / 1000.0F, 1.0F);
     cloud.range_m[i] *= share;
     cloud.points_m[i] *= share;
   }

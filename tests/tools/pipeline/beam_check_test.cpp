@@ -80,7 +80,7 @@ TEST_CASE("a scan is kept for each metre of path, as far as wanted, with the tra
   CHECK(beams.scans(pipeline.trajectory()).size() == kept);
 }
 
-TEST_CASE("scans of fog are not kept: its echoes are no errors of beams") {
+TEST_CASE("scans of fog are not kept: their short view does not tell beams from the path") {
   Pipeline pipeline(kDriven);
   BeamCheck beams(3.0);
   for (int i = 0; i < 40; ++i) {

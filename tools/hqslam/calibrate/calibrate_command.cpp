@@ -118,7 +118,7 @@ int run(const CalibrateOptions& options) {
     }
     throw Error(
         "{}: expected at least {} m of path, found {:.1f} m; give a recording in which the sensor "
-        "is driven about",
+        "is driven about, in clear air",
         options.input, kLeastPath_m, beams.path_m());
   }
   const slam::BeamCalibration found = slam::calibrate_beams(pipeline.sensor(), scans);

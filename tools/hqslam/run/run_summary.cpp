@@ -97,12 +97,15 @@ std::string ground_summary(const SlamRun& run) {
                                "in hqslam slam-options)");
 }
 
-/// "fog, dust or snow: near echoes left out of 190 scans"; nothing in clear air.
+/// "fog, dust or snow: near echoes left out of 190 scans; ..."; nothing in clear air.
 std::string scattered_summary(const SlamRun& run) {
   const auto scans = std::ranges::count_if(
       run.scans, [](const ScanRecord& scan) { return scan.report.scattered > 0; });
   if (scans == 0) return "";
-  return fmt::format("fog, dust or snow: near echoes left out of {} scans\n", scans);
+  return fmt::format(
+      "fog, dust or snow: near echoes left out of {} scans; beams are not calibrated in them: where "
+      "they are off, height and tilt drift by more than stated\n",
+      scans);
 }
 
 /// The submap of the maps, if there are several.

@@ -31,7 +31,7 @@ void BeamCheck::add(const OrganizedCloud& recorded, const slam::ScanReport& repo
                     const Pipeline& pipeline) {
   if (is_complete()) return;
   is_lost_ = pipeline.segment_of_scan().back() > 0;
-  const bool is_in_fog = report.scattered > 0;  // too short a view to tell beams from the path
+  const bool is_in_fog = report.scattered > 0;  // a short view does not tell beams from the path
   if (is_lost_ || is_in_fog || !slam::is_registered(report.mapping_status)) return;
   const Eigen::Vector3d position_m = report.T_map_sensor.translation();
   if (last_m_) path_m_ += (position_m - *last_m_).norm();

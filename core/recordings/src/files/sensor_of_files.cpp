@@ -15,10 +15,11 @@ namespace {
 constexpr std::size_t kPlaces = 5;
 /// More points than ten scans of any LiDAR have, as in a map.
 constexpr std::size_t kMostPoints = 5'000'000;
-/// Longer than a scan of any LiDAR.
-constexpr double kLongestScan_s = 1.0;
-/// No LiDAR turns more slowly: stamps farther apart are those of several turns.
-constexpr double kSlowestTurn_s = 0.25;
+/// Longer than a turn of any LiDAR.
+constexpr double kLongestTurn_s = 1.0;
+/// Stamps farther apart are taken for those of several turns: sensors at five turns a second, whose
+/// scans have times, are rarer than recordings of which every second scan was left out.
+constexpr double kFarthestStamps_s = 0.15;
 
 std::set<std::size_t> scans_to_look_at(std::size_t scans) {
   std::set<std::size_t> indices;
@@ -31,8 +32,8 @@ std::set<std::size_t> scans_to_look_at(std::size_t scans) {
 
 /// Most steps from stamp to stamp are one turn, and so is the time from a scan's first point to its
 /// last.
-std::optional<double> period_of(std::vector<double> turns_s) {
-  std::erase_if(turns_s, [](double turn_s) { return !(turn_s > 0.01 && turn_s < kSlowestTurn_s); });
+std::optional<double> period_of(std::vector<double> turns_s, double longest_s) {
+  std::erase_if(turns_s, [&](double turn_s) { return !(turn_s > 0.01 && turn_s < longest_s); });
   if (turns_s.empty()) return std::nullopt;
   return std::round(1e4 * median(turns_s)) * 1e-4;
 }
@@ -54,15 +55,16 @@ FoundSensor find_sensor_of_files(const std::vector<std::string>& paths,
     }
     points += scans.back().scan.points_m.size();
     if (points > kMostPoints) break;
-    const auto times = usable_times(scans.back().time, kLongestScan_s);
+    const auto times = usable_times(scans.back().time, kLongestTurn_s);
     if (times) lasted_s.push_back(times->duration_s);
   }
   for (std::size_t i = 1; i < stamps_s.size(); ++i) {
     stamp_steps_s.push_back(stamps_s[i] - stamps_s[i - 1]);
   }
   if (scans.empty() && unreadable) std::rethrow_exception(unreadable);
-  const auto by_stamps_s = period_of(std::move(stamp_steps_s));
-  return find_sensor(scans, by_stamps_s ? by_stamps_s : period_of(lasted_s), paths.front());
+  const auto by_stamps_s = period_of(std::move(stamp_steps_s), kFarthestStamps_s);
+  const auto by_times_s = period_of(std::move(lasted_s), kLongestTurn_s);
+  return find_sensor(scans, by_stamps_s ? by_stamps_s : by_times_s, paths.front());
 }
 
 }  // namespace hqslam::recordings
