@@ -17,6 +17,9 @@ for file in bin/hqslam bin/hqslam-lab share/man/man1/hqslam.1 share/hqslam/weigh
   share/doc/hqslam/LICENSE include/hqslam/slam/slam.h; do
   [[ -f "$folder/root/usr/$file" ]] || { echo "usr/$file is not in the package"; exit 1; }
 done
+weights=$(cd "$folder/root/usr/share/hqslam/weights" && echo *.npz)
+[[ "$weights" == "du-mix-memory_any-beams.npz du-mix_any-beams.npz" ]] ||
+  { echo "the package has the weights $weights"; exit 1; }
 depends=$(dpkg-deb -f "$folder"/hqslam_*.deb Depends)
 for library in libc6 libembree libgoogle-glog libzip libpcap; do
   [[ "$depends" == *"$library"* ]] || { echo "Depends lacks $library: $depends"; exit 1; }
