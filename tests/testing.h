@@ -34,3 +34,7 @@
 #include "error_message.h"
 #include "file_contents.h"
 #include "temporary_directory.h"
+
+namespace hqslam::test {}
+using namespace hqslam;
+using namespace hqslam::test;

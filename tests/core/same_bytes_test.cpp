@@ -4,7 +4,6 @@
 #include "hqslam/core/trajectory.h"
 #include "made_images.h"
 
-using namespace hqslam;
 using test::hash_of;
 
 // Made on x86-64. Compilers that fuse multiplications and additions, other vector instructions and

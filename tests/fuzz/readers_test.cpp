@@ -8,8 +8,6 @@
 // What the fuzzers do, in seconds and without clang: damaged copies of their seeds, the same ones
 // in every run.
 
-using namespace hqslam;
-
 std::string fuzz::as_whole_file(Bytes input, const char* extension) {
   return as_file(input, extension);
 }

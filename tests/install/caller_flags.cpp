@@ -20,8 +20,6 @@
 #include <cstddef>
 #include <cstdio>
 
-using namespace hqslam;
-
 namespace {
 
 #define SHOW(type, member) \

@@ -4,8 +4,6 @@
 
 namespace hqslam::nn {
 
-using namespace hqslam::test;
-
 TEST_CASE("every interpolation has a name that leads back to it, and is what its upsampler does") {
   const SensorModel sensor = sensor_preset("os1-64");
   RangeImage measured(16, 1024);

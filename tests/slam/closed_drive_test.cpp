@@ -4,8 +4,6 @@
 #include "slam/village.h"
 #include "thread_limit.h"
 
-using namespace hqslam;
-
 TEST_CASE("a drive that drifts by metres is closed, smoothly, the same whatever the threads") {
   const test::Circuit circuit = test::circuit();
   const SensorModel sensor = test::street_sensor();

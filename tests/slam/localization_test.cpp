@@ -4,7 +4,6 @@
 #include "slam/village.h"
 #include "slam/yard_drive.h"
 
-using namespace hqslam;
 using slam::Status;
 
 namespace {

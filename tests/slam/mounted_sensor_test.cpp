@@ -2,8 +2,6 @@
 #include "hqslam/slam/slam.h"
 #include "slam/yard_drive.h"
 
-using namespace hqslam;
-
 namespace {
 
 constexpr int kMountedScans = 25;

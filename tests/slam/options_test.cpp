@@ -3,7 +3,6 @@
 #include "testing.h"
 
 using namespace hqslam::slam;
-using namespace hqslam::test;
 
 namespace {
 

@@ -6,7 +6,6 @@
 #include "hqslam/slam/slam.h"
 #include "slam/village.h"
 
-using namespace hqslam;
 using slam::Status;
 
 namespace {

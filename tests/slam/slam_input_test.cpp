@@ -1,9 +1,7 @@
 #include "hqslam/slam/slam.h"
 #include "slam/yard_drive.h"
 
-using namespace hqslam;
 using namespace hqslam::slam;
-using namespace hqslam::test;
 
 TEST_CASE("a drive is tracked to centimetres whatever the clock does") {
   const std::pair<const char*, double (*)(int scan)> clocks[] = {

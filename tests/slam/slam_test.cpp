@@ -7,9 +7,7 @@
 #include "slam/yard_drive.h"
 #include "thread_limit.h"
 
-using namespace hqslam;
 using namespace hqslam::slam;
-using namespace hqslam::test;
 
 TEST_CASE("a sensor of sixteen rows that stands is located in every scan, and stays where it is") {
   const SensorModel sensor = small_sensor(16, 1024);

@@ -8,9 +8,7 @@
 #include "hqslam/slam/slam.h"
 #include "slam/village.h"
 
-using namespace hqslam;
 using namespace hqslam::slam;
-using namespace hqslam::test;
 
 namespace {
 

@@ -6,8 +6,6 @@
 #include "slam/village.h"
 #include "slam/yard_drive.h"
 
-using namespace hqslam;
-using namespace hqslam::test;
 using namespace hqslam::slam;
 
 namespace {

@@ -7,8 +7,6 @@
 #include "hqslam/slam/slam.h"
 #include "testing.h"
 
-using namespace hqslam;
-
 namespace {
 
 struct TrackedDrive {

@@ -3,8 +3,6 @@
 #include "hqslam/evaluation/image_error.h"
 #include "testing.h"
 
-using namespace hqslam;
-using namespace hqslam::test;
 using Points = std::vector<Eigen::Vector3f>;
 
 namespace {

@@ -3,9 +3,6 @@
 #include "hqslam/core/angles.h"
 #include "testing.h"
 
-using namespace hqslam;
-using namespace hqslam::test;
-
 namespace {
 
 /// 300 poses a metre apart along x, ten a second.

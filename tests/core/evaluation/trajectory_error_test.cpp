@@ -3,9 +3,6 @@
 #include "hqslam/core/angles.h"
 #include "testing.h"
 
-using namespace hqslam;
-using namespace hqslam::test;
-
 namespace {
 
 /// 201 poses one metre of path apart, through curves and over hills.

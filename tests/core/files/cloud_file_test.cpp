@@ -3,9 +3,6 @@
 #include "hqslam/core/point_fields.h"
 #include "testing.h"
 
-using namespace hqslam;
-using namespace hqslam::test;
-
 namespace {
 
 Scan a_scan() {

@@ -2,9 +2,6 @@
 
 #include "testing.h"
 
-using namespace hqslam;
-using namespace hqslam::test;
-
 namespace {
 
 Scan kitti_scan(const std::string& contents) {

@@ -3,9 +3,6 @@
 #include "testing.h"
 #include "zip_by_hand.h"
 
-using namespace hqslam;
-using namespace hqslam::test;
-
 namespace {
 
 constexpr const char* kTwoImages = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 1, 3), }";

@@ -4,9 +4,6 @@
 #include "testing.h"
 #include "zip_by_hand.h"
 
-using namespace hqslam;
-using namespace hqslam::test;
-
 namespace {
 
 /// Deflate's blocks of plain bytes suffice for one that is short.

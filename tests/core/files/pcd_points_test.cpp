@@ -2,8 +2,6 @@
 #include "hqslam/core/cloud_file.h"
 #include "testing.h"
 
-using namespace hqslam;
-using namespace hqslam::test;
 using Points = std::vector<Eigen::Vector3f>;
 
 namespace {

@@ -5,9 +5,6 @@
 #include "hqslam/core/npy.h"
 #include "testing.h"
 
-using namespace hqslam;
-using namespace hqslam::test;
-
 TEST_CASE("a file is replaced whole or not at all, without partial files left behind") {
   const TemporaryDirectory folder;
   const std::string path = folder.file("a");

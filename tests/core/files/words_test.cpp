@@ -3,8 +3,6 @@
 #include "hqslam/core/excerpt.h"
 #include "testing.h"
 
-using namespace hqslam;
-
 TEST_CASE("words are what stands between separators, at most as many as are asked for") {
   using Words = std::vector<std::string_view>;
   CHECK(words_of("  a bc\t d\r") == Words{"a", "bc", "d"});

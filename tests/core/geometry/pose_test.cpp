@@ -2,8 +2,6 @@
 
 #include "testing.h"
 
-using namespace hqslam;
-
 TEST_CASE("roll, pitch and yaw come back from the pose they made, a yaw of 90 degrees turns left") {
   for (double roll = -1.5; roll <= 1.5; roll += 0.5) {
     for (double pitch = -1.4; pitch <= 1.4; pitch += 0.35) {

@@ -2,9 +2,6 @@
 
 #include "testing.h"
 
-using namespace hqslam;
-using namespace hqslam::test;
-
 namespace {
 
 Trajectory a_long_drive() {

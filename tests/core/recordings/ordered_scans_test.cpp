@@ -3,9 +3,7 @@
 #include "hqslam/core/left_out.h"
 #include "made_scans.h"
 
-using namespace hqslam;
 using namespace hqslam::recordings;
-using namespace hqslam::test;
 
 namespace {
 

@@ -4,9 +4,7 @@
 #include "core/real_data.h"
 #include "made_images.h"
 
-using namespace hqslam;
 using namespace hqslam::recordings;
-using namespace hqslam::test;
 
 TEST_CASE("the stamps of a capture whose computer's clock was set back rise, with a warning") {
   std::vector<Captured> packets = velodyne_capture({.duration_s = 0.85});

@@ -2,8 +2,6 @@
 
 #include "made_images.h"
 
-using namespace hqslam;
-
 namespace {
 
 using test::degrees_apart;

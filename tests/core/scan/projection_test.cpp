@@ -4,7 +4,6 @@
 
 #include "made_images.h"
 
-using namespace hqslam;
 using hqslam::test::refused_with;
 
 namespace {

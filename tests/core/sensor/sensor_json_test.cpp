@@ -2,9 +2,6 @@
 #include "hqslam/core/sensor_model.h"
 #include "testing.h"
 
-using namespace hqslam;
-using namespace hqslam::test;
-
 namespace {
 
 constexpr const char* kOwn = R"({"name": "two", "columns": 1024, "scan_period_s": 0.1,

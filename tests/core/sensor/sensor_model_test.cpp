@@ -6,8 +6,6 @@
 #include "hqslam/core/organized_cloud.h"
 #include "testing.h"
 
-using namespace hqslam;
-
 TEST_CASE("every preset is valid with the rows of its name; others are refused with the list") {
   const std::vector<std::pair<std::string, int>> expected = {
       {"os1-64", 64}, {"os1-16", 16},  {"hdl-64e", 64}, {"hdl-32e", 32},

@@ -2,7 +2,6 @@
 
 #include "slam/poses.h"
 
-using namespace hqslam;
 using slam::Matrix6;
 using slam::MotionState;
 using slam::Vector6;

@@ -2,7 +2,6 @@
 
 #include "slam/steady_drive.h"
 
-using namespace hqslam;
 using slam::Matrix6;
 using slam::MotionState;
 using slam::Vector6;

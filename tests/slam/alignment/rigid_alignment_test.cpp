@@ -2,8 +2,6 @@
 
 #include "slam/random_unit.h"
 
-using namespace hqslam;
-using namespace hqslam::test;
 using namespace hqslam::slam;
 
 namespace {

@@ -3,7 +3,6 @@
 
 #include "testing.h"
 
-using namespace hqslam;
 using namespace hqslam::slam;
 
 namespace {

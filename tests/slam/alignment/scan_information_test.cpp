@@ -3,8 +3,6 @@
 
 #include "slam/random_unit.h"
 
-using namespace hqslam;
-using namespace hqslam::test;
 using namespace hqslam::slam;
 
 namespace {

@@ -3,7 +3,6 @@
 
 #include "slam/random_unit.h"
 
-using namespace hqslam;
 using slam::PlaneConstraint;
 using slam::Vector6;
 

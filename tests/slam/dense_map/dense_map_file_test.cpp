@@ -3,9 +3,7 @@
 #include "hqslam/slam/dense_map.h"
 #include "testing.h"
 
-using namespace hqslam;
 using namespace hqslam::slam;
-using namespace hqslam::test;
 
 namespace {
 

@@ -4,7 +4,6 @@
 #include "slam/random_unit.h"
 #include "thread_limit.h"
 
-using namespace hqslam;
 using namespace hqslam::slam;
 using hqslam::test::refused_with;
 

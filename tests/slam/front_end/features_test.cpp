@@ -2,8 +2,6 @@
 
 #include "slam/village.h"
 
-using namespace hqslam;
-
 namespace {
 
 /// One row of a sensor that looks straight ahead, all returns of one cluster.

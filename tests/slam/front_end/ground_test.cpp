@@ -2,8 +2,6 @@
 
 #include "slam/yard.h"
 
-using namespace hqslam;
-
 namespace {
 
 /// A cloud of 4 rows and 16 columns whose column 5 holds the given points, lowest beam last.

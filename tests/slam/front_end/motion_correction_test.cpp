@@ -3,7 +3,6 @@
 #include "slam/steady_drive.h"
 #include "slam/yard.h"
 
-using namespace hqslam;
 using slam::FeaturePoint;
 
 TEST_CASE("a sensor at 10 m/s sees a point of the scan's end 0.5 m nearer, one of its middle not") {

@@ -2,9 +2,7 @@
 
 #include "slam/yard.h"
 
-using namespace hqslam;
 using namespace hqslam::slam;
-using namespace hqslam::test;
 
 namespace {
 

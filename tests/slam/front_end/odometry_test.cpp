@@ -2,7 +2,6 @@
 
 #include "slam/village.h"
 
-using namespace hqslam;
 using slam::Status;
 
 namespace {

@@ -3,8 +3,6 @@
 #include "hqslam/core/projection.h"
 #include "made_images.h"
 
-using namespace hqslam;
-
 namespace {
 
 /// One level row with objects 10 m away, 0.17 m from column to column.

@@ -2,8 +2,6 @@
 
 #include "slam/village.h"
 
-using namespace hqslam;
-
 namespace {
 
 /// A cloud of a wall around the sensor, 5 m away.

@@ -4,7 +4,6 @@
 
 #include "testing.h"
 
-using namespace hqslam;
 using namespace hqslam::slam;
 
 namespace {

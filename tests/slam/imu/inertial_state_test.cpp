@@ -4,8 +4,6 @@
 #include "slam/imu/accelerometer.h"
 #include "slam/steady_drive.h"
 
-using namespace hqslam;
-using namespace hqslam::test;
 using namespace hqslam::slam;
 using Vector18 = Eigen::Matrix<double, 18, 1>;
 

@@ -3,7 +3,6 @@
 #include "hqslam/evaluation/trajectory_error.h"
 #include "slam/yard_drive.h"
 
-using namespace hqslam;
 using namespace hqslam::lego_loam;
 
 static const SensorModel kSensor = test::small_sensor(16, 512);

@@ -2,7 +2,6 @@
 
 #include "testing.h"
 
-using namespace hqslam;
 using namespace hqslam::lego_loam;
 
 namespace {

@@ -9,7 +9,6 @@
 #include "points.h"
 #include "slam/random_unit.h"
 
-using namespace hqslam;
 using PclCloud = pcl::PointCloud<pcl::PointXYZI>;
 
 namespace {

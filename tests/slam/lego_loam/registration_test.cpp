@@ -2,7 +2,6 @@
 
 #include "testing.h"
 
-using namespace hqslam;
 using namespace hqslam::lego_loam;
 
 TEST_CASE("pose and parameters are two forms of one motion, of which a share can be taken") {

@@ -3,7 +3,6 @@
 #include "hqslam/lego_loam/lego_loam.h"
 #include "slam/village.h"
 
-using namespace hqslam;
 using lego_loam::ScanTrace;
 using lego_loam::SegmentedScan;
 

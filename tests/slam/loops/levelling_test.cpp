@@ -3,7 +3,6 @@
 #include "slam/imu/accelerometer.h"
 #include "slam/poses.h"
 
-using namespace hqslam;
 using namespace hqslam::slam;
 
 namespace {

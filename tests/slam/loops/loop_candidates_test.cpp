@@ -3,7 +3,6 @@
 #include "slam/poses.h"
 #include "slam/village.h"
 
-using namespace hqslam;
 using slam::PoseGraph;
 
 namespace {

@@ -4,7 +4,6 @@
 #include "slam/poses.h"
 #include "slam/village.h"
 
-using namespace hqslam;
 using namespace hqslam::slam;
 
 namespace {

@@ -2,7 +2,6 @@
 
 #include "slam/poses.h"
 
-using namespace hqslam;
 using slam::PoseGraph;
 
 TEST_CASE("keyframes between two nodes are moved by their share of the path between them") {

@@ -2,7 +2,6 @@
 
 #include "slam/random_unit.h"
 
-using namespace hqslam;
 using slam::search_place;
 
 namespace {

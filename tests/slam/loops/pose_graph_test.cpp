@@ -2,7 +2,6 @@
 
 #include "slam/poses.h"
 
-using namespace hqslam;
 using namespace hqslam::slam;
 
 namespace {

@@ -3,7 +3,6 @@
 #include "slam/cloud_of.h"
 #include "slam/village.h"
 
-using namespace hqslam;
 using namespace hqslam::slam;
 
 TEST_CASE("a bin of a scan context holds how high its highest point reaches") {

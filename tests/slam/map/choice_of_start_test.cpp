@@ -2,8 +2,6 @@
 
 #include "testing.h"
 
-using namespace hqslam;
-
 namespace {
 
 /// A scan with `sought` planes to be found, of which `close` were found close to the map.

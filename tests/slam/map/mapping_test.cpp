@@ -3,7 +3,6 @@
 #include "map/rooms.h"
 #include "slam/village.h"
 
-using namespace hqslam;
 using slam::Status;
 
 namespace {

@@ -3,7 +3,6 @@
 #include "map/map_matching.h"
 #include "testing.h"
 
-using namespace hqslam;
 using namespace hqslam::slam;
 
 namespace {

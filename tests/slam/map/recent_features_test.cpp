@@ -2,8 +2,6 @@
 
 #include "slam/poses.h"
 
-using namespace hqslam;
-
 namespace {
 
 slam::MapFeatures one_edge_at(float x_m) {

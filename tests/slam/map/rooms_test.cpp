@@ -2,8 +2,6 @@
 
 #include "testing.h"
 
-using namespace hqslam;
-
 namespace {
 
 /// A hundred points, half of them nearer than this.

@@ -3,8 +3,6 @@
 #include "hqslam/core/npz.h"
 #include "testing.h"
 
-using namespace hqslam;
-
 namespace {
 
 slam::SavedMap small_saved_map() {

@@ -1,9 +1,7 @@
 #include "hqslam/slam/occupancy_grid.h"
 #include "testing.h"
 
-using namespace hqslam;
 using namespace hqslam::slam;
-using namespace hqslam::test;
 
 namespace {
 

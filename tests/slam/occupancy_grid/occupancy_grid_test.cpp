@@ -2,9 +2,7 @@
 
 #include "slam/yard_drive.h"
 
-using namespace hqslam;
 using namespace hqslam::slam;
-using namespace hqslam::test;
 
 namespace {
 

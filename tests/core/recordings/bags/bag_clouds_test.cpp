@@ -2,9 +2,7 @@
 
 #include "made_bags.h"
 
-using namespace hqslam;
 using namespace hqslam::recordings;
-using namespace hqslam::test;
 
 // The clouds of a bag, as drivers of all makers write them.
 

@@ -5,9 +5,7 @@
 #include "made_bags.h"
 #include "streams/stream_reader.h"
 
-using namespace hqslam;
 using namespace hqslam::recordings;
-using namespace hqslam::test;
 
 // What holds messages: kinds of bags, whole and damaged, and the metadata in them.
 

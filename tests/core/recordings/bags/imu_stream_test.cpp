@@ -3,9 +3,7 @@
 #include "bags.h"
 #include "near.h"
 
-using namespace hqslam;
 using namespace hqslam::recordings;
-using namespace hqslam::test;
 
 namespace {
 

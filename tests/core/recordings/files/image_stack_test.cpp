@@ -2,9 +2,7 @@
 #include "made_images.h"
 #include "recording_complaint.h"
 
-using namespace hqslam;
 using namespace hqslam::recordings;
-using namespace hqslam::test;
 
 namespace {
 

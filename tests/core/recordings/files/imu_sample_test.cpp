@@ -3,9 +3,7 @@
 #include "files/scan_files.h"
 #include "made_scans.h"
 
-using namespace hqslam;
 using namespace hqslam::recordings;
-using namespace hqslam::test;
 
 namespace {
 

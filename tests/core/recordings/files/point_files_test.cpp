@@ -1,9 +1,7 @@
 #include "hqslam/core/cloud_file.h"
 #include "vlp16_files.h"
 
-using namespace hqslam;
 using namespace hqslam::recordings;
-using namespace hqslam::test;
 
 // Point files beyond .bin and .pcd: their forms, and what their fields are.
 

@@ -2,9 +2,7 @@
 #include "recording_complaint.h"
 #include "vlp16_files.h"
 
-using namespace hqslam;
 using namespace hqslam::recordings;
-using namespace hqslam::test;
 
 // The sensor of scans that are files of points, and units of it that are off its table.
 

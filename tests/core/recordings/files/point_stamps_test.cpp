@@ -1,8 +1,6 @@
 #include "vlp16_files.h"
 
-using namespace hqslam;
 using namespace hqslam::recordings;
-using namespace hqslam::test;
 
 // The stamps of scans that are files of points.
 

@@ -5,9 +5,7 @@
 #include "points_file.h"
 #include "recording_complaint.h"
 
-using namespace hqslam;
 using namespace hqslam::recordings;
-using namespace hqslam::test;
 
 namespace {
 

@@ -3,10 +3,8 @@
 #include "loopback.h"
 #include "udp_socket.h"
 
-using namespace hqslam;
 using namespace hqslam::live;
 using namespace hqslam::recordings;
-using namespace hqslam::test;
 
 namespace {
 

@@ -9,10 +9,8 @@
 
 // The metadata of an Ouster that is only named, asked for over HTTP.
 
-using namespace hqslam;
 using namespace hqslam::live;
 using namespace hqslam::recordings;
-using namespace hqslam::test;
 
 namespace {
 

@@ -4,10 +4,8 @@
 #include "loopback.h"
 #include "udp_socket.h"
 
-using namespace hqslam;
 using namespace hqslam::live;
 using namespace hqslam::recordings;
-using namespace hqslam::test;
 
 namespace {
 

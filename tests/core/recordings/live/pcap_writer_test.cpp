@@ -2,10 +2,8 @@
 
 #include "core/recordings/captures.h"
 
-using namespace hqslam;
 using namespace hqslam::live;
 using namespace hqslam::recordings;
-using namespace hqslam::test;
 
 TEST_CASE("captures have packets of any sender and size, overwrite nothing and are never empty") {
   const TemporaryDirectory folder;

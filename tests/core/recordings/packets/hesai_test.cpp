@@ -3,9 +3,7 @@
 #include "hqslam/recordings/recording.h"
 #include "packets/hesai_decoder.h"
 
-using namespace hqslam;
 using namespace hqslam::recordings;
-using namespace hqslam::test;
 
 namespace {
 

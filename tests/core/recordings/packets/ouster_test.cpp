@@ -3,9 +3,7 @@
 #include "hash.h"
 #include "packets/ouster_decoder.h"
 
-using namespace hqslam;
 using namespace hqslam::recordings;
-using namespace hqslam::test;
 
 namespace {
 

@@ -1,9 +1,7 @@
 #include "captures.h"
 #include "packets/ip_datagram.h"
 
-using namespace hqslam;
 using namespace hqslam::recordings;
-using namespace hqslam::test;
 
 namespace {
 

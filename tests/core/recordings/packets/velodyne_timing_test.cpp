@@ -2,9 +2,7 @@
 #include "hqslam/core/angles.h"
 #include "packets/velodyne_decoder.h"
 
-using namespace hqslam;
 using namespace hqslam::recordings;
-using namespace hqslam::test;
 
 // When and whither every laser fires, and which of two returns is kept: packets made by hand, the
 // expectation worked out from the manuals' numbers alone.

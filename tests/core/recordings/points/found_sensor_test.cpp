@@ -3,9 +3,7 @@
 #include "points/sensor_finder.h"
 #include "testing.h"
 
-using namespace hqslam;
 using namespace hqslam::recordings;
-using namespace hqslam::test;
 
 TEST_CASE("the beams that packets tell are found within 0.1 degrees in their points alone") {
   for (const std::string name :

@@ -3,9 +3,7 @@
 #include "made_scans.h"
 #include "testing.h"
 
-using namespace hqslam;
 using namespace hqslam::recordings;
-using namespace hqslam::test;
 
 namespace {
 

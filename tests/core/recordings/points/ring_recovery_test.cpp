@@ -6,9 +6,7 @@
 #include "hqslam/core/kitti_bin.h"
 #include "known_scans.h"
 
-using namespace hqslam;
 using namespace hqslam::recordings;
-using namespace hqslam::test;
 
 namespace {
 

@@ -4,9 +4,7 @@
 #include "hqslam/core/angles.h"
 #include "testing.h"
 
-using namespace hqslam;
 using namespace hqslam::recordings;
-using namespace hqslam::test;
 
 namespace {
 

@@ -3,7 +3,6 @@
 #include "hqslam/core/angles.h"
 #include "testing.h"
 
-using namespace hqslam;
 using namespace hqslam::recordings;
 
 namespace {

@@ -8,7 +8,6 @@ namespace hqslam::tools {
 namespace {
 
 namespace fs = std::filesystem;
-using namespace hqslam::test;
 
 bool always(const std::string&) { return true; }
 

@@ -4,8 +4,6 @@
 
 namespace hqslam::tools {
 
-using namespace hqslam::test;
-
 TEST_CASE("options that do not apply to a kind of recording are refused when it is opened") {
   const TemporaryDirectory folder;
   write_file(folder.file("a.pcap"), std::string("\xD4\xC3\xB2\xA1", 4));

@@ -2,7 +2,6 @@
 
 #include "tools/command_line/parsed_options.h"
 
-using namespace hqslam;
 using namespace hqslam::tools;
 
 namespace {

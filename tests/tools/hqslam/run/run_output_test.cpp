@@ -7,8 +7,6 @@
 namespace hqslam::tools {
 namespace {
 
-using namespace hqslam::test;
-
 const std::set<std::string> kAllResults = {"trajectory.tum", "trajectory.kitti", "covariances.csv",
                                            "map.pcd",        "timings.json",     "report.html"};
 

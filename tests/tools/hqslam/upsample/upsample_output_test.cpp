@@ -9,7 +9,6 @@ namespace hqslam::tools {
 namespace {
 
 namespace fs = std::filesystem;
-using namespace hqslam::test;
 
 const SensorModel kSixteen = sensor_preset("os1-16");
 

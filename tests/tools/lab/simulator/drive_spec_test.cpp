@@ -2,9 +2,7 @@
 #include "hqslam/sim/write_drive.h"
 #include "small_city.h"
 
-using namespace hqslam;
 using namespace hqslam::sim;
-using namespace hqslam::test;
 
 namespace {
 

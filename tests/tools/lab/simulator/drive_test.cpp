@@ -4,9 +4,7 @@
 #include "slam/poses.h"
 #include "small_city.h"
 
-using namespace hqslam;
 using namespace hqslam::sim;
-using namespace hqslam::test;
 
 namespace {
 

@@ -3,9 +3,7 @@
 #include "sample_statistics.h"
 #include "small_city.h"
 
-using namespace hqslam;
 using namespace hqslam::sim;
-using namespace hqslam::test;
 
 namespace {
 

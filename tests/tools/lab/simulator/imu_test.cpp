@@ -5,9 +5,7 @@
 #include "scenario.h"
 #include "small_city.h"
 
-using namespace hqslam;
 using namespace hqslam::sim;
-using namespace hqslam::test;
 
 TEST_CASE("integrating what a perfect inertial sensor measures leads along the true path") {
   for (const char* drive : {"town", "handheld-turning", "indoors"}) {

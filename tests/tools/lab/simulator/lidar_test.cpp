@@ -3,9 +3,7 @@
 #include "hqslam/core/projection.h"
 #include "small_city.h"
 
-using namespace hqslam;
 using namespace hqslam::sim;
-using namespace hqslam::test;
 
 TEST_CASE("rows far apart see no edge in smooth ground: on average it is where it is") {
   City city = empty_city();

@@ -3,7 +3,6 @@
 #include "small_city.h"
 
 using namespace hqslam::sim;
-using namespace hqslam::test;
 
 TEST_CASE("a moving thing is met where it is at the ray's time") {
   City city = empty_city();  // a wall at 100 m and a cube of two metres

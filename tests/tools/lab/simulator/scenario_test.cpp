@@ -3,7 +3,6 @@
 #include "ray_scene.h"
 #include "testing.h"
 
-using namespace hqslam;
 using namespace hqslam::sim;
 
 namespace {

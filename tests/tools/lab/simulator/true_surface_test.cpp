@@ -4,7 +4,6 @@
 #include "small_city.h"
 
 using namespace hqslam::sim;
-using namespace hqslam::test;
 
 namespace {
 

@@ -6,9 +6,7 @@
 #include "hqslam/recordings/recording.h"
 #include "small_city.h"
 
-using namespace hqslam;
 using namespace hqslam::sim;
-using namespace hqslam::test;
 
 TEST_CASE("a drive that is written part of the way reads back as what was simulated") {
   const TemporaryDirectory directory;

@@ -5,8 +5,6 @@
 namespace hqslam::tools {
 namespace {
 
-using namespace hqslam::test;
-
 /// LiDAR-16 off by 0.4 m, linear by 0.1 m, LiDAR-64 by 0.05 m the other way.
 FinishedDrive bumpy_drive() {
   return finished_drive("block", 1,

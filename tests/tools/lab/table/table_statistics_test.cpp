@@ -6,8 +6,6 @@
 namespace hqslam::tools {
 namespace {
 
-using namespace hqslam::test;
-
 /// All drives over seeds.
 TableSample sample_of(const std::vector<FinishedDrive>& drives) {
   return parts_of(example_plan(true), drives).front().sample;

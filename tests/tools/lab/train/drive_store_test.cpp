@@ -9,7 +9,6 @@ namespace hqslam::tools {
 namespace {
 
 namespace fs = std::filesystem;
-using namespace hqslam::test;
 
 StoredDrive block(std::uint64_t seed, std::int64_t scans, std::int64_t every) {
   return {{"block", seed, scans, {}, {}}, test::preset_with("os1-16", 64), every};
