@@ -23,8 +23,8 @@ class BeamCheck {
   /// path_m: how far scans are kept.
   explicit BeamCheck(double path_m = kCalibrationPath_m) : wanted_path_m_(path_m) {}
 
-  /// The scan that `pipeline` has just located. Without effect once is_complete(), and for a scan of
-  /// which echoes of fog were left out.
+  /// The scan that `pipeline` has just located. Without effect once is_complete(), and for a scan
+  /// of which echoes of fog were left out.
   void add(const OrganizedCloud& recorded, const slam::ScanReport& report,
            const Pipeline& pipeline);
   /// Whether the path is as long as wanted, or tracking was lost: no more scans are kept.
