@@ -14,8 +14,8 @@ constexpr float kMiddleBehindMean = std::numbers::pi_v<float> / 8.0F;  // of the
 /// Width of a beam: HDL-64E 2 mrad, VLP-16 and OS1 3 mrad (data sheets).
 constexpr float kBeam_rad = 0.003F;
 /// The share of holes in surfaces above which returns fail: 0.04 at most in 15 real recordings of
-/// ten sensors and on simulated drives of seven kinds, 0.16 to 0.24 in made fog with a visibility
-/// of 40 and 80 m.
+/// eleven sensors and on simulated drives of seven kinds, 0.16 to 0.24 in made fog with a
+/// visibility of 40 and 80 m.
 constexpr double kManyHoles = 0.08;
 /// A surface on both sides of a hole: at one range, within a tenth of it or kPostDepth_m.
 constexpr float kHoleDepthShare = 0.1F;

@@ -103,9 +103,8 @@ std::string scattered_summary(const SlamRun& run) {
       run.scans, [](const ScanRecord& scan) { return scan.report.scattered > 0; });
   if (scans == 0) return "";
   return fmt::format(
-      "fog, dust or snow: near echoes left out of {} scans; beams are not calibrated in them: "
-      "where "
-      "they are off, height and tilt drift by more than stated\n",
+      "fog, dust or snow: near echoes left out of {} scans, from which beams are not calibrated: "
+      "where they are off, height and tilt drift by more than stated\n",
       scans);
 }
 

@@ -27,6 +27,22 @@ void write_numbered(const TemporaryDirectory& folder, const std::function<int(in
 
 }  // namespace
 
+TEST_CASE("stamps of every turn give the rate of turning, those of several turns do not") {
+  const TemporaryDirectory folder;
+  write_numbered(folder, [](int ring) { return ring; });
+  for (const auto& [step_s, period_s] :
+       {std::pair(0.05, 0.05), {0.1, 0.1}, {0.2, 0.1}, {0.5, 0.1}}) {
+    CAPTURE(step_s);
+    std::string stamps;
+    for (int scan = 0; scan < 4; ++scan) stamps += fmt::format("{}\n", scan * step_s);
+    const TemporaryDirectory beside;
+    test::write_file(beside.file("stamps.txt"), stamps);
+    const auto recording =
+        Recording::open(folder.path(), {.files = {.stamps = beside.file("stamps.txt")}});
+    CHECK(recording.sensor().scan_period_s == doctest::Approx(period_s));
+  }
+}
+
 TEST_CASE("rings that are numbered from 1, or in steps, are those of the sensor in their order") {
   for (const auto& [first, step] : {std::pair(1, 1), {0, 2}, {3, 4}}) {
     CAPTURE(first);
