@@ -20,6 +20,8 @@
 #include <cstddef>
 #include <cstdio>
 
+using namespace hqslam;
+
 namespace {
 
 #define SHOW(type, member) \
