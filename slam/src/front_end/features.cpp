@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "front_end/posts.h"
+#include "front_end/scattered_returns.h"
 #include "front_end/voxel_thinning.h"
 
 namespace hqslam::slam {
@@ -291,10 +292,10 @@ Features extract_features(const OrganizedCloud& cloud, const Segmentation& segme
                           const std::optional<RowSelection>& measured_rows) {
   const std::vector<int> rows = selected_rows(cloud.rows, measured_rows.value_or(RowSelection{}));
   std::vector<Features> of_row(rows.size());
-  const bool fail = returns_fail(cloud);
+  const bool returns_fail = has_failing_returns(cloud);
 #pragma omp parallel for schedule(dynamic)
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    of_row[i] = features_of_row(cloud, segmentation, rows, i, options, fail);
+    of_row[i] = features_of_row(cloud, segmentation, rows, i, options, returns_fail);
   }
   Features all;
   all.up = segmentation.up;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "front_end/scattered_returns.h"
+
 namespace hqslam::slam {
 
 namespace {
@@ -13,17 +15,9 @@ constexpr float kMaxWidth_m = 1.0F;
 constexpr float kMiddleBehindMean = std::numbers::pi_v<float> / 8.0F;  // of the width
 /// Width of a beam: HDL-64E 2 mrad, VLP-16 and OS1 3 mrad (data sheets).
 constexpr float kBeam_rad = 0.003F;
-/// The share of holes in surfaces above which returns fail: 0.04 at most in 15 real recordings of
-/// eleven sensors and on simulated drives of seven kinds, 0.16 to 0.24 in made fog with a
-/// visibility of 40 and 80 m.
-constexpr double kManyHoles = 0.08;
-/// A surface on both sides of a hole: at one range, within a tenth of it or kPostDepth_m.
-constexpr float kHoleDepthShare = 0.1F;
 /// So many columns without a return have the sky behind them, where returns fail and where not.
 constexpr int kGapWhereReturnsFail = 4;
 constexpr int kGap = 1;
-/// Echoes of fog, dust and snow are nearer.
-constexpr float kFarthestEcho_m = 10.0F;
 
 /// One row of a scan.
 struct PostRow {
@@ -89,25 +83,6 @@ struct PostRow {
 };
 
 }  // namespace
-
-bool returns_fail(const OrganizedCloud& cloud) {
-  std::int64_t returns = 0;
-  std::int64_t holes = 0;
-  for (int row = 0; row < cloud.rows; ++row) {
-    const float* range_m = &cloud.range_m[cloud.index(row, 0)];
-    for (int column = 1; column + 1 < cloud.columns; ++column) {
-      if (range_m[column] > 0.0F) {
-        ++returns;
-        continue;
-      }
-      const float before_m = range_m[column - 1];
-      const float after_m = range_m[column + 1];
-      holes += before_m > 0.0F && after_m > 0.0F &&
-               std::abs(before_m - after_m) < std::max(kPostDepth_m, kHoleDepthShare * before_m);
-    }
-  }
-  return static_cast<double>(holes) > kManyHoles * static_cast<double>(returns);
-}
 
 std::vector<Post> posts_in_row(const OrganizedCloud& cloud, const Segmentation& segmentation,
                                int row, bool returns_fail) {

@@ -32,19 +32,15 @@ struct Post {
 /// of the outer points alone. Objects that something nearer occludes, or at the seam of the image,
 /// are left out.
 ///
-/// Where returns fail, the pieces of a wall between the holes in it would be posts, which hold the
-/// sensor along a lane: a simulated one of 91 m got 6 to 17 m too short. There, an object is alone
-/// if four columns beside it have no return, or the first one behind it, and what is within 10 m
-/// must be in the row above or below, too: the rest may be echoes.
+/// Where returns fail (has_failing_returns()), the pieces of a wall between the holes in it would
+/// be posts, which hold the sensor along a lane: a simulated one of 91 m got 6 to 17 m too short.
+/// There, an object is alone if four columns beside it have no return, or the first one behind it,
+/// and what is within 10 m must be in the row above or below, too: the rest may be echoes.
 ///
 /// LeGO-LOAM has none: its edges need five columns on both sides, and its segmentation takes
 /// clusters of fewer than 30 pixels for clutter. In open land there is little else: half of the
 /// about 70 objects in a scan of 16 rows are one or two columns wide.
 std::vector<Post> posts_in_row(const OrganizedCloud& cloud, const Segmentation& segmentation,
                                int row, bool returns_fail);
-
-/// Whether many single returns fail on surfaces, as in fog, dust and snow and in clouds that were
-/// thinned out: pixels without a return between two of one range.
-bool returns_fail(const OrganizedCloud& cloud);
 
 }  // namespace hqslam::slam

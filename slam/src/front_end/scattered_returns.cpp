@@ -24,9 +24,13 @@ constexpr Neighbourhood kOfClearAir = {3, 1, 0.3F, 0.1F, 2};
 /// the returns of surfaces do.
 constexpr Neighbourhood kOfFog = {6, 2, 0.15F, 0.05F, 3};
 constexpr double kShareInClearAir = 0.1;
-/// What stands alone farther away is kept: fog thins surfaces, too, and along a street those that
-/// are far away carry the motion.
-constexpr float kFarthestEcho_m = 10.0F;
+/// The share of holes in surfaces above which returns fail: 0.04 at most in 15 real recordings of
+/// eleven sensors and on simulated drives of seven kinds, 0.16 to 0.24 in made fog with a
+/// visibility of 40 and 80 m.
+constexpr double kManyHoles = 0.08;
+/// A surface on both sides of a hole: at one range, within a tenth of it or 0.3 m.
+constexpr float kSurfaceDepth_m = 0.3F;
+constexpr float kSurfaceDepthShare = 0.1F;
 
 bool is_scattered(const OrganizedCloud& cloud, int row, int column, const Neighbourhood& near) {
   const float range_m = cloud.range_m[cloud.index(row, column)];
@@ -74,6 +78,26 @@ std::optional<OrganizedCloud> without_scattered(const OrganizedCloud& cloud) {
     result.points_m[pixel].setZero();
   }
   return result;
+}
+
+bool has_failing_returns(const OrganizedCloud& cloud) {
+  std::int64_t returns = 0;
+  std::int64_t holes = 0;
+  for (int row = 0; row < cloud.rows; ++row) {
+    const float* range_m = &cloud.range_m[cloud.index(row, 0)];
+    for (int column = 1; column + 1 < cloud.columns; ++column) {
+      if (range_m[column] > 0.0F) {
+        ++returns;
+        continue;
+      }
+      const float before_m = range_m[column - 1];
+      const float after_m = range_m[column + 1];
+      holes +=
+          before_m > 0.0F && after_m > 0.0F &&
+          std::abs(before_m - after_m) < std::max(kSurfaceDepth_m, kSurfaceDepthShare * before_m);
+    }
+  }
+  return static_cast<double>(holes) > kManyHoles * static_cast<double>(returns);
 }
 
 }  // namespace hqslam::slam

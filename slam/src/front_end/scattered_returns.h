@@ -6,6 +6,10 @@
 
 namespace hqslam::slam {
 
+/// Echoes of droplets and flakes are nearer. What stands alone farther away is kept: fog thins
+/// surfaces, too, and along a street those that are far away carry the motion.
+inline constexpr float kFarthestEcho_m = 10.0F;
+
 /// A scan through fog, dust or snow without the echoes of droplets and flakes, which would travel
 /// with the sensor; nothing for a scan in clear air.
 ///
@@ -16,5 +20,9 @@ namespace hqslam::slam {
 /// returns within 10 m of which fewer than three neighbours (six columns, two above and below) are
 /// within a twentieth of their range or 0.15 m.
 std::optional<OrganizedCloud> without_scattered(const OrganizedCloud& cloud);
+
+/// Whether many single returns fail on surfaces, as in fog, dust and snow and in clouds that were
+/// thinned out: pixels without a return between two of one range.
+bool has_failing_returns(const OrganizedCloud& cloud);
 
 }  // namespace hqslam::slam

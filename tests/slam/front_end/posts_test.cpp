@@ -1,5 +1,6 @@
 #include "front_end/posts.h"
 
+#include "front_end/scattered_returns.h"
 #include "hqslam/core/projection.h"
 #include "made_images.h"
 
@@ -135,11 +136,11 @@ TEST_CASE("where returns fail, what is near in one row alone is an echo") {
 TEST_CASE("returns fail where many surfaces have holes of one pixel") {
   RowWithPosts row;
   for (int hole = 0; hole < 20; ++hole) row.put(10 * hole, 10 * hole, 0.0F);
-  CHECK_FALSE(slam::returns_fail(row.cloud()));
+  CHECK_FALSE(slam::has_failing_returns(row.cloud()));
   for (int hole = 0; hole < 40; ++hole) row.put(5 * hole, 5 * hole, 0.0F);
-  CHECK(slam::returns_fail(row.cloud()));
+  CHECK(slam::has_failing_returns(row.cloud()));
   row.put(0, 359, 0.0F);
-  CHECK_FALSE(slam::returns_fail(row.cloud()));
+  CHECK_FALSE(slam::has_failing_returns(row.cloud()));
 }
 
 TEST_CASE("two posts side by side are two where one stands behind the other's gap") {
