@@ -209,6 +209,9 @@ void Slam::Implementation::apply(const LoopResult& found) {
     if (reference->inertial) turn(*reference->inertial, found.corrections.back().linear());
   }
   mapping.restore_to_window(found.restored);
+  // The map cannot begin anew at a keyframe's former pose.
+  if (auto* tracking = std::get_if<Tracking>(&state)) tracking->first_keyframe.reset();
+  if (auto* lost = std::get_if<Lost>(&state)) lost->last.first_keyframe.reset();
 }
 
 /// Reduces the drift of the present pose and of those on segments that were joined. To be called

@@ -120,6 +120,7 @@ struct Slam::Implementation {
   Registered first_registered(Tracking& last, Scan& scan, Notes& notes);
 
   // tracking.cpp
+  FirstKeyframe first_keyframe_of(const Scan& scan, const Pose& T_map_sensor) const;
   Registered in_corrected_map(Tracking& last, Scan& scan, Notes& notes);
   State tracked(Tracking last, const Registered& found, const Scan& scan, Notes& notes);
   bool is_keyframe(Tracking& last, const Pose& T_map_sensor) const;

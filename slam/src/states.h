@@ -40,12 +40,15 @@ struct Reference {
 /// No scan had enough features yet.
 struct Starting {};
 
-/// The first keyframe, inserted as if the sensor stood; once its velocity is known, the map begins
-/// again with it, corrected for motion.
+/// The first keyframe of a map or submap, inserted as if the sensor stood; once its velocity is
+/// known, the map begins again with it, corrected for motion.
 struct FirstKeyframe {
   double time_s = 0.0;
+  Pose T_map_sensor = Pose::Identity();
   Features measured_features;          ///< before `turning` is applied
   std::optional<EvenTurning> turning;  ///< if inertial data cover the scan
+  /// Where the last registration of the scan after it ended; the map has begun anew since.
+  std::optional<Pose> T_map_next = {};
 };
 
 /// The scan since the last keyframe, at nearly one pose, of which the most is close to the map.

@@ -21,6 +21,18 @@ constexpr double kStands_m = 0.05;
 constexpr double kStands_rad = 0.02;
 /// Decay of Tracking::usual_close_ratio with each scan that fits less well.
 constexpr double kForgotten = 0.1;
+/// Of the first keyframe, for motion.
+constexpr int kMostCorrections = 10;
+/// Share of the change of velocity that the next correction follows. Full steps swing about the
+/// result: a keyframe that was corrected for too large a velocity makes the next one too small.
+constexpr double kCorrectionStep = 2.0 / 3.0;
+
+/// Whether a change of velocity (linear, angular) moves no point of a scan by millimetres.
+bool is_slight(const Vector6& change) {
+  constexpr double kSlight_mps = 0.02;
+  constexpr double kSlight_rad_per_s = 0.002;
+  return change.head<3>().norm() < kSlight_mps && change.tail<3>().norm() < kSlight_rad_per_s;
+}
 
 }  // namespace
 
@@ -48,6 +60,12 @@ Reference* reference_of(State& state) {
   return searching != nullptr && searching->reference ? &*searching->reference : nullptr;
 }
 
+FirstKeyframe Slam::Implementation::first_keyframe_of(const Scan& scan,
+                                                      const Pose& T_map_sensor) const {
+  return {scan.time_s, T_map_sensor, scan.turning ? measured_features(scan) : scan.features,
+          scan.turning};
+}
+
 /// The first scan with enough features defines the frame of the map.
 State Slam::Implementation::next(Starting, const Scan& scan, Notes& notes) {
   notes.report.covariance = drift.covariance(Pose::Identity(), Matrix6::Zero());
@@ -61,8 +79,7 @@ State Slam::Implementation::next(Starting, const Scan& scan, Notes& notes) {
   add_keyframe(scan, standing.velocity, true, notes);
   return Tracking{
       .reference = reference_of(scan, standing, drift.against_map(standing), notes.report),
-      .first_keyframe = FirstKeyframe{
-          scan.time_s, scan.turning ? measured_features(scan) : scan.features, scan.turning}};
+      .first_keyframe = first_keyframe_of(scan, standing.T_map_sensor)};
 }
 
 State Slam::Implementation::next(Tracking now, Scan& scan, Notes& notes) {
@@ -174,17 +191,28 @@ State Slam::Implementation::new_segment(const Lost& lost, Registered found, cons
   notes.own_covariance = drift.own_covariance(Pose::Identity(), against_own_map);
   notes.report.covariance = drift.covariance(Pose::Identity(), against_own_map);
   add_keyframe(scan, found.state.velocity, true, notes);
-  return Tracking{
+  Tracking begun{
       .reference = reference_of(scan, found.state, against_own_map, notes.report, found.inertial)};
+  if (!found.by_odometry) begun.first_keyframe = first_keyframe_of(scan, found.state.T_map_sensor);
+  return begun;
 }
 
 /// checked(), and again after the map has begun anew with the first keyframe, which was inserted as
-/// if the sensor stood, corrected for the velocity that is known now.
+/// if the sensor stood, corrected for the velocity that is known now: until that no longer changes.
 Registered Slam::Implementation::in_corrected_map(Tracking& last, Scan& scan, Notes& notes) {
-  const Registered found = checked(last, scan, notes);
+  Registered found = checked(last, scan, notes);
   if (!last.first_keyframe || !found.is_registered) return found;
-  correct_first_keyframe(last, found.state.velocity);
-  return registered(last, scan, notes);
+  Twist velocity = found.state.velocity;
+  for (int i = 0; i < kMostCorrections; ++i) {
+    correct_first_keyframe(last, velocity);
+    last.first_keyframe->T_map_next = found.state.T_map_sensor;
+    found = registered(last, scan, notes);
+    const Vector6 change = vector_of(found.state.velocity) - vector_of(velocity);
+    if (!found.is_registered || is_slight(change)) break;
+    velocity = twist_of(vector_of(velocity) + kCorrectionStep * change);
+  }
+  last.first_keyframe.reset();
+  return found;
 }
 
 /// Begins the map anew with the first keyframe alone. Returns its features.
@@ -193,7 +221,7 @@ Features Slam::Implementation::put_first_keyframe(const FirstKeyframe& first,
   Features features = first.measured_features;
   if (first.turning) first.turning->apply(features);
   mapping = Mapping(mapping.options(), mapping.keyframes() - 1);
-  mapping.insert(map_features(features, mapping.options()), Pose::Identity(), velocity);
+  mapping.insert(map_features(features, mapping.options()), first.T_map_sensor, velocity);
   return features;
 }
 
@@ -202,7 +230,6 @@ void Slam::Implementation::correct_first_keyframe(Tracking& last, Twist velocity
   if (first.turning) velocity.angular = first.turning->mean_rate_rad_per_s();
   const Features features = put_first_keyframe(first, velocity);
   if (last.reference.time_s == first.time_s) last.reference.target = {features, velocity};
-  last.first_keyframe.reset();
 }
 
 /// Inserts the scan at the pose of the report into the map, or into a submap of its own if it

@@ -22,6 +22,10 @@ constexpr std::array<double, 6> kTurns_rad = {15.0 * kDegree_rad, -15.0 * kDegre
                                               30.0 * kDegree_rad, -30.0 * kDegree_rad,
                                               45.0 * kDegree_rad, -45.0 * kDegree_rad};
 
+/// Along the sensor's axes, of a vehicle whose velocity is unknown: a search converges from about a
+/// metre.
+constexpr std::array<double, 4> kSpeeds_mps = {10.0, -10.0, 20.0, -20.0};
+
 /// Whether a search ended at another place, at which the scan does not fit clearly less well.
 bool fits_as_well_elsewhere(const MappingResult& other, const MappingResult& best) {
   constexpr double kElsewhere_m = 0.3;
@@ -41,6 +45,12 @@ Pose turned(const Pose& T_map_sensor, double turn_rad) {
   Pose result = T_map_sensor;
   result.prerotate(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ()));
   result.translation() = T_map_sensor.translation();
+  return result;
+}
+
+Pose displaced(const Pose& T_map_sensor, int axis, double by_m) {
+  Pose result = T_map_sensor;
+  result.translation() += by_m * result.linear().col(axis);
   return result;
 }
 
@@ -77,7 +87,7 @@ bool is_precise(const MotionState& state) {
 MappingResult register_from_starts(const Mapping& mapping, const MapFeatures& features,
                                    const ExpectedScan& expected) {
   const MotionState& state = expected.state;
-  MappingResult best = mapping.register_scan(features, state, state.T_map_sensor);
+  MappingResult best = mapping.register_scan(features, state, expected.T_map_start);
   std::vector<MappingResult> found = {best};
   const auto begin_at = [&](const Pose& T_map_start,
                             FitComparison is_better = fits_better_than_chance) {
@@ -90,6 +100,13 @@ MappingResult register_from_starts(const Mapping& mapping, const MapFeatures& fe
     Pose T_map_moved = expected.T_map_moved();
     if (expected.is_turn_measured) T_map_moved.linear() = state.T_map_sensor.linear();
     begin_at(T_map_moved);
+  }
+  if (expected.is_speed_unknown) {
+    for (const double speed_mps : kSpeeds_mps) {
+      for (const int axis : {0, 1}) {
+        begin_at(displaced(expected.T_map_last, axis, speed_mps * expected.duration_s));
+      }
+    }
   }
   // On stairs both fits have few planes: beyond chance the upright pose would seldom be better.
   if (!best.has_ground) begin_at(upright(state.T_map_sensor), fits_better);

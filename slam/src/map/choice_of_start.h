@@ -9,12 +9,14 @@ namespace hqslam::slam {
 /// What is known about a scan before its registration.
 struct ExpectedScan {
   MotionState state;                  ///< predicted from the scan before
+  Pose T_map_start;                   ///< the expected one, unless a better one is known
   std::function<Pose()> T_map_moved;  ///< by the odometry, which takes time
   Pose T_map_last;                    ///< of the scan before
   double duration_s;                  ///< since the scan before
   /// MappingResult::close_ratio of the last registered scan; the usual one if state is uncertain.
   double last_close_ratio;
   bool is_turn_measured;  ///< by an inertial sensor: no other headings are tried
+  bool is_speed_unknown;  ///< nothing is known of it: other poses are tried
 };
 
 /// A scan whose close_ratio is less than this share of the last one's fits badly: other starts are
@@ -45,8 +47,9 @@ bool is_precise(const MotionState& state);
 /// uncertain or the result fits badly; from the expected pose made upright where no ground
 /// determines height and tilt, since on stairs treads fit other treads once the pose leans by some
 /// degrees; if it still fits badly, from six headings beside the expected pose, and then from the
-/// last pose and six headings beside that, since a hand that turns back is nearer to its last pose.
-/// The result with most features close to the map wins; it is ambiguous if others fit as well.
+/// last pose and six headings beside that, since a hand that turns back is nearer to its last pose;
+/// and from poses beside the last one, if nothing is known of the speed. The result with most
+/// features close to the map wins; it is ambiguous if others fit as well.
 MappingResult register_from_starts(const Mapping& mapping, const MapFeatures& features,
                                    const ExpectedScan& expected);
 

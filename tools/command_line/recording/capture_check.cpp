@@ -56,11 +56,7 @@ struct Fits {
 Fits fits(const std::string& input, const SensorModel& sensor, recordings::OpenOptions options,
           CaptureTime capture_time, int turns = 1) {
   if (options.sensor.empty()) options.all_rows = sensor;
-  if (input.ends_with(".npy") || !file_of_drive(input, "scans.npy").empty()) {
-    options.files.capture_time = capture_time;
-  } else {
-    options.files.without_times = capture_time;
-  }
+  state_capture(input, capture_time, options.files);
   const char* capture = capture_time == CaptureTime::kRolling ? "rolling" : "corrected";
   std::string tested = fmt::format("test of --capture {}", capture);
   if (turns > 1) {
@@ -125,6 +121,15 @@ Comparison compared(const Fits& first, const Fits& second) {
 
 std::string stamps_text(int turns, const SensorModel& sensor) {
   return fmt::format("{:g}", turns * sensor.scan_period_s);
+}
+
+void state_capture(const std::string& input, CaptureTime capture_time,
+                   recordings::RecordingOptions& files) {
+  if (input.ends_with(".npy") || !file_of_drive(input, "scans.npy").empty()) {
+    files.capture_time = capture_time;
+  } else {
+    files.without_times = capture_time;
+  }
 }
 
 CaptureCheck check_capture(const std::string& input, const SensorModel& sensor,

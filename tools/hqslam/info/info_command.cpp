@@ -2,19 +2,22 @@
 #include <fmt/ranges.h>
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "files/result_files.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
-#include "hqslam/pipeline/own_parts.h"
+#include "hqslam/pipeline/beam_check.h"
+#include "hqslam/pipeline/pipeline.h"
 #include "hqslam/recordings/recording.h"
 #include "product.h"
 #include "program/invocation.h"
 #include "recording/capture_check.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
+#include "run/beam_correction.h"
 #include "terminal/command_options.h"
 #include "terminal/terminal.h"
 
@@ -78,26 +81,40 @@ std::string what_is_in(const recordings::Stream& stream) {
              : "packets";
 }
 
-/// pipeline::OwnParts::text() after the first scans that can be read.
-std::string own_parts(const InfoOptions& options, const recordings::RecordingInfo& info) {
-  constexpr int kScans = 100;
+/// What SLAM along the first scans shows.
+struct FirstScans {
+  std::string own_parts;            ///< pipeline::OwnParts::text()
+  std::optional<BeamsOfRun> beams;  ///< that have errors
+};
+
+FirstScans followed(const InfoOptions& options, const recordings::RecordingInfo& info,
+                    std::optional<CaptureTime> captured) {
+  constexpr int kScans = 150;
   recordings::OpenOptions open;
   open.sensor = options.sensor;
   open.stream = info.stream;
   if (open.sensor.empty()) open.all_rows = info.sensor;
+  if (captured) state_capture(options.input, *captured, open.files);
   auto source = recordings::Recording::open(options.input, open);
-  pipeline::OwnParts parts(source.sensor());
+  pipeline::PipelineOptions without_loops;
+  without_loops.slam_options.loop_closing.enabled = false;
+  pipeline::Pipeline pipeline(source.sensor(), without_loops);
+  pipeline::BeamCheck beams;
   LeftOut left_out;
   try {
     for (int i = 0; i < kScans; ++i) {
       auto scan = next_usable(source, left_out);
       if (!scan) break;
-      parts.without(std::move(scan->cloud));
+      beams.add(scan->cloud, pipeline.process(*scan).report, pipeline);
     }
   } catch (const Error&) {
     // The recording is cut off, of which its description warns.
   }
-  return parts.text();
+  FirstScans result{pipeline.own_parts().text(), std::nullopt};
+  if (const auto evidence = evidence_of(beams, pipeline)) {
+    result.beams = beams_with_errors(*evidence);
+  }
+  return result;
 }
 
 /// Where the points are not what they are taken for.
@@ -168,6 +185,7 @@ int run(const InfoOptions& options) {
   print_line("points", info.has_point_times ? "each with its own time: corrected for motion by SLAM"
                                             : "without times: taken as corrected for motion");
   std::string capture;
+  std::optional<CaptureTime> captured;
   const bool has_clouds = info.streams.empty() ? file_of_drive(options.input, "scans.npy").empty()
                                                : info.format.starts_with("point clouds");
   // A folder's sensor.json may state it.
@@ -175,11 +193,15 @@ int run(const InfoOptions& options) {
     const CaptureCheck check = check_capture(options.input, info.sensor,
                                              {.sensor = options.sensor, .stream = info.stream});
     print_line("captured", fit_text(check));
+    captured = check.verdict;
     capture = capture_options(check, info.sensor, is_stack, info.has_point_times);
   }
   if (complaint.empty()) {
-    const std::string parts = own_parts(options, info);
-    if (!parts.empty()) print_line("vehicle", parts + ": its own parts, which SLAM leaves out");
+    const FirstScans scans = followed(options, info, captured);
+    if (!scans.own_parts.empty()) {
+      print_line("vehicle", scans.own_parts + ": its own parts, which SLAM leaves out");
+    }
+    if (scans.beams) print_line("errors", beams_text(*scans.beams) + ", as hqslam run has them");
   }
   if (!info.streams.empty() || info.imu.used > 0) print_line("inertial", imu_line(info));
   if (info.packets.used > 0) print_line("packets", packets_line(info));

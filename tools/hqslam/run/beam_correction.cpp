@@ -6,7 +6,7 @@ namespace hqslam::tools {
 
 std::string beams_text(const BeamsOfRun& beams) {
   return fmt::format(
-      "beams: along {:.0f} m of path points are {:.1f} mm off their surfaces (RMS), {:.1f} "
+      "along {:.0f} m of path points are {:.1f} mm off their surfaces (RMS), {:.1f} "
       "mm with corrected beams",
       beams.path_m, 1e3 * beams.residual_before_m, 1e3 * beams.residual_after_m);
 }

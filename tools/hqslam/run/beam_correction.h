@@ -9,7 +9,7 @@
 
 namespace hqslam::tools {
 
-/// "beams: along 132 m of path points are 23.4 mm off their surfaces (RMS), 13.2 mm with
+/// "along 132 m of path points are 23.4 mm off their surfaces (RMS), 13.2 mm with
 /// corrected beams"
 std::string beams_text(const BeamsOfRun& beams);
 

@@ -276,7 +276,7 @@ SlamRun run_and_write(RunOptions options, const InterruptGuard& interrupt) {
       followed(options, output, interrupt, std::move(input), corrected);
   while (!followed_run) {
     if (corrected) {
-      to_stderr("hqslam: {}; the run begins anew with these\n", beams_text(*corrected));
+      to_stderr("hqslam: beams: {}; the run begins anew with these\n", beams_text(*corrected));
       options.corrected = corrected->sensor;
     }
     followed_run =

@@ -134,7 +134,7 @@ std::string run_summary(const SlamRun& run) {
     summary += fmt::format("parts of the vehicle: {}; left out\n", run.own_parts);
   }
   if (run.found_beams) {
-    summary += fmt::format("{}; {}\n", beams_text(*run.found_beams),
+    summary += fmt::format("beams: {}; {}\n", beams_text(*run.found_beams),
                            run.command == "live"
                                ? "not corrected here: give corrected_sensor.json as --sensor"
                                : "corrected");
