@@ -109,6 +109,7 @@ State Slam::Implementation::next(Lost now, Scan& scan, Notes& notes) {
       reference_of(scan, found.state, found.against_map, notes.report, found.inertial);
   if (map_goes_on && is_keyframe(now.last, found.state.T_map_sensor)) {
     add_keyframe(scan, found.state.velocity, false, notes);
+    if (!is_precise(found.state)) drift.add_uncertain_keyframe(found.against_map);
     now.unplaced_scans = 0;
   }
   return now;

@@ -102,6 +102,26 @@ TEST_CASE("the sixth missed scan ends tracking: the next one with features begin
   CHECK(blind.slam().segment_of_scan().back() == 0);
 }
 
+TEST_CASE("the uncertainty of a map that went on by odometry alone stays in later poses") {
+  SlamOptions options;
+  options.mapping.min_correspondences = 1000;  // which the first of these places does not have
+  const SensorModel sensor = small_sensor(16, 512);
+  Village place = street(31);
+  Slam slam(sensor, options);
+  ScanReport report;
+  double lost_m2 = 0.0;
+  for (int i = 0; i < 40; ++i) {
+    if (i == 12) place.add_street(-40.0, 0.0, 160.0, 5);
+    const Pose pose = yard_pose(0.3 * i, 0.0, 0.0);
+    report = slam.process(place.scan(sensor, pose), 0.1 * i);
+    if (report.mapping_status == Status::kTooFewFeatures) lost_m2 = report.covariance(0, 0);
+  }
+  CHECK(is_registered(report.mapping_status));
+  CHECK(lost_m2 > 0.01);
+  CHECK(report.covariance(0, 0) >= 0.9 * lost_m2);
+  CHECK(slam.segment_of_scan().back() == 0);
+}
+
 TEST_CASE("in a given map a sensor is searched until found, and again after tracking is lost") {
   StreetDrive mapped;
   mapped.states(std::string(120, 's'));

@@ -64,6 +64,16 @@ double inlier_share(const ConstraintList& found, const MapFeatures& features) {
   return (found.edges + found.planes - found.ground) / std::max(standing_features(features), 1.0);
 }
 
+/// The share of features that match. Of the ground few do in a map of one scan, whose rings hardly
+/// make planes: the share of the others counts if it is larger.
+double matched_share(const ConstraintList& found, const MapFeatures& features,
+                     bool is_map_of_one_scan) {
+  const double sought =
+      standing_features(features) + static_cast<double>(features.ground_to_register.size());
+  const double share = (found.edges + found.planes) / sought;
+  return is_map_of_one_scan ? std::max(share, inlier_share(found, features)) : share;
+}
+
 void put_matches(const ConstraintList& found, const MapFeatures& features, MappingResult& result) {
   result.edge_correspondences = found.edges;
   result.planar_correspondences = found.planes;
@@ -145,8 +155,6 @@ Mapping::Mapping(const MappingOptions& options, FeatureMaps map)
 
 MappingResult Mapping::register_scan(const MapFeatures& features, const MotionState& expected,
                                      const Pose& T_map_sensor_start, SearchFrom from) const {
-  const double feature_count =
-      standing_features(features) + static_cast<double>(features.ground_to_register.size());
   MappingResult result;
   const ExpectedState prior(expected);
   result.state = prior.given(T_map_sensor_start);
@@ -161,9 +169,10 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
     result.is_close_search = narrow;
     ConstraintList constraints =
         match_with_map(scan, search_at(result, options_, from), map_, options_).constraints();
-    const int matched = constraints.edges + constraints.planes;
+    const bool is_map_of_one_scan = recent_path_m_.size() == 1;
     const bool enough =
-        matched >= options_.min_correspondences && matched >= kLeastMatchedShare * feature_count;
+        constraints.edges + constraints.planes >= options_.min_correspondences &&
+        matched_share(constraints, features, is_map_of_one_scan) >= kLeastMatchedShare;
     const Pose before = result.state.T_map_sensor;
     const ScanInformation information = scan_information(constraints.all, before.linear());
     const bool all_observable = information.degenerate_directions == 0;
