@@ -285,3 +285,33 @@ TEST_CASE("a rotation on the spot makes a keyframe, a short step does not") {
   CHECK(mapping.is_keyframe(pose_from_xyz_rpy({0, 0, 0}, 0, 0, 0.25)));
   CHECK(mapping.is_keyframe(pose_from_xyz_rpy({0.31, 0, 0}, 0, 0, 0)));
 }
+
+TEST_CASE("in a map of one scan, whose rings of ground make no planes, all else suffices") {
+  const auto scan_from = [](double x_m, double grid_m) {
+    slam::MapFeatures features;
+    for (const double radius_m : {5.0, 9.0, 14.0, 20.0, 27.0}) {
+      for (int i = 0; i < 400; ++i) {
+        const double angle_rad = 2.0 * M_PI * i / 400;
+        add(radius_m * std::cos(angle_rad), radius_m * std::sin(angle_rad), -1.7, features.ground);
+      }
+    }
+    for (double along = -9.0 + grid_m; along < 9.0; along += 0.8) {
+      for (double z = -1.0 + grid_m; z < 3.0; z += 0.4) {
+        add(along - x_m, -7.0, z, features.surfaces);
+        add(11.0 - x_m, along, z, features.surfaces);
+      }
+    }
+    features.ground_to_register = features.ground;
+    features.surfaces_to_register = features.surfaces;
+    return features;
+  };
+  const Pose ahead = pose_from_xyz_rpy({0.5, 0.0, 0.0}, 0.0, 0.0, 0.0);
+  slam::Mapping mapping{slam::MappingOptions{}};
+  mapping.insert(scan_from(0.0, 0.0), Pose::Identity(), {});
+  const auto status = [&] {
+    return mapping.register_scan(scan_from(0.5, 0.1), expected_at(ahead), ahead).status;
+  };
+  CHECK(slam::is_registered(status()));
+  mapping.insert(scan_from(0.0, 0.0), Pose::Identity(), {});
+  CHECK(status() == Status::kTooFewFeatures);
+}
