@@ -200,15 +200,13 @@ Registered Slam::Implementation::registered(const Tracking& last, const Scan& sc
                : predicted(reference.state, duration_s, kSteady_periods * sensor.scan_period_s,
                            accelerations.density(), measures_velocity);
   OdometryOnDemand odometry(reference, scan, expected.T_map_sensor, options.odometry, notes);
-  const bool is_first = last.first_keyframe.has_value();
-  const Pose T_map_start = is_first
-                               ? last.first_keyframe->T_map_next.value_or(expected.T_map_sensor)
-                               : expected.T_map_sensor;
+  const auto& first = last.first_keyframe;
+  const Pose T_map_start = first && first->T_map_next ? *first->T_map_next : expected.T_map_sensor;
   MappingResult matched = register_from_starts(
       mapping, scan.map_features,
       {expected, T_map_start, [&] { return odometry.T_map_sensor(); }, reference.state.T_map_sensor,
        duration_s, is_precise(expected) ? last.close_ratio : last.usual_close_ratio,
-       measured.has_value(), is_first && !last.first_keyframe->T_map_next});
+       measured.has_value(), first && !first->T_map_next});
   if (may_be_elsewhere(last, expected, matched, kLeastShareOfUsualFit)) doubt(expected, matched);
   Registered found = judged(last, scan, expected, matched, odometry);
   if (measured) {

@@ -140,7 +140,8 @@ std::string command_for(const InfoOptions& options, const std::string& capture) 
 
 void declare(CLI::App& app, InfoOptions& options) {
   add_command(app, "info", "Describe a recording, and print the command to run on it",
-              "Reads captures and bags to their end, of other recordings the first 100 scans.")
+              "Reads captures and bags to their end, of other recordings the first 100 scans, and\n"
+              "follows the first 150 by SLAM, for parts of the vehicle and errors of beams.")
       .option("INPUT", &options.input, "Recording (as for hqslam run)",
               {.required = true, .given = Given::kFileOrFolder})
       .option(
