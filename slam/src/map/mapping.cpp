@@ -169,7 +169,8 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
     result.is_close_search = narrow;
     ConstraintList constraints =
         match_with_map(scan, search_at(result, options_, from), map_, options_).constraints();
-    const bool is_map_of_one_scan = recent_path_m_.size() == 1;
+    // Not of a narrow search, which would then end too soon: between long walls a drive was lost.
+    const bool is_map_of_one_scan = !narrow && recent_path_m_.size() == 1;
     const bool enough =
         constraints.edges + constraints.planes >= options_.min_correspondences &&
         matched_share(constraints, features, is_map_of_one_scan) >= kLeastMatchedShare;
