@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -19,6 +21,7 @@
 #include "recording/recording_choice.h"
 #include "run/beam_correction.h"
 #include "terminal/command_options.h"
+#include "terminal/progress.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {
@@ -89,7 +92,7 @@ struct FirstScans {
 
 FirstScans followed(const InfoOptions& options, const recordings::RecordingInfo& info,
                     std::optional<CaptureTime> captured) {
-  constexpr int kScans = 150;
+  constexpr std::int64_t kScans = 150;
   recordings::OpenOptions open;
   open.sensor = options.sensor;
   open.stream = info.stream;
@@ -101,12 +104,15 @@ FirstScans followed(const InfoOptions& options, const recordings::RecordingInfo&
   pipeline::Pipeline pipeline(source.sensor(), without_loops);
   pipeline::BeamCheck beams;
   LeftOut left_out;
+  Progress progress("followed", std::min(kScans, info.scans));
   try {
-    for (int i = 0; i < kScans; ++i) {
+    for (std::int64_t i = 0; i < kScans; ++i) {
       auto scan = next_usable(source, left_out);
       if (!scan) break;
       beams.add(scan->cloud, pipeline.process(*scan).report, pipeline);
+      progress.update(i + 1);
     }
+    progress.finish();
   } catch (const Error&) {
     // The recording is cut off, of which its description warns.
   }
