@@ -112,10 +112,10 @@ FirstScans followed(const InfoOptions& options, const recordings::RecordingInfo&
       beams.add(scan->cloud, pipeline.process(*scan).report, pipeline);
       progress.update(i + 1);
     }
-    progress.finish();
   } catch (const Error&) {
     // The recording is cut off, of which its description warns.
   }
+  progress.finish();
   FirstScans result{pipeline.own_parts().text(), std::nullopt};
   if (const auto evidence = evidence_of(beams, pipeline)) {
     result.beams = beams_with_errors(*evidence);
@@ -208,7 +208,7 @@ int run(const InfoOptions& options) {
     if (!scans.own_parts.empty()) {
       print_line("vehicle", scans.own_parts + ": its own parts, which SLAM leaves out");
     }
-    if (scans.beams) print_line("errors", beams_text(*scans.beams) + ", as hqslam run has them");
+    if (scans.beams) print_line("errors", beams_text(*scans.beams) + "; hqslam run corrects them");
   }
   if (!info.streams.empty() || info.imu.used > 0) print_line("inertial", imu_line(info));
   if (info.packets.used > 0) print_line("packets", packets_line(info));
