@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kStretch_m = 50.0;
 constexpr int kIterations = 8;
+constexpr int kPoseIterations = 4;
 
 /// Stretches of 50 m of path; the last one takes the remainder.
 std::vector<CalibrationStretch> stretches_of(std::span<const LocatedScan> scans) {
@@ -49,6 +50,21 @@ std::vector<CalibrationSystem> linearized(const std::vector<CalibrationStretch>&
   std::vector<CalibrationSystem> systems(stretches.size());
   for_each_alone(stretches.size(),
                  [&](std::size_t i) { systems[i] = linearized(stretches[i], beams); });
+  return systems;
+}
+
+/// The systems at the poses that fit beams without corrections best: the residuals that remain are
+/// the beams', not those of poses that SLAM left millimetres off. A copy is settled, for poses that
+/// have adapted to errors of beams need twice the iterations afterwards.
+std::vector<CalibrationSystem> with_settled_poses(std::vector<CalibrationStretch> stretches,
+                                                  std::vector<CalibrationSystem> systems,
+                                                  const BeamParameters& beams) {
+  const Eigen::VectorXd no_change = Eigen::VectorXd::Zero(beams.size());
+  for (int iteration = 0; iteration < kPoseIterations; ++iteration) {
+    for_each_alone(stretches.size(),
+                   [&](std::size_t i) { move_poses(stretches[i], systems[i], no_change); });
+    systems = linearized(stretches, beams);
+  }
   return systems;
 }
 
@@ -124,9 +140,10 @@ BeamCalibration calibrate_beams(const SensorModel& sensor, const std::vector<Loc
   BeamSpread spread;
   BeamParameters beams = BeamParameters::Zero(2 * sensor.rows());
   std::vector<CalibrationSystem> systems = linearized(stretches, beams);
+  const std::vector<CalibrationSystem> uncorrected = with_settled_poses(stretches, systems, beams);
   BeamCalibration result;
-  result.residual_before_m = residual_m(systems);
-  const std::vector<BeamDistance> before = distances(systems);
+  result.residual_before_m = residual_m(uncorrected);
+  const std::vector<BeamDistance> before = distances(uncorrected);
   Eigen::MatrixXd covariance;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     const BeamInformation known =

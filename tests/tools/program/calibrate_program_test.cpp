@@ -88,6 +88,7 @@ TEST_CASE("run corrects beams as calibrate does, unless it is not to or they hav
   const auto kept = succeeds("run '{}' --out '{}'", honest.drive, honest.folder.file("run"));
   CHECK_FALSE(holds(kept.error, "begins anew"));
   CHECK_FALSE(holds(kept.out, "beams:"));
+  CHECK_FALSE(holds(succeeds("info '{}'", honest.drive).out, "hqslam run corrects them"));
   CHECK(holds(succeeds("info '{}'", lying.drive).out, "hqslam run corrects them"));
 }
 

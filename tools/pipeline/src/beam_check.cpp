@@ -13,7 +13,7 @@ namespace {
 
 /// Scans this far apart see enough of each other's surfaces and enough that is new.
 constexpr double kStep_m = 1.0;
-constexpr double kLargestShareLeft = 0.95;
+constexpr double kLargestShareLeft = 0.975;
 constexpr double kMostOfOneSensor_deg = 0.7;
 
 /// Between the poses before and after.
