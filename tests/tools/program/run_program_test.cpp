@@ -14,6 +14,11 @@ TEST_CASE("a sensor upside down is followed once it is known; a user who does no
   const std::string run = fmt::format("run '{}' --out '{}'", drive, folder.file("results"));
   const std::string question = "the sensor may lean or hang upside down";
   CHECK(holds(run_hqslam(run).out, question));
+  CHECK(holds(run_hqslam("info '{}'", drive).out, question));
+  CHECK(holds(run_hqslam("run '{}/scans.npy' --sensor os1-16 --row-order lowest-first --out '{}'",
+                         simulated_drive("--sensor os1-16 --scans 12"), folder.file("reversed"))
+                  .out,
+              "in reverse order"));
 
   const ProgramResult known =
       succeeds(run + " --set mounting.roll_rad=3.14159265 --set mounting.pitch_rad=0.0698");

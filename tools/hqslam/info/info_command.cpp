@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "files/result_files.h"
 #include "hqslam/core/angles.h"
@@ -20,6 +21,7 @@
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
 #include "run/beam_correction.h"
+#include "run/run_summary.h"
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
@@ -88,6 +90,7 @@ std::string what_is_in(const recordings::Stream& stream) {
 struct FirstScans {
   std::string own_parts;            ///< pipeline::OwnParts::text()
   std::optional<BeamsOfRun> beams;  ///< that have errors
+  std::string ground;               ///< complaint_about_ground()
 };
 
 FirstScans followed(const InfoOptions& options, const recordings::RecordingInfo& info,
@@ -104,19 +107,23 @@ FirstScans followed(const InfoOptions& options, const recordings::RecordingInfo&
   pipeline::Pipeline pipeline(source.sensor(), without_loops);
   pipeline::BeamCheck beams;
   LeftOut left_out;
+  std::vector<double> shares_on_ground;
   Progress progress("followed", std::min(kScans, info.scans));
   try {
     for (std::int64_t i = 0; i < kScans; ++i) {
       auto scan = next_usable(source, left_out);
       if (!scan) break;
-      beams.add(scan->cloud, pipeline.process(*scan).report, pipeline);
+      const slam::ScanReport report = pipeline.process(*scan).report;
+      if (report.returns > 0) shares_on_ground.push_back(share_on_ground(report));
+      beams.add(scan->cloud, report, pipeline);
       progress.update(i + 1);
     }
   } catch (const Error&) {
     // The recording is cut off, of which its description warns.
   }
   progress.finish();
-  FirstScans result{pipeline.own_parts().text(), std::nullopt};
+  FirstScans result{pipeline.own_parts().text(), std::nullopt,
+                    complaint_about_ground(shares_on_ground)};
   if (const auto evidence = evidence_of(beams, pipeline)) {
     result.beams = beams_with_errors(*evidence);
   }
@@ -208,6 +215,7 @@ int run(const InfoOptions& options) {
     if (!scans.own_parts.empty()) {
       print_line("vehicle", scans.own_parts + ": its own parts, which SLAM leaves out");
     }
+    if (!scans.ground.empty()) print_line("ground", scans.ground);
     if (scans.beams) print_line("errors", beams_text(*scans.beams) + "; hqslam run corrects them");
   }
   if (!info.streams.empty() || info.imu.used > 0) print_line("inertial", imu_line(info));

@@ -71,30 +71,14 @@ std::string mounting_summary(const SlamRun& run) {
                      how);
 }
 
-/// The median share of a scan's returns on the ground; 1 without returns.
-double median_ground_share(const SlamRun& run) {
-  std::vector<double> shares;
-  for (const ScanRecord& scan : run.scans) {
-    if (scan.report.returns == 0) continue;
-    shares.push_back(static_cast<double>(scan.report.ground_points) / scan.report.returns);
-  }
-  return shares.empty() ? 1.0 : distribution_of(shares).median;
-}
-
-/// Sensors on the road, on robots and in hands see a third of their returns and more on the ground,
-/// one that hangs upside down without being stated 5 to 9 %, rooms 5 %.
-constexpr double kLittleGround = 0.1;
-
 /// A mounting that the user may have forgotten; empty where enough ground was seen.
 std::string ground_summary(const SlamRun& run) {
-  const double share = median_ground_share(run);
-  if (share >= kLittleGround) return "";
-  return fmt::format(
-      "ground: only {:.0f} % of the returns; normal in rooms. Elsewhere height and tilt drift{}\n",
-      100.0 * share,
-      run.mounting.estimated ? ""
-                             : ", and the sensor may lean or hang upside down: state it (mounting "
-                               "in hqslam slam-options)");
+  std::vector<double> shares;
+  for (const ScanRecord& scan : run.scans) {
+    if (scan.report.returns > 0) shares.push_back(share_on_ground(scan.report));
+  }
+  const std::string complaint = complaint_about_ground(shares);
+  return complaint.empty() ? "" : "ground: " + complaint + "\n";
 }
 
 /// "fog, dust or snow: near echoes left out of 190 scans; ..."; nothing in clear air.
@@ -119,7 +103,27 @@ std::string map_summary(const SlamRun& run) {
       run.largest_submap, scans, std::ssize(run.scans) - scans);
 }
 
+/// Sensors on the road, on robots and in hands see a quarter of their returns and more on the
+/// ground; one that hangs upside down or whose rows are in reverse order 0 to 14 % without being
+/// stated; rooms 5 %.
+constexpr double kLittleGround = 0.18;
+
 }  // namespace
+
+double share_on_ground(const slam::ScanReport& report) {
+  return static_cast<double>(report.ground_points) / report.returns;
+}
+
+std::string complaint_about_ground(const std::vector<double>& shares) {
+  if (shares.empty()) return "";
+  const double share = distribution_of(shares).median;
+  if (share >= kLittleGround) return "";
+  return fmt::format(
+      "only {:.0f} % of the returns; normal in rooms. Elsewhere height and tilt drift, and the "
+      "sensor may lean or hang upside down (state it: mounting in hqslam slam-options), or a "
+      "stack's rows be in reverse order (--row-order)",
+      100.0 * share);
+}
 
 std::string run_summary(const SlamRun& run) {
   std::string summary =
