@@ -53,17 +53,16 @@ std::vector<CalibrationSystem> linearized(const std::vector<CalibrationStretch>&
   return systems;
 }
 
-/// The systems at the poses that fit beams without corrections best: the residuals that remain are
-/// the beams', not those of poses that SLAM left millimetres off. A copy is settled, for poses that
-/// have adapted to errors of beams need twice the iterations afterwards.
-std::vector<CalibrationSystem> with_settled_poses(std::vector<CalibrationStretch> stretches,
-                                                  std::vector<CalibrationSystem> systems,
-                                                  const BeamParameters& beams) {
-  const Eigen::VectorXd no_change = Eigen::VectorXd::Zero(beams.size());
+/// The systems with beams that are not corrected, at poses that fit these: the residuals that
+/// remain are the beams', not those of poses that SLAM left millimetres off.
+std::vector<CalibrationSystem> without_corrections(std::vector<CalibrationStretch> stretches,
+                                                   const BeamParameters& beams) {
+  const BeamParameters none = BeamParameters::Zero(beams.size());
+  std::vector<CalibrationSystem> systems = linearized(stretches, none);
   for (int iteration = 0; iteration < kPoseIterations; ++iteration) {
     for_each_alone(stretches.size(),
-                   [&](std::size_t i) { move_poses(stretches[i], systems[i], no_change); });
-    systems = linearized(stretches, beams);
+                   [&](std::size_t i) { move_poses(stretches[i], systems[i], none); });
+    systems = linearized(stretches, none);
   }
   return systems;
 }
@@ -114,6 +113,16 @@ double residual_m(const std::vector<CalibrationSystem>& systems) {
   return weight > 0.0 ? std::sqrt(squares / weight) : 0.0;
 }
 
+/// without_corrections() from the poses of SLAM or of the corrected beams, whichever fit better:
+/// few iterations do not lead away from a bend that no surface shows.
+std::vector<CalibrationSystem> best_without_corrections(
+    const std::vector<CalibrationStretch>& by_slam,
+    const std::vector<CalibrationStretch>& of_corrected_beams, const BeamParameters& beams) {
+  std::vector<CalibrationSystem> a = without_corrections(by_slam, beams);
+  std::vector<CalibrationSystem> b = without_corrections(of_corrected_beams, beams);
+  return residual_m(a) < residual_m(b) ? a : b;
+}
+
 std::vector<BeamDistance> distances(const std::vector<CalibrationSystem>& systems) {
   Eigen::ArrayX4d sums = systems.front().distances;
   for (std::size_t i = 1; i < systems.size(); ++i) sums += systems[i].distances;
@@ -136,14 +145,11 @@ BeamCalibration calibrate_beams(const SensorModel& sensor, const std::vector<Loc
     shape.columns = scan.cloud.columns;
     check(scan.cloud, 0.0, shape);
   }
-  std::vector<CalibrationStretch> stretches = stretches_of(scans);
+  const std::vector<CalibrationStretch> by_slam = stretches_of(scans);
+  std::vector<CalibrationStretch> stretches = by_slam;
   BeamSpread spread;
   BeamParameters beams = BeamParameters::Zero(2 * sensor.rows());
   std::vector<CalibrationSystem> systems = linearized(stretches, beams);
-  const std::vector<CalibrationSystem> uncorrected = with_settled_poses(stretches, systems, beams);
-  BeamCalibration result;
-  result.residual_before_m = residual_m(uncorrected);
-  const std::vector<BeamDistance> before = distances(uncorrected);
   Eigen::MatrixXd covariance;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     const BeamInformation known =
@@ -156,6 +162,11 @@ BeamCalibration calibrate_beams(const SensorModel& sensor, const std::vector<Loc
     spread.learn(beams, covariance);
     systems = linearized(stretches, beams);
   }
+  const std::vector<CalibrationSystem> uncorrected =
+      best_without_corrections(by_slam, stretches, beams);
+  BeamCalibration result;
+  result.residual_before_m = residual_m(uncorrected);
+  const std::vector<BeamDistance> before = distances(uncorrected);
   const std::vector<BeamDistance> after = distances(systems);
   for (int row = 0; row < sensor.rows(); ++row) {
     const Eigen::Index at = 2 * row;

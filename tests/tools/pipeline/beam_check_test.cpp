@@ -34,13 +34,19 @@ TEST_CASE("each row is corrected by its beam, one that was not used by the neare
   CHECK(result.beam_elevation_rad == sensor.beam_elevation_rad);
 }
 
-TEST_CASE("beams have errors where corrections make surfaces thinner by a fortieth") {
+TEST_CASE("beams have errors where corrections make surfaces thinner without a bent world") {
   slam::BeamCalibration found;
+  found.beams.resize(16);
+  for (slam::BeamCorrection& beam : found.beams) beam.elevation_rad = 0.0005;
   found.residual_before_m = 0.0200;
-  found.residual_after_m = 0.0194;
+  found.residual_after_m = 0.0193;
   CHECK(has_errors(found));
-  found.residual_after_m = 0.0196;
+  found.residual_after_m = 0.0195;
   CHECK_FALSE(has_errors(found));
+  found.residual_after_m = 0.0190;  // 6.2 mm gained
+  CHECK(has_errors(found));
+  for (slam::BeamCorrection& beam : found.beams) beam.elevation_rad = 0.003;
+  CHECK_FALSE(has_errors(found));  // by 30 mm at 10 m
 }
 
 TEST_CASE("corrections larger than those of any known sensor are complained about") {
