@@ -89,6 +89,8 @@ TEST_CASE("run corrects beams as calibrate does, unless it is not to or they hav
   CHECK_FALSE(holds(kept.error, "begins anew"));
   CHECK_FALSE(holds(kept.out, "beams:"));
   CHECK_FALSE(holds(succeeds("info '{}'", honest.drive).out, "hqslam run corrects them"));
+  CHECK(holds(succeeds(honest.arguments(honest.sensor)).error, "not significant"));
+  CHECK_FALSE(holds(succeeds(lying.arguments(lying.sensor)).error, "not significant"));
   CHECK(holds(succeeds("info '{}'", lying.drive).out, "hqslam run corrects them"));
 }
 

@@ -128,6 +128,12 @@ int run(const CalibrateOptions& options) {
   if (const std::string complaint = pipeline::complaint_about(sensor); !complaint.empty()) {
     to_stderr("hqslam: {}: {}\n", options.input, complaint);
   }
+  if (!pipeline::has_errors(found)) {
+    to_stderr(
+        "hqslam: {}: the corrections are not significant (surfaces hardly become thinner, or far "
+        "less than points are displaced): use the sensor as it is\n",
+        options.input);
+  }
   validate(sensor);  // no other command would take corrections that are too large
   write_sensor_json(sensor, options.out);
   const CalibrationReport report{options.input, pipeline.sensor(), beams.path_m(),
