@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <utility>
 
 #include "calibration/calibration_stretch.h"
 #include "front_end/scan_check.h"
@@ -56,8 +57,8 @@ std::vector<CalibrationSystem> linearized(const std::vector<CalibrationStretch>&
 /// The systems with beams that are not corrected, at poses that fit these: the residuals that
 /// remain are the beams', not those of poses that SLAM left millimetres off.
 std::vector<CalibrationSystem> without_corrections(std::vector<CalibrationStretch> stretches,
-                                                   const BeamParameters& beams) {
-  const BeamParameters none = BeamParameters::Zero(beams.size());
+                                                   Eigen::Index beam_parameters) {
+  const BeamParameters none = BeamParameters::Zero(beam_parameters);
   std::vector<CalibrationSystem> systems = linearized(stretches, none);
   for (int iteration = 0; iteration < kPoseIterations; ++iteration) {
     for_each_alone(stretches.size(),
@@ -116,11 +117,11 @@ double residual_m(const std::vector<CalibrationSystem>& systems) {
 /// without_corrections() from the poses of SLAM or of the corrected beams, whichever fit better:
 /// few iterations do not lead away from a bend that no surface shows.
 std::vector<CalibrationSystem> best_without_corrections(
-    const std::vector<CalibrationStretch>& by_slam,
-    const std::vector<CalibrationStretch>& of_corrected_beams, const BeamParameters& beams) {
-  std::vector<CalibrationSystem> a = without_corrections(by_slam, beams);
-  std::vector<CalibrationSystem> b = without_corrections(of_corrected_beams, beams);
-  return residual_m(a) < residual_m(b) ? a : b;
+    std::vector<CalibrationStretch> by_slam, std::vector<CalibrationStretch> of_corrected_beams,
+    Eigen::Index beam_parameters) {
+  auto a = without_corrections(std::move(by_slam), beam_parameters);
+  auto b = without_corrections(std::move(of_corrected_beams), beam_parameters);
+  return residual_m(a) < residual_m(b) ? std::move(a) : std::move(b);
 }
 
 std::vector<BeamDistance> distances(const std::vector<CalibrationSystem>& systems) {
@@ -145,7 +146,7 @@ BeamCalibration calibrate_beams(const SensorModel& sensor, const std::vector<Loc
     shape.columns = scan.cloud.columns;
     check(scan.cloud, 0.0, shape);
   }
-  const std::vector<CalibrationStretch> by_slam = stretches_of(scans);
+  std::vector<CalibrationStretch> by_slam = stretches_of(scans);
   std::vector<CalibrationStretch> stretches = by_slam;
   BeamSpread spread;
   BeamParameters beams = BeamParameters::Zero(2 * sensor.rows());
@@ -163,7 +164,7 @@ BeamCalibration calibrate_beams(const SensorModel& sensor, const std::vector<Loc
     systems = linearized(stretches, beams);
   }
   const std::vector<CalibrationSystem> uncorrected =
-      best_without_corrections(by_slam, stretches, beams);
+      best_without_corrections(std::move(by_slam), std::move(stretches), beams.size());
   BeamCalibration result;
   result.residual_before_m = residual_m(uncorrected);
   const std::vector<BeamDistance> before = distances(uncorrected);

@@ -64,6 +64,20 @@ bool is_calibrated_sensor(const std::string& path) {
   }
 }
 
+/// Corrections that are too large for the sensor, or not significant.
+void warn_of_doubtful(const slam::BeamCalibration& found, const SensorModel& corrected,
+                      const std::string& input) {
+  if (const std::string complaint = pipeline::complaint_about(corrected); !complaint.empty()) {
+    to_stderr("hqslam: {}: {}\n", input, complaint);
+  }
+  if (!pipeline::has_errors(found)) {
+    to_stderr(
+        "hqslam: {}: the corrections are not significant (surfaces hardly become thinner, or far "
+        "less than points are displaced): use the sensor as it is\n",
+        input);
+  }
+}
+
 void declare(CLI::App& app, CalibrateOptions& options) {
   Command command = add_command(
       app, "calibrate", "Determine corrections of a sensor's beams from a recording of a drive",
@@ -125,15 +139,7 @@ int run(const CalibrateOptions& options) {
   const pipeline::Upsampler& rows_used = pipeline.upsampler();
   const SensorModel sensor =
       pipeline::corrected(rows_used.recorded(), rows_used.selected_rows(), found);
-  if (const std::string complaint = pipeline::complaint_about(sensor); !complaint.empty()) {
-    to_stderr("hqslam: {}: {}\n", options.input, complaint);
-  }
-  if (!pipeline::has_errors(found)) {
-    to_stderr(
-        "hqslam: {}: the corrections are not significant (surfaces hardly become thinner, or far "
-        "less than points are displaced): use the sensor as it is\n",
-        options.input);
-  }
+  warn_of_doubtful(found, sensor, options.input);
   validate(sensor);  // no other command would take corrections that are too large
   write_sensor_json(sensor, options.out);
   const CalibrationReport report{options.input, pipeline.sensor(), beams.path_m(),

@@ -13,7 +13,7 @@ namespace {
 
 /// Scans this far apart see enough of each other's surfaces and enough that is new.
 constexpr double kStep_m = 1.0;
-constexpr double kLargestShareLeft = 0.97;
+constexpr double kLargestShareLeft = 0.97;  ///< of the distances from surfaces
 constexpr double kMostOfOneSensor_deg = 0.7;
 
 /// Of what the corrections of elevations displace: 0.4 and more with real errors (a raw HDL-64E;

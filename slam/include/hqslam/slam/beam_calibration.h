@@ -39,7 +39,8 @@ struct BeamCorrection {
 struct BeamCalibration {
   std::vector<BeamCorrection> beams;  ///< one per row
   std::int64_t surfaces = 0;
-  /// Root mean square distance of all points from their surface, with the poses that make it least.
+  /// Root mean square distance of all points from their surface, without and with corrections, each
+  /// at the poses that fit best.
   double residual_before_m = 0.0;
   double residual_after_m = 0.0;
 };
