@@ -42,13 +42,11 @@ std::set<std::string> compared_with_reference(const NetworkDescription& descript
 }  // namespace
 
 TEST_CASE("every network's inner tensors are those of the reference, name by name") {
-  struct Traced {
-    NetworkDescription description;
-    RecalledImage recalled = {};
-  };
+  using Traced = std::pair<NetworkDescription, RecalledImage>;
   for (const auto& [description, recalled] :
-       {Traced{supported_du_or()}, Traced{small_simple_du()}, Traced{small_du_mix()},
-        Traced{small_du_mix_with_memory()}, Traced{small_du_mix_with_memory(), recalled_scene()}}) {
+       {Traced{supported_du_or(), {}}, Traced{small_simple_du(), {}}, Traced{small_du_mix(), {}},
+        Traced{small_du_mix_with_memory(), {}},
+        Traced{small_du_mix_with_memory(), recalled_scene()}}) {
     CAPTURE(name(description));
     const std::vector<float> parameters = large_parameters(description, 9);
     const Trace trace =
@@ -117,12 +115,10 @@ TEST_CASE("the reference refuses what does not fit in one line") {
 }
 
 TEST_CASE("DU-Mix for any beams equals the reference, whatever rows are measured") {
-  struct Observed {
-    RowSelection rows;
-    bool with_memory = false;
-  };
-  for (const auto& [rows, with_memory] : {Observed{{3, 4}}, Observed{{1, 4}}, Observed{{0, 2}},
-                                          Observed{{3, 4}, true}, Observed{{1, 2}, true}}) {
+  using Observed = std::pair<RowSelection, bool>;
+  for (const auto& [rows, with_memory] :
+       {Observed{{3, 4}, false}, Observed{{1, 4}, false}, Observed{{0, 2}, false},
+        Observed{{3, 4}, true}, Observed{{1, 2}, true}}) {
     CAPTURE(rows.offset);
     CAPTURE(with_memory);
     const NetworkDescription description = small_any_beams(rows, with_memory);

@@ -92,10 +92,7 @@ TEST_CASE("a step reports the loss before it and the unclipped norm, and moves w
 
 TEST_CASE("plans that cannot be followed are refused with the field and the value") {
   CHECK(plan_message(small_plan()) == "no Error");
-  struct Wrong {
-    void (*spoil)(TrainingPlan&);
-    const char* said;
-  };
+  using Wrong = std::pair<void (*)(TrainingPlan&), const char*>;
   for (const auto& [spoil, said] : {
            Wrong{[](TrainingPlan& p) { p.steps = 0; }, "steps is 0"},
            Wrong{[](TrainingPlan& p) { p.batch = 0; }, "batch is 0"},

@@ -49,12 +49,7 @@ TEST_CASE("a saved map is read back unchanged, with intensities or of before the
 TEST_CASE("a file that is no saved map is refused in one line") {
   using Floats = std::vector<float>;
   using Doubles = std::vector<double>;
-  struct Case {
-    const char* array;
-    std::optional<NpzArray> instead;
-    const char* says;
-  };
-  const Case cases[] = {
+  const std::vector<std::tuple<const char*, std::optional<NpzArray>, const char*>> cases = {
       {"format", {}, "expected a map saved by"},
       {"format", npz_text("hqslam map 2"), "expected a map saved by"},
       {"posts_m", {}, "expected an array posts_m, found none"},
@@ -75,13 +70,13 @@ TEST_CASE("a file that is no saved map is refused in one line") {
   const std::string path = folder.file("map.npz");
   slam::write_saved_map(path, small_saved_map());
   const NpzArrays saved = read_npz(path);
-  for (const Case& c : cases) {
-    CAPTURE(c.says);
+  for (const auto& [array, instead, expected] : cases) {
+    CAPTURE(expected);
     NpzArrays arrays = saved;
-    arrays.erase(c.array);
-    if (c.instead) arrays[c.array] = *c.instead;
+    arrays.erase(array);
+    if (instead) arrays[array] = *instead;
     write_npz(path, arrays);
-    CHECK_THROWS_WITH_AS(slam::read_saved_map(path), doctest::Contains(c.says), Error);
+    CHECK_THROWS_WITH_AS(slam::read_saved_map(path), doctest::Contains(expected), Error);
   }
   CHECK_THROWS_AS(slam::read_saved_map("/no/such/file.npz"), Error);
 }

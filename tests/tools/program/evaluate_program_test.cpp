@@ -36,6 +36,28 @@ TEST_CASE("evaluate names the alignment, which alone takes an offset away, and c
   CHECK(holds(printed(""), fmt::format("{:<26}{:>10}{:>10} per 100 km", "slips", 1, "334.4")));
 }
 
+TEST_CASE("evaluate names the file whose quaternions begin with qw") {
+  const TemporaryDirectory folder;
+  Trajectory circle(100);
+  std::string w_first;
+  for (std::size_t i = 0; i < circle.size(); ++i) {
+    const double turn = 0.05 * static_cast<double>(i);
+    circle[i].stamp_s = 0.1 * static_cast<double>(i);
+    circle[i].T_map_sensor.translation() << 10.0 * std::sin(turn), -10.0 * std::cos(turn), 0.0;
+    circle[i].T_map_sensor.rotate(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
+    w_first += fmt::format("{} {} {} 0 {} 0 0 {}\n", circle[i].stamp_s, 10.0 * std::sin(turn),
+                           -10.0 * std::cos(turn), std::cos(turn / 2), std::sin(turn / 2));
+  }
+  write_tum(circle, folder.file("right"));
+  write_file(folder.file("w_first"), w_first);
+  const auto warned = [&](const char* estimate, const char* reference) {
+    return evaluate(folder.file(estimate), folder.file(reference)).error;
+  };
+  CHECK(warned("right", "right").empty());
+  CHECK(holds(warned("right", "w_first"), "w_first: its rotations agree only if read as qw"));
+  CHECK(holds(warned("w_first", "right"), "w_first: its rotations agree only if read as qw"));
+}
+
 TEST_CASE("two stacks that differ by 0.5 m in every fourth pixel have the MAE that follows") {
   const TemporaryDirectory folder;
   // Half of the pixels have no return in either; of the others every second one is 0.5 m off.

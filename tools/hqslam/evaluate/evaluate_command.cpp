@@ -38,6 +38,33 @@ void print_row(std::string_view label, const ErrorStatistics& statistics, double
             scale * statistics.mean, scale * statistics.median, scale * statistics.max);
 }
 
+/// The same trajectory if its file has quaternions as w x y z, not as x y z w.
+Trajectory read_with_w_first(Trajectory poses) {
+  for (StampedPose& pose : poses) {
+    const Eigen::Quaterniond read(pose.T_map_sensor.linear());
+    pose.T_map_sensor.linear() =
+        Eigen::Quaterniond(read.x(), read.y(), read.z(), read.w()).toRotationMatrix();
+  }
+  return poses;
+}
+
+/// Names the file whose rotations agree with the other's once they are read as w x y z.
+void warn_of_w_first(const EvaluateOptions& options, const Trajectory& estimate,
+                     const Trajectory& reference, Alignment alignment, double median_rad) {
+  constexpr double kDoubtful_rad = 20.0 * kDegree_rad;
+  constexpr double kShareLeft = 0.2;
+  if (median_rad < kDoubtful_rad) return;
+  const auto warn_if = [&](const std::string& path, const Trajectory& first,
+                           const Trajectory& second) {
+    const AbsolutePoseError ape = absolute_pose_error(first, second, alignment);
+    if (ape.rotation_statistics.median > kShareLeft * median_rad) return;
+    to_stderr("hqslam: {}: its rotations agree only if read as qw qx qy qz; write qx qy qz qw\n",
+              path);
+  };
+  warn_if(options.estimate, read_with_w_first(estimate), reference);
+  warn_if(options.reference, estimate, read_with_w_first(reference));
+}
+
 int evaluate_trajectories(const EvaluateOptions& options) {
   const TrajectoryFile estimate_file = read_trajectory_file(options.estimate);
   const TrajectoryFile reference_file = read_trajectory_file(options.reference);
@@ -52,6 +79,7 @@ int evaluate_trajectories(const EvaluateOptions& options) {
   const std::string rotation = fmt::format("APE deg (align {})", options.alignment);
   if (ape.is_rotation_known) {
     print_row(rotation, ape.rotation_statistics, kDegreesPerRadian);
+    warn_of_w_first(options, estimate, reference, alignment, ape.rotation_statistics.median);
   } else {
     to_stdout("{:<26}{:>10}  {}\n", rotation, "-", "(a straight path; --align first gives it)");
   }

@@ -106,6 +106,7 @@ class PcapFile : public PacketSource {
       const int status = pcap_next_ex(pcap_.get(), &header, &bytes);
       if (status == PCAP_ERROR) note_failure();
       if (status != 1) break;
+      if (header->caplen < header->len) has_cut_packets_ = true;
       auto packet = datagrams_.add(ip_packet({bytes, header->caplen}, link_type_));
       if (!packet) continue;
       packet->capture_time_ns = capture_time_ns(*header);
@@ -123,7 +124,8 @@ class PcapFile : public PacketSource {
   std::string complaint() const override {
     std::string text;
     if (datagrams_.damaged() > 0) {
-      text = fmt::format("{} damaged or cut packets were left out", datagrams_.damaged());
+      text = fmt::format("{} damaged or cut packets were left out{}", datagrams_.damaged(),
+                         has_cut_packets_ ? ": tcpdump keeps whole ones with -s 0" : "");
     }
     if (datagrams_.incomplete() > 0) {
       text += fmt::format("{}{} packets of which fragments are missing were left out",
@@ -154,6 +156,7 @@ class PcapFile : public PacketSource {
   std::unique_ptr<pcap_t, decltype([](pcap_t* pcap) { pcap_close(pcap); })> pcap_;
   int link_type_ = 0;
   IpDatagrams datagrams_;
+  bool has_cut_packets_ = false;  ///< by the snapshot length of the recording program
   std::int64_t packets_ = 0;
   std::string failure_;
 };

@@ -132,10 +132,12 @@ std::size_t StreamReader::chosen() const {
         path_, wanted_, listed(streams));
   }
   if (candidates.empty()) {
+    const std::string complaint = file_->complaint();
     throw Error(
-        "{}: expected packets or point clouds of a LiDAR, found none in these streams: {}; give a "
+        "{}: expected packets or point clouds of a LiDAR, found none in these streams: {}{}; give "
+        "a "
         "recording of the sensor's data",
-        path_, listed(streams));
+        path_, listed(streams), complaint.empty() ? "" : " (" + complaint + ")");
   }
   throw Error("{}: has several streams with scans: {}; name one of them with --stream", path_,
               listed(candidates));

@@ -138,6 +138,17 @@ TEST_CASE("a capture that ends in the middle of a frame ends before it") {
   CHECK(read(bytes.substr(0, bytes.size() - 10)).packets.size() == 4);
 }
 
+TEST_CASE("packets that were cut as they were recorded are left out; how to keep them is named") {
+  std::string bytes = pcap_bytes({some_packets()[0]});
+  bytes.resize(24 + 16 + 800);
+  bytes[24 + 8] = static_cast<char>(800 & 0xFF);
+  bytes[24 + 9] = 800 >> 8;
+  const Read cut = read(bytes);
+  CHECK(cut.packets.empty());
+  CHECK(cut.complaint ==
+        "1 damaged or cut packets were left out: tcpdump keeps whole ones with -s 0");
+}
+
 TEST_CASE("a capture that cannot be read on says so, and is refused if nothing was read of it") {
   // A second interface, of raw IP: libpcap reads only captures of one link type.
   const std::string second = pcapng_interface(101);

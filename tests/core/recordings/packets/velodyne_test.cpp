@@ -72,22 +72,18 @@ TEST_CASE("the lasers of every model are the beams of its preset") {
 }
 
 TEST_CASE("the spacing of the packets tells the model, whatever the factory byte says") {
-  struct Case {
-    VelodyneModel model;
-    double firing_us;
-    bool dual;
-  };
-  for (const Case& c :
-       {Case{VelodyneModel::kVlp16, 110.592, false}, Case{VelodyneModel::kVlp16, 110.592, true},
-        Case{VelodyneModel::kHdl32e, 46.08, false}, Case{VelodyneModel::kHdl32e, 46.08, true},
-        Case{VelodyneModel::kVlp32c, 55.296, false}, Case{VelodyneModel::kVlp32c, 55.296, true}}) {
-    const VelodyneStream stream = probed(
-        velodyne_capture({.firing_us = c.firing_us, .dual = c.dual, .product = 0x21}));  // HDL-32E
-    CHECK(stream.model == c.model);
-    CHECK(stream.dual_return == c.dual);
-    CHECK(stream.factory_model == VelodyneModel::kHdl32e);
-    CHECK(stream.scan_period_s == doctest::Approx(0.1).scale(0).epsilon(0.001));
-    CHECK(stream.field_of_view_deg == 360.0);
+  for (const auto& [model, firing_us] : {std::pair{VelodyneModel::kVlp16, 110.592},
+                                         {VelodyneModel::kHdl32e, 46.08},
+                                         {VelodyneModel::kVlp32c, 55.296}}) {
+    for (const bool dual : {false, true}) {
+      const VelodyneStream stream = probed(
+          velodyne_capture({.firing_us = firing_us, .dual = dual, .product = 0x21}));  // HDL-32E
+      CHECK(stream.model == model);
+      CHECK(stream.dual_return == dual);
+      CHECK(stream.factory_model == VelodyneModel::kHdl32e);
+      CHECK(stream.scan_period_s == doctest::Approx(0.1).scale(0).epsilon(0.001));
+      CHECK(stream.field_of_view_deg == 360.0);
+    }
   }
 }
 
@@ -174,23 +170,21 @@ TEST_CASE("lost, doubled, overtaken and foreign packets are counted, and a lost 
 }
 
 TEST_CASE("packets and turns of an outage are counted, however long it lasts") {
-  struct Case {
-    double outage_s;
-    std::int64_t turns;
-  };
-  for (const Case& c : {Case{0.25, 2}, Case{1.0, 10}, Case{2.55, 25}, Case{1900.0, 19000},
-                        Case{3600.0 * 3 + 5.0, 108050}}) {
-    CAPTURE(c.outage_s);
+  for (const auto& [outage_s, turns] : {std::pair{0.25, 2.0},
+                                        {1.0, 10.0},
+                                        {2.55, 25.0},
+                                        {1900.0, 19000.0},
+                                        {3600.0 * 3 + 5.0, 108050.0}}) {
+    CAPTURE(outage_s);
     auto packets = velodyne_capture({.duration_s = 1.05, .first_azimuth_deg = 0.0});
     const VelodyneStream stream = probed(packets);
-    const auto later_us = static_cast<std::int64_t>(1e6 * c.outage_s);
+    const auto later_us = static_cast<std::int64_t>(1e6 * outage_s);
     set_on(packets, 400, later_us, later_us);
     const Decoded d = decoded(packets, stream);
-    const double expected = 1e6 * c.outage_s / 1327.104;
+    const double expected = 1e6 * outage_s / 1327.104;
     CHECK(std::abs(static_cast<double>(d.counts.lost) - expected) < 1.0 + 1e-3 * expected);
-    CHECK(std::abs(static_cast<double>(d.lost - c.turns)) <=
-          1.0 + 1e-3 * static_cast<double>(c.turns));
-    CHECK(d.scans.back().stamp_s - d.scans.front().stamp_s > c.outage_s);
+    CHECK(std::abs(static_cast<double>(d.lost) - turns) <= 1.0 + 1e-3 * turns);
+    CHECK(d.scans.back().stamp_s - d.scans.front().stamp_s > outage_s);
   }
 }
 

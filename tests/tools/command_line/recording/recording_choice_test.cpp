@@ -12,27 +12,22 @@ TEST_CASE("options that do not apply to a kind of recording are refused when it 
   write_file(folder.file("drive/scans.npy"), "");
   write_sensor_json(sensor_preset("os1-16"), folder.file("drive/sensor.json"));
   write_file(folder.file("points/0.csv"), "5 0 1\n5 0 0\n");
-  struct Option {
-    const char* name;
-    InputChoice choice;
-    std::vector<std::string> is_for;
-  };
-  const Option options[] = {
+  const std::vector<std::tuple<std::string, InputChoice, std::vector<std::string>>> options = {
       {"--stream", {.input = "", .stream = "1"}, {"a.pcap"}},
       {"--return", {.input = "", .kept_return = "last"}, {"a.pcap"}},
       {"--row-order", {.input = "", .row_order = "lowest-first"}, {"a.npy", "drive"}},
       {"--motion-corrected", {.input = "", .motion_corrected = true}, {"a.npy", "drive"}},
       {"--capture", {.input = "", .capture = "corrected"}, {"points", "points/0.csv"}},
       {"--stamps", {.input = "", .stamps = "names"}, {"a.npy", "drive", "points", "points/0.csv"}}};
-  for (const Option& option : options) {
+  for (const auto& [option, chosen, is_for] : options) {
     for (const char* name : {"a.pcap", "a.npy", "drive", "points", "points/0.csv"}) {
-      CAPTURE(option.name);
+      CAPTURE(option);
       CAPTURE(name);
-      InputChoice choice = option.choice;
+      InputChoice choice = chosen;
       choice.input = folder.file(name);
       const auto open = [&] { recordings::Recording::open(choice.input, open_options(choice)); };
-      CHECK(one_line_with(error_message(open), std::string(option.name) + " does not apply") ==
-            (std::ranges::count(option.is_for, name) == 0));
+      CHECK(one_line_with(error_message(open), option + " does not apply") ==
+            (std::ranges::count(is_for, name) == 0));
     }
   }
 }

@@ -32,12 +32,7 @@ TEST_CASE("a file sets options of SLAM by stage and name, and --set comes after 
 }
 
 TEST_CASE("settings of SLAM that cannot be meant are refused with their name or how to make them") {
-  struct Case {
-    const char* json;
-    std::vector<std::string> set;
-    const char* says;
-  };
-  const Case cases[] = {
+  const std::vector<std::tuple<const char*, std::vector<std::string>, const char*>> cases = {
       {"[1]", {}, "expected a JSON object"},
       {"[1]", {}, "hqslam slam-options --json >options.json makes"},
       {"{", {}, "expected a JSON object"},
@@ -51,8 +46,8 @@ TEST_CASE("settings of SLAM that cannot be meant are refused with their name or 
       {"{}", {"ground.max_slope_rad=2"}, "an angle between 0 and pi/2"},
       {"{}", {"mapping.close_neighbour_distance_m=3"}, "at most mapping.max_neighbour_distance_m"},
   };
-  for (const Case& c : cases) {
-    CAPTURE(c.says);
-    CHECK_THROWS_WITH_AS(options_of(c.json, c.set), doctest::Contains(c.says), Error);
+  for (const auto& [json, set, expected] : cases) {
+    CAPTURE(expected);
+    CHECK_THROWS_WITH_AS(options_of(json, set), doctest::Contains(expected), Error);
   }
 }

@@ -109,12 +109,7 @@ TEST_CASE("what a drive can see is on its true surface, a point in the air far f
 // Whoever changes these numbers on purpose raises kDriveRevision: what was simulated before is
 // stored under it.
 TEST_CASE("scan 100 of every drive is what it was when it was first made, on every machine") {
-  struct Golden {
-    std::string drive;
-    std::uint64_t usual;
-    std::uint64_t varied;
-  };
-  const std::vector<Golden> drives = {
+  const std::vector<std::tuple<std::string, std::uint64_t, std::uint64_t>> drives = {
       {"block", 0xbb4177e6a0b29114ULL, 0x5de58f33287eb1a9ULL},
       {"town", 0x51552d2876dd7583ULL, 0x150b4a47645a8009ULL},
       {"hills", 0xd1a812828d10d030ULL, 0x1806e01571c1ebf2ULL},
@@ -129,10 +124,10 @@ TEST_CASE("scan 100 of every drive is what it was when it was first made, on eve
       {"indoors", 0x443388fc3c412347ULL, 0xe084973fe7c80178ULL},
   };
   CHECK(drives.size() == drive_preset_names().size());
-  for (const Golden& golden : drives) {
-    CAPTURE(golden.drive);
-    const DriveSpec spec = drive_preset(golden.drive);
-    CHECK(hash_of_scan(spec, 100) == golden.usual);
-    CHECK(hash_of_scan(with_varied_conditions(spec), 100) == golden.varied);
+  for (const auto& [drive, usual, varied] : drives) {
+    CAPTURE(drive);
+    const DriveSpec spec = drive_preset(drive);
+    CHECK(hash_of_scan(spec, 100) == usual);
+    CHECK(hash_of_scan(with_varied_conditions(spec), 100) == varied);
   }
 }
