@@ -55,7 +55,7 @@ class OrderedScans : public WrappedSource {
     }
     if (counted_on_ > 0) {
       warnings.push_back(fmt::format(
-          "{}: stamps stand or fall back from here on, at {} scan{}: counted on by {} s",
+          "{}: stamps repeat or fall back from here on, at {} scan{}: counted on by {} s",
           first_counted_on_, counted_on_, counted_on_ == 1 ? "" : "s", sensor().scan_period_s));
     }
     return warnings;

@@ -19,7 +19,7 @@ TEST_CASE("the stamps of a capture whose computer's clock was set back rise, wit
     CHECK(scans[i].stamp_s > scans[i - 1].stamp_s);
     CHECK(scans[i].stamp_s < scans[i - 1].stamp_s + 0.25);
   }
-  CHECK(one_line_with(source.warnings(), "stamps stand or fall back"));
+  CHECK(one_line_with(source.warnings(), "stamps repeat or fall back"));
 }
 
 TEST_CASE("a file with the name of a capture or a bag and other contents is refused for these") {

@@ -78,6 +78,7 @@ class CloudScans : public StreamScans {
       if (form_.with_points)
         return recorded_scan(scan_of_message(*message, name), info_.sensor, name);
       RecordedScan timed;
+      timed.name = name;
       timed.stamp_s = point_cloud_stamp_s(*message);
       return timed;
     });
