@@ -31,14 +31,16 @@ std::optional<Pose> PlaceRecognition::find(const UnregisteredScan& scan, const F
   Pose& T_map_sensor = graph_.T_map_node.back();
   T_map_sensor = orthonormalized(T_map_sensor * motion);
   recent_.add(scan.features, T_map_sensor, scan.velocity);
-  const MapFeatures features = recent_.about_last();
   const std::vector<ScanContext> last_contexts = scan_contexts_from_lanes(scan.cloud);
   const std::vector<PlausibleDrift> drift(graph_.T_map_node.size(),
                                           has_start_ ? kNearStart : kAnywhere);
-  const LoopSearchSpace space{options_,      map,   graph_,   contexts_,
-                              last_contexts, drift, features, places_};
-  const std::optional<FoundLoop> found =
-      has_start_ ? search_loop(space).loop : search_similar_places(space).loop;
+  const auto search = [&](const MapFeatures& features) {
+    const LoopSearchSpace space{options_,      map,   graph_,   contexts_,
+                                last_contexts, drift, features, places_};
+    return has_start_ ? search_loop(space).loop : search_similar_places(space).loop;
+  };
+  std::optional<FoundLoop> found = search(recent_.about_last());
+  if (!found && scan.T_previous_sensor) found = search(scan.features);
   return found ? std::optional(found->T_map_last) : std::nullopt;
 }
 

@@ -24,8 +24,9 @@ struct UnregisteredScan {
 ///
 /// The features of its last scans, moved together by the odometry, are compared with the places as
 /// in loop closing: with all places and headings (search_similar_places), or within 10 m and half a
-/// radian of an initial pose (search_loop). A standing sensor needs one scan. The scans of a moving
-/// one are distorted until its velocity is known.
+/// radian of an initial pose (search_loop). Where they match no place, those of the last scan alone
+/// are: the odometry fails in a hand that measures once a second. A standing sensor needs one scan.
+/// The scans of a moving one are distorted until its velocity is known.
 class PlaceRecognition {
  public:
   PlaceRecognition(const MappingOptions& options, const std::vector<SavedPlace>& places,

@@ -141,9 +141,7 @@ TEST_CASE("a capture that ends in the middle of a frame ends before it") {
 TEST_CASE("packets that were cut as they were recorded are left out; how to keep them is named") {
   std::string bytes = pcap_bytes({some_packets()[0]});
   bytes.resize(24 + 16 + 800);
-  bytes[24 + 8] = static_cast<char>(800 & 0xFF);
-  bytes[24 + 9] = 800 >> 8;
-  const Read cut = read(bytes);
+  const Read cut = read(bytes.replace(24 + 8, 2, "\x20\x03"));  // 800 bytes of the frame
   CHECK(cut.packets.empty());
   CHECK(cut.complaint ==
         "1 damaged or cut packets were left out: tcpdump keeps whole ones with -s 0");

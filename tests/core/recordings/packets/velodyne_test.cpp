@@ -170,11 +170,9 @@ TEST_CASE("lost, doubled, overtaken and foreign packets are counted, and a lost 
 }
 
 TEST_CASE("packets and turns of an outage are counted, however long it lasts") {
-  for (const auto& [outage_s, turns] : {std::pair{0.25, 2.0},
-                                        {1.0, 10.0},
-                                        {2.55, 25.0},
-                                        {1900.0, 19000.0},
-                                        {3600.0 * 3 + 5.0, 108050.0}}) {
+  using Outage = std::pair<double, double>;
+  for (const auto& [outage_s, turns] : {Outage{0.25, 2}, Outage{1, 10}, Outage{2.55, 25},
+                                        Outage{1900, 19000}, Outage{10805, 108050}}) {
     CAPTURE(outage_s);
     auto packets = velodyne_capture({.duration_s = 1.05, .first_azimuth_deg = 0.0});
     const VelodyneStream stream = probed(packets);

@@ -41,6 +41,18 @@ std::map<int, Seen> decoded(const Payload& packet, VelodyneModel model, bool dua
   return seen;
 }
 
+/// The same of lasers that measure 5000, 5000 + 10 units, ... mm, 32 a block from this one on.
+std::map<int, Seen> decoded_lasers(Payload packet, int block, int lasers, int unit_mm,
+                                   VelodyneModel model) {
+  for (int laser = 0; laser < lasers; ++laser) {
+    set_measurement(packet, block + laser / 32, laser % 32,
+                    static_cast<std::uint16_t>(5000 / unit_mm + 10 * laser));
+  }
+  std::map<int, Seen> seen = decoded(packet, model);
+  REQUIRE(static_cast<int>(seen.size()) == lasers);
+  return seen;
+}
+
 void check_seen(const Seen& seen, double time_us, double azimuth_deg) {
   CHECK(std::abs(seen.time_us - time_us) < 0.002);
   CHECK(std::abs(seen.azimuth_deg - azimuth_deg) < 2e-4);
@@ -81,12 +93,7 @@ double vls_column_deg(int laser) {
 }  // namespace
 
 TEST_CASE("the 32 lasers of an HDL-32E fire one after the other, 1.152 us apart") {
-  Payload packet = packet_of(9000, 1);
-  for (int c = 0; c < 32; ++c) {
-    set_measurement(packet, 4, c, static_cast<std::uint16_t>(2500 + 10 * c));  // units of 2 mm
-  }
-  const auto seen = decoded(packet, VelodyneModel::kHdl32e);
-  REQUIRE(seen.size() == 32);
+  const auto seen = decoded_lasers(packet_of(9000, 1), 4, 32, 2, VelodyneModel::kHdl32e);
   for (int c = 0; c < 32; ++c) {
     CAPTURE(c);
     const Seen& laser = seen.at(5000 + 20 * c);
@@ -102,12 +109,7 @@ TEST_CASE("the lasers of a VLP-32C fire in pairs, 2.304 us apart, each a step fa
   constexpr std::array<double, 32> kOffset_deg = {
       1.4, -4.2, 1.4, -1.4, 1.4, -1.4, 4.2, -1.4, 1.4, -4.2, 1.4, -1.4, 4.2, -1.4, 4.2, -1.4,
       1.4, -4.2, 1.4, -4.2, 4.2, -1.4, 1.4, -1.4, 1.4, -1.4, 1.4, -4.2, 4.2, -1.4, 1.4, -1.4};
-  Payload packet = packet_of(9000, 1);
-  for (int c = 0; c < 32; ++c) {
-    set_measurement(packet, 4, c, static_cast<std::uint16_t>(1250 + 10 * c));  // units of 4 mm
-  }
-  const auto seen = decoded(packet, VelodyneModel::kVlp32c);
-  REQUIRE(seen.size() == 32);
+  const auto seen = decoded_lasers(packet_of(9000, 1), 4, 32, 4, VelodyneModel::kVlp32c);
   for (int c = 0; c < 32; ++c) {
     CAPTURE(c);
     check_seen(seen.at(5000 + 40 * c), 4 * 55.296 + 2.304 * (c / 2),
@@ -119,13 +121,8 @@ TEST_CASE("the lasers of a VLP-32C fire in pairs, 2.304 us apart, each a step fa
 }
 
 TEST_CASE("the 128 lasers of a VLS-128 fire in 16 groups of eight") {
-  Payload packet = vls_packet(9000, 0, 1);
-  for (int laser = 0; laser < 128; ++laser) {  // of the second of three firings
-    set_measurement(packet, 4 + laser / 32, laser % 32,
-                    static_cast<std::uint16_t>(1250 + 10 * laser));
-  }
-  const auto seen = decoded(packet, VelodyneModel::kVls128);
-  REQUIRE(seen.size() == 128);
+  // The second of three firings.
+  const auto seen = decoded_lasers(vls_packet(9000, 0, 1), 4, 128, 4, VelodyneModel::kVls128);
   for (int laser = 0; laser < 128; ++laser) {
     CAPTURE(laser);
     const double laser_us = vls_laser_us(laser);
