@@ -17,8 +17,8 @@ std::string mapping_summary(const SlamRun& run) {
   std::vector<std::string> counts;
   for (const auto& [status, scans] : status_counts(run, &slam::ScanReport::mapping_status)) {
     if (scans > 0) {
-      counts.push_back(
-          fmt::format("{}{} {}", scans, counts.empty() ? " scans" : "", slam::name(status)));
+      const char* unit = !counts.empty() ? "" : scans == 1 ? " scan" : " scans";
+      counts.push_back(fmt::format("{}{} {}", scans, unit, slam::name(status)));
     }
   }
   std::string summary = fmt::format("mapping: {}", fmt::join(counts, ", "));
