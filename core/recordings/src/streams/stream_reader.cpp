@@ -135,8 +135,7 @@ std::size_t StreamReader::chosen() const {
     const std::string complaint = file_->complaint();
     throw Error(
         "{}: expected packets or point clouds of a LiDAR, found none in these streams: {}{}; give "
-        "a "
-        "recording of the sensor's data",
+        "a recording of the sensor's data",
         path_, listed(streams), complaint.empty() ? "" : " (" + complaint + ")");
   }
   throw Error("{}: has several streams with scans: {}; name one of them with --stream", path_,
