@@ -62,19 +62,18 @@ Matrix6 grown(const Reference& reference, const MotionState& expected, const Pos
 class OdometryOnDemand {
  public:
   OdometryOnDemand(const Reference& reference, const Scan& scan, const Pose& T_map_expected,
-                   const OdometryOptions& options, Notes& notes)
+                   Notes& notes)
       : reference_(reference),
         scan_(scan),
         predicted_{reference.state.T_map_sensor.inverse() * T_map_expected,
                    scan.time_s - reference.time_s},
-        options_(options),
         notes_(notes) {}
 
   const OdometryResult& result() {
     if (result_) return *result_;
     ScanReport& report = notes_.report;
     report.times.mapping_s += notes_.stopwatch.lap_s();
-    result_ = scan_to_scan(reference_.target, scan_.features, predicted_, options_);
+    result_ = scan_to_scan(reference_.target, scan_.features, predicted_);
     report.odometry_status = result_->status;
     report.times.odometry_s += notes_.stopwatch.lap_s();
     return *result_;
@@ -88,7 +87,6 @@ class OdometryOnDemand {
   const Reference& reference_;
   const Scan& scan_;
   PredictedMotion predicted_;
-  const OdometryOptions& options_;
   Notes& notes_;
   std::optional<OdometryResult> result_;
 };
@@ -199,7 +197,7 @@ Registered Slam::Implementation::registered(const Tracking& last, const Scan& sc
       measured ? measured->state
                : predicted(reference.state, duration_s, kSteady_periods * sensor.scan_period_s,
                            accelerations.density(), measures_velocity);
-  OdometryOnDemand odometry(reference, scan, expected.T_map_sensor, options.odometry, notes);
+  OdometryOnDemand odometry(reference, scan, expected.T_map_sensor, notes);
   const auto& first = last.first_keyframe;
   const Pose T_map_start = first && first->T_map_next ? *first->T_map_next : expected.T_map_sensor;
   MappingResult matched = register_from_starts(

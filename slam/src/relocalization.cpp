@@ -35,9 +35,9 @@ State Slam::Implementation::next(Searching now, const Scan& scan, Notes& notes) 
   UnregisteredScan searched{scan.cloud, scan.map_features, {}, {}};
   if (now.reference) {
     const double duration_s = scan.time_s - now.reference->time_s;
-    const OdometryResult moved = scan_to_scan(
-        now.reference->target, scan.features,
-        {exponential(duration_s * now.reference->state.velocity), duration_s}, options.odometry);
+    const OdometryResult moved =
+        scan_to_scan(now.reference->target, scan.features,
+                     {exponential(duration_s * now.reference->state.velocity), duration_s});
     report.odometry_status = moved.status;
     if (moved.status != Status::kTooFewFeatures) {
       searched.T_previous_sensor = moved.T_reference_sensor;

@@ -130,8 +130,7 @@ Scan Slam::Implementation::front_end(const OrganizedCloud& cloud, double stamp_s
   const auto planar = static_cast<int>(scan.features.ground.size() + scan.features.surfaces.size());
   report.edge_features = static_cast<int>(scan.features.edges.size());
   report.planar_features = planar;
-  scan.has_enough_features =
-      report.edge_features >= options.odometry.min_edges || planar >= options.odometry.min_planar;
+  scan.has_enough_features = report.edge_features >= kFewestEdges || planar >= kFewestPlanar;
   report.times.features_s = notes.stopwatch.lap_s();
   if (notes.trace != nullptr) {
     notes.trace->cloud = cloud;

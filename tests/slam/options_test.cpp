@@ -80,7 +80,6 @@ TEST_CASE("the table leaves no number of a stage out") {
   CHECK(whole_doubles("mounting") == sizeof(SlamOptions::mounting));
   CHECK(whole_doubles("ground") == sizeof(SlamOptions::ground));
   CHECK(whole_doubles("features") == sizeof(SlamOptions::features));
-  CHECK(whole_doubles("odometry") == sizeof(SlamOptions::odometry));
   CHECK(whole_doubles("mapping") == sizeof(SlamOptions::mapping));
 }
 

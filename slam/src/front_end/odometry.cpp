@@ -9,9 +9,11 @@ namespace hqslam::slam {
 
 namespace {
 
+constexpr int kSearches = 8;
 /// From this iteration on, distant matches lose weight and the search is narrower.
 constexpr int kRobustFromIteration = 2;
-constexpr double kNarrowSearchShare = 0.3;
+constexpr double kWideSearch_m = 5.0;  // as in LeGO-LOAM
+constexpr double kNarrowSearch_m = 1.5;
 constexpr double kMinWeight = 0.1;
 constexpr int kStepsPerSearch = 3;
 constexpr int kFewestCorrespondences = 10;  // of a step, as in LeGO-LOAM
@@ -114,18 +116,18 @@ OdometryTarget::OdometryTarget(const Features& features, const Twist& velocity) 
 }
 
 OdometryResult scan_to_scan(const OdometryTarget& reference, const Features& features,
-                            const PredictedMotion& predicted, const OdometryOptions& options) {
+                            const PredictedMotion& predicted) {
   OdometryResult result;
   result.T_reference_sensor = predicted.T_reference_sensor;
   result.status = Status::kTooFewFeatures;
-  const bool has_edges = static_cast<int>(reference.edges.size()) >= options.min_edges;
-  const bool has_ground = static_cast<int>(reference.ground.size()) >= options.min_planar;
+  const bool has_edges = static_cast<int>(reference.edges.size()) >= kFewestEdges;
+  const bool has_ground = static_cast<int>(reference.ground.size()) >= kFewestPlanar;
   if (!has_edges && !has_ground) return result;
-  for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
+  for (int iteration = 0; iteration < kSearches; ++iteration) {
     const Pose before = result.T_reference_sensor;
     const Twist velocity = (1.0 / predicted.duration_s) * logarithm(before);
     const bool robust = iteration >= kRobustFromIteration;
-    const double reach_m = options.max_distance_m * (robust ? kNarrowSearchShare : 1.0);
+    const double reach_m = robust ? kNarrowSearch_m : kWideSearch_m;
 
     const SearchState planar_state{before, reach_m, robust};
     const ConstraintList planar = find_all(

@@ -4,10 +4,13 @@
 #include "front_end/motion_correction.h"
 #include "front_end/row_ordered_cloud.h"
 #include "hqslam/core/pose.h"
-#include "hqslam/slam/options.h"
 #include "hqslam/slam/status.h"
 
 namespace hqslam::slam {
+
+/// Features of a scan, of either kind, with which the next one can be matched; as in LeGO-LOAM.
+inline constexpr int kFewestEdges = 10;
+inline constexpr int kFewestPlanar = 100;
 
 /// The ground and edges of a scan, corrected for motion, with which the next scan is matched.
 struct OdometryTarget {
@@ -39,12 +42,12 @@ struct OdometryResult {
 /// Source: LeGO-LOAM, section 4 C of its paper.
 ///
 /// Differs from LeGO-LOAM: all of the reference is searched, not as many of its points as the scan
-/// has features; full LM steps, not 5 % of a Gauss-Newton step; the two steps alternate until both
-/// converge; ground is matched with ground and edges with edges, as in its paper; a direction that
-/// is not observable keeps its predicted value; without ground (indoors, close to the floor) edges
-/// estimate all six parameters, as far as they can; with too few edges the status is
-/// kTooFewFeatures and the result of the ground alone or of the wide searches stands.
+/// has features; 8 searches of full LM steps, not 25 of 5 % of a Gauss-Newton step; the two steps
+/// alternate until both converge; ground is matched with ground and edges with edges, as in its
+/// paper; a direction that is not observable keeps its predicted value; without ground (indoors,
+/// close to the floor) edges estimate all six parameters, as far as they can; with too few edges
+/// the status is kTooFewFeatures and the result of the ground alone or of the wide searches stands.
 OdometryResult scan_to_scan(const OdometryTarget& reference, const Features& features,
-                            const PredictedMotion& predicted, const OdometryOptions& options);
+                            const PredictedMotion& predicted);
 
 }  // namespace hqslam::slam

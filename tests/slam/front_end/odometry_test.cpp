@@ -19,7 +19,7 @@ slam::OdometryResult motion_found(const Pose& step, const auto& change) {
   slam::Features second = seen_from(kFirst * step);
   change(first);
   change(second);
-  return slam::scan_to_scan({first, {}}, second, {Pose::Identity(), 0.1}, {});
+  return slam::scan_to_scan({first, {}}, second, {Pose::Identity(), 0.1});
 }
 
 }  // namespace
@@ -45,7 +45,7 @@ TEST_CASE("the search covers all of the reference, however few features the scan
   const slam::Features scan = seen_from(kFirst);
   slam::Features sparse = scan;  // its last edges: LeGO-LOAM would search the first 12 points only
   sparse.sharp_edges.assign(scan.sharp_edges.end() - 12, scan.sharp_edges.end());
-  const auto result = slam::scan_to_scan({scan, {}}, sparse, {Pose::Identity(), 0.1}, {});
+  const auto result = slam::scan_to_scan({scan, {}}, sparse, {Pose::Identity(), 0.1});
   CHECK(result.edge_correspondences >= 10);
 }
 
@@ -65,9 +65,8 @@ TEST_CASE("too few features leave the prediction and say so") {
   const Pose predicted = pose_from_xyz_rpy({1, 2, 3}, 0, 0, 0.5);
   const slam::OdometryTarget reference(features, {});
   const slam::OdometryTarget empty(slam::Features{}, {});
-  for (const auto& result :
-       {slam::scan_to_scan(empty, features, {predicted, 0.1}, {}),
-        slam::scan_to_scan(reference, slam::Features{}, {predicted, 0.1}, {})}) {
+  for (const auto& result : {slam::scan_to_scan(empty, features, {predicted, 0.1}),
+                             slam::scan_to_scan(reference, slam::Features{}, {predicted, 0.1})}) {
     CHECK(result.status == Status::kTooFewFeatures);
     CHECK(result.T_reference_sensor.isApprox(predicted));
   }

@@ -27,13 +27,6 @@ struct FeatureOptions {
   double planar_leaf_m = 0.2;
 };
 
-struct OdometryOptions {
-  int max_iterations = 8;
-  int min_edges = 10;
-  int min_planar = 100;
-  double max_distance_m = 5.0;
-};
-
 struct MappingOptions {
   int max_iterations = 40;
   int min_correspondences = 50;
@@ -59,7 +52,6 @@ struct SlamOptions {
   MountingOptions mounting;
   GroundOptions ground;
   FeatureOptions features;
-  OdometryOptions odometry;
   MappingOptions mapping;
   LoopClosingOptions loop_closing;
 };

@@ -18,12 +18,12 @@ slam::SlamOptions options_of(const std::string& json, std::vector<std::string> s
 TEST_CASE("a file sets options of SLAM by stage and name, and --set comes after it") {
   const auto options =
       options_of(R"({"mapping": {"max_iterations": 12, "planar_leaf_m": 0.5}, "features": {}})",
-                 {"mapping.planar_leaf_m=0.3", "odometry.min_edges=7"});
+                 {"mapping.planar_leaf_m=0.3", "mapping.min_correspondences=7"});
   CHECK(options.mapping.max_iterations == 12);
   CHECK(options.mapping.planar_leaf_m == 0.3);
-  CHECK(options.odometry.min_edges == 7);
-  const std::vector<std::pair<std::string, double>> changed = {{"odometry.min_edges", 7.0},
-                                                               {"mapping.max_iterations", 12.0},
+  CHECK(options.mapping.min_correspondences == 7);
+  const std::vector<std::pair<std::string, double>> changed = {{"mapping.max_iterations", 12.0},
+                                                               {"mapping.min_correspondences", 7.0},
                                                                {"mapping.planar_leaf_m", 0.3}};
   CHECK(changed_options(options) == changed);
   CHECK(changed_options(slam_options({})).empty());
