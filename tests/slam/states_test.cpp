@@ -256,6 +256,18 @@ TEST_CASE("a hand in a room that half fits is of uncertain place, and not locate
   CHECK_FALSE(is_registered(in_map.process(other.scan(kSlow, pose(8)), 4.0).mapping_status));
 }
 
+TEST_CASE("along a corridor the rings on its ceiling do not hold a sensor that starts slowly") {
+  const Yard corridor{.half_width_m = 1.4, .pillars = false, .ceiling_m = 3.0};
+  const SensorModel sensor = small_sensor(16, 1024);
+  Slam slam(sensor);
+  for (int scan = 0; scan < 8; ++scan) {
+    const double x_m = 0.005 * scan * scan;
+    const auto cloud = corridor.scan(sensor, yard_pose(-21.0 + x_m, 0.0, 0.0));
+    const Pose found = slam.process(cloud, 0.1 * scan).T_map_sensor;
+    CHECK(std::abs(found.translation().x() - x_m) < 0.03);
+  }
+}
+
 TEST_CASE("which quarter turn a hand made in a square room is not said to be known") {
   const Yard room{.half_length_m = 6.0, .half_width_m = 6.0, .pillars = false};
   for (const double turn_rad : {45.0 * kDegree_rad, -45.0 * kDegree_rad}) {

@@ -26,6 +26,7 @@ class Yard {
   double half_length_m = 30.0;  ///< along x
   double half_width_m = 20.0;   ///< along y
   bool pillars = true;
+  double ceiling_m = HUGE_VAL;
   bool end_walls = true;  ///< the walls at +-half_length; without them the yard is a corridor
 
   /// The scan of a sensor that stands still.
@@ -49,7 +50,8 @@ class Yard {
   }
 
   double cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
-    double nearest = direction.z() < 0.0 ? -origin.z() / direction.z() : HUGE_VAL;
+    const double flat_m = direction.z() < 0.0 ? 0.0 : ceiling_m;
+    double nearest = (flat_m - origin.z()) / direction.z();
     const double half[2] = {half_length_m, half_width_m};
     for (int axis = end_walls ? 0 : 1; axis < 2; ++axis) {
       const double wall = direction[axis] > 0.0 ? half[axis] : -half[axis];

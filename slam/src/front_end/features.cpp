@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kMaxColumnGap = 10;  // between neighbours, and between a jump's two sides
 constexpr int kSlopeRows = 3;      // largest distance of the row above or below, in rows
-/// Sine of the angle with the sensor's plane from which on a surface stands.
+/// Sine of the angle with the level plane from which on a surface stands: 30 degrees.
 constexpr float kMinSteepness = 0.5F;
 /// Returns in a row on one surface, from which on it need not stand: floors and ceilings have such
 /// runs. With 30 to 40 the real handheld OS0 is less accurate with 16 rows (weights/NOTEBOOK.md).
@@ -128,10 +128,10 @@ Eigen::Vector3f slope_at(const OrganizedCloud& cloud, const Segmentation& segmen
   return sum.normalized();  // of zero: zero
 }
 
-/// Whether a pixel is on a surface that stands: of the returns in the rows above and below, the one
-/// nearest in range is on the same surface, at 30 degrees to the sensor's plane or more.
-bool stands(const OrganizedCloud& cloud, const Eigen::Vector3f& up, const std::vector<int>& rows,
-            std::size_t row, int column) {
+/// The unit direction, from the lower row to the higher one, between a pixel and that return in the
+/// rows above and below which is nearest in range; zero if that is not on the same surface.
+Eigen::Vector3f across_rows(const OrganizedCloud& cloud, const std::vector<int>& rows,
+                            std::size_t row, int column) {
   const std::size_t here = cloud.index(rows[row], column);
   float least_m = most_apart_m(cloud.range_m[here]);
   Eigen::Vector3f upwards = Eigen::Vector3f::Zero();
@@ -147,18 +147,26 @@ bool stands(const OrganizedCloud& cloud, const Eigen::Vector3f& up, const std::v
       upwards = static_cast<float>(step) * (cloud.points_m[here] - cloud.points_m[beside]);
     }
   }
-  return upwards.normalized().dot(up) > kMinSteepness;  // of zero: zero
+  return upwards.normalized();  // of zero: zero
 }
 
-/// Marks the short runs on objects that do not stand. Most are undetected ground: its rings travel
-/// with the sensor, and would hold it back where little else constrains the motion.
-void mark_rings(const OrganizedCloud& cloud, const Eigen::Vector3f& up,
-                const std::vector<int>& rows, std::size_t row_index, Row& row) {
+/// Gives the points of objects their slope, and marks the short runs on those that do not stand.
+/// Most are undetected ground: its rings travel with the sensor, and would hold it back where
+/// little else constrains the motion.
+void mark_slopes_and_rings(const OrganizedCloud& cloud, const Eigen::Vector3f& up,
+                           const std::vector<int>& rows, std::size_t row_index, Row& row) {
   row.is_ring.assign(row.points.size(), 0);
   for (int first = 0, last = 0; first < row.size(); first = last) {
     for (last = first + 1; last < row.size() && row.are_on_one_surface(last - 1, last);) ++last;
-    for (int i = first; i < last && last - first < kLongRun && row.ground[first] == 0; ++i) {
-      row.is_ring[i] = stands(cloud, up, rows, row_index, row.column[i]) ? 0 : 1;
+    const bool is_short = last - first < kLongRun;
+    for (int i = first; i < last && row.ground[first] == 0; ++i) {
+      row.points[i].slope = up;
+      const bool is_above_sensor = row.points[i].point_m.dot(up) > 0.0F;
+      if (!is_short && !is_above_sensor) continue;
+      const Eigen::Vector3f across = across_rows(cloud, rows, row_index, row.column[i]);
+      if (across.dot(up) > kMinSteepness) continue;
+      if (is_short) row.is_ring[i] = 1;
+      row.points[i].slope = across;
     }
   }
 }
@@ -259,7 +267,7 @@ Features features_of_row(const OrganizedCloud& cloud, const Segmentation& segmen
     row.taken[i] = 0;
   }
   row.take_unreliable();
-  mark_rings(cloud, segmentation.up.cast<float>(), rows, row_index, row);
+  mark_slopes_and_rings(cloud, segmentation.up.cast<float>(), rows, row_index, row);
   const std::vector<Post> posts = posts_in_row(cloud, segmentation, rows[row_index], returns_fail);
   mark_posts(posts, row);
   row.is_edge.assign(row.points.size(), 0);

@@ -16,8 +16,9 @@ struct FeaturePoint {
   Eigen::Vector3f point_m = Eigen::Vector3f::Zero();  ///< sensor frame at the time of capture
   float time_offset_s = 0.0F;                         ///< capture time minus the scan's stamp
   int row = 0;                                        ///< counted among the measured ones
-  /// For points of the ground: unit direction of the slope across the row. Zero where the rows
-  /// above and below have no ground there, and for all other points.
+  /// Unit direction of the surface across the row: on the ground and on what may be a ceiling
+  /// (above the sensor, not shown to stand) the one that the rows above and below show, zero where
+  /// they show none; upwards on all else.
   Eigen::Vector3f slope = Eigen::Vector3f::Zero();
   /// OrganizedCloud::intensity, NaN where unknown; carried along, never used to decide.
   float intensity = std::numeric_limits<float>::quiet_NaN();

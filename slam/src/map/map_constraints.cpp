@@ -145,18 +145,21 @@ std::vector<std::optional<PlaneConstraint>> ground_constraints(SearchedFeatures<
   return found;
 }
 
-/// Constraints of surfaces. A line (points of one row) is completed to the most upright plane
-/// through it.
+/// Constraints of surfaces. A line (points of one row) is completed by the slope that the scan
+/// measured there, mostly to the most upright plane through it. On a ceiling that plane would hold
+/// the sensor by the ceiling's rings, which travel with it.
 std::vector<std::optional<PlaneConstraint>> surface_constraints(
     SearchedFeatures<MapSurface>& surfaces, const Eigen::Vector3d& vertical,
     const MapSearch& search, const FeatureMap& planes, const MappingOptions& options,
     bool ground_has_height) {
   const Eigen::Vector3d origin_m = search.T_map_sensor.translation();
+  const Eigen::Matrix3d rotation = search.T_map_sensor.linear();
   return find_all(
       surfaces, search, planes,
       [&](const Neighbours& near) { return fit_surface(near, options.max_plane_residual_m); },
-      [&](std::size_t, const std::optional<MapSurface>& near, const Eigen::Vector3d& rotated_m) {
-        const auto constraint = match_surface(completed(near, vertical), rotated_m, origin_m);
+      [&](std::size_t i, const std::optional<MapSurface>& near, const Eigen::Vector3d& rotated_m) {
+        const Eigen::Vector3d slope = rotation * surfaces.features[i].slope.cast<double>();
+        const auto constraint = match_surface(completed(near, slope), rotated_m, origin_m);
         return ground_has_height ? horizontal(constraint, vertical) : constraint;
       });
 }

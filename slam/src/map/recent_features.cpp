@@ -56,6 +56,8 @@ MapFeatures RecentFeatures::about_last() const {
   result.edges = gathered(&Scan::edges_m, kEdgeLeaf_m);
   result.ground_to_register = gathered(&Scan::ground_m, kPlanarLeaf_m);
   result.surfaces_to_register = gathered(&Scan::surfaces_m, kPlanarLeaf_m);
+  // As most surfaces stand.
+  for (FeaturePoint& point : result.surfaces_to_register) point.slope = result.up.cast<float>();
   return result;
 }
 
