@@ -26,8 +26,8 @@ class Yard {
   double half_length_m = 30.0;  ///< along x
   double half_width_m = 20.0;   ///< along y
   bool pillars = true;
-  double ceiling_m = HUGE_VAL;
-  bool end_walls = true;  ///< the walls at +-half_length; without them the yard is a corridor
+  double ceiling_m = HUGE_VAL;  ///< above the floor; infinite: none
+  bool end_walls = true;        ///< the walls at +-half_length; without them the yard is a corridor
 
   /// The scan of a sensor that stands still.
   OrganizedCloud scan(const SensorModel& sensor, const Pose& T_yard_sensor) const {
