@@ -35,6 +35,11 @@ struct ScanFit {
   std::optional<double> distance_m;
 };
 
+/// Whether --motion-corrected, not --capture, states how its scans were captured.
+bool is_stack(const std::string& input) {
+  return input.ends_with(".npy") || !file_of_drive(input, "scans.npy").empty();
+}
+
 std::optional<double> median_distance_m(const slam::ScanTrace& trace) {
   std::vector<double> distances_m;
   for (const slam::TracedFeature& feature : trace.features) {
@@ -125,7 +130,7 @@ std::string stamps_text(int turns, const SensorModel& sensor) {
 
 void state_capture(const std::string& input, CaptureTime capture_time,
                    recordings::RecordingOptions& files) {
-  if (input.ends_with(".npy") || !file_of_drive(input, "scans.npy").empty()) {
+  if (is_stack(input)) {
     files.capture_time = capture_time;
   } else {
     files.without_times = capture_time;
@@ -166,7 +171,7 @@ std::optional<CaptureCheck> check_clouds_without_times(const std::string& input,
                                                        const recordings::OpenOptions& options) {
   const bool can_be_read_twice =
       std::filesystem::is_regular_file(input) || std::filesystem::is_directory(input);
-  if (!can_be_read_twice || options.files.without_times) return std::nullopt;
+  if (!can_be_read_twice || is_stack(input) || options.files.without_times) return std::nullopt;
   try {
     auto source = recordings::Recording::open(input, options);
     LeftOut left_out;

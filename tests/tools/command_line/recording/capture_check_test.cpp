@@ -77,6 +77,11 @@ TEST_CASE("scans determine whether they were corrected for motion, and how many 
   CHECK(corrected.verdict == CaptureTime::kMotionCorrected);
   CHECK(corrected.corrected_m < corrected.rolling_m);
   CHECK(corrected.turns == 1);
+  // A stack's scans have no times only where --motion-corrected stated it.
+  recordings::OpenOptions stated;
+  stated.sensor = "os1-16";
+  stated.files.capture_time = CaptureTime::kMotionCorrected;
+  CHECK_FALSE(tools::check_clouds_without_times(folder.file("corrected.npy"), stated).has_value());
   // Clouds that were corrected and still have their times.
   CHECK(tools::check_capture(corrected_clouds, sensor).verdict == CaptureTime::kMotionCorrected);
   const auto standing = tools::check_capture(folder.file("standing.npy"), sensor);
