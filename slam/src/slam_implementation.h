@@ -127,7 +127,7 @@ struct Slam::Implementation {
   State new_segment(const Lost& lost, Registered found, const Scan& scan, Notes& notes);
   Features put_first_keyframe(const FirstKeyframe& first, const Twist& velocity);
   void correct_first_keyframe(Tracking& last, Twist velocity);
-  void add_keyframe(const Scan& scan, const Twist& velocity, bool begins_segment, Notes& notes);
+  void add_keyframe(const Scan& scan, const ScanMotion& motion, bool begins_segment, Notes& notes);
   bool is_in_given_map(const MapFeatures& features, const MotionState& found) const;
 };
 

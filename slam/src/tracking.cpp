@@ -43,7 +43,7 @@ Reference reference_of(const Scan& scan, const MotionState& state, const Matrix6
           state,
           against_map,
           report.T_odom_sensor,
-          {scan.features, state.velocity},
+          {scan.features, state.within_scan()},
           scan.stamp_s,
           std::move(inertial)};
 }
@@ -76,7 +76,7 @@ State Slam::Implementation::next(Starting, const Scan& scan, Notes& notes) {
   }
   MotionState standing = unknown_motion(Pose::Identity());
   if (scan.turning) standing.velocity.angular = scan.turning->mean_rate_rad_per_s();
-  add_keyframe(scan, standing.velocity, true, notes);
+  add_keyframe(scan, standing.within_scan(), true, notes);
   return Tracking{
       .reference = reference_of(scan, standing, drift.against_map(standing), notes.report),
       .first_keyframe = first_keyframe_of(scan, standing.T_map_sensor)};
@@ -108,7 +108,7 @@ State Slam::Implementation::next(Lost now, Scan& scan, Notes& notes) {
   now.last.reference =
       reference_of(scan, found.state, found.against_map, notes.report, found.inertial);
   if (map_goes_on && is_keyframe(now.last, found.state.T_map_sensor)) {
-    add_keyframe(scan, found.state.velocity, false, notes);
+    add_keyframe(scan, found.state.within_scan(), false, notes);
     if (!is_precise(found.state)) drift.add_uncertain_keyframe(found.against_map);
     now.unplaced_scans = 0;
   }
@@ -170,7 +170,7 @@ State Slam::Implementation::tracked(Tracking last, const Registered& found, cons
       std::max(last.close_ratio,
                last.usual_close_ratio + kForgotten * (last.close_ratio - last.usual_close_ratio));
   if (!place_recognition && is_keyframe(last, found.state.T_map_sensor)) {
-    add_keyframe(scan, found.state.velocity, false, notes);
+    add_keyframe(scan, found.state.within_scan(), false, notes);
     if (!is_known) drift.add_uncertain_keyframe(found.against_map);
   }
   return last;
@@ -191,7 +191,7 @@ State Slam::Implementation::new_segment(const Lost& lost, Registered found, cons
   const Matrix6 against_own_map = drift.against_map(unknown_motion(found.state.T_map_sensor));
   notes.own_covariance = drift.own_covariance(Pose::Identity(), against_own_map);
   notes.report.covariance = drift.covariance(Pose::Identity(), against_own_map);
-  add_keyframe(scan, found.state.velocity, true, notes);
+  add_keyframe(scan, found.state.within_scan(), true, notes);
   Tracking begun{
       .reference = reference_of(scan, found.state, against_own_map, notes.report, found.inertial)};
   if (!found.by_odometry) begun.first_keyframe = first_keyframe_of(scan, found.state.T_map_sensor);
@@ -222,7 +222,7 @@ Features Slam::Implementation::put_first_keyframe(const FirstKeyframe& first,
   Features features = first.measured_features;
   if (first.turning) first.turning->apply(features);
   mapping = Mapping(mapping.options(), mapping.keyframes() - 1);
-  mapping.insert(map_features(features, mapping.options()), first.T_map_sensor, velocity);
+  mapping.insert(map_features(features, mapping.options()), first.T_map_sensor, {velocity});
   return features;
 }
 
@@ -230,12 +230,12 @@ void Slam::Implementation::correct_first_keyframe(Tracking& last, Twist velocity
   const FirstKeyframe& first = *last.first_keyframe;
   if (first.turning) velocity.angular = first.turning->mean_rate_rad_per_s();
   const Features features = put_first_keyframe(first, velocity);
-  if (last.reference.time_s == first.time_s) last.reference.target = {features, velocity};
+  if (last.reference.time_s == first.time_s) last.reference.target = {features, {velocity}};
 }
 
 /// Inserts the scan at the pose of the report into the map, or into a submap of its own if it
 /// begins a segment.
-void Slam::Implementation::add_keyframe(const Scan& scan, const Twist& velocity,
+void Slam::Implementation::add_keyframe(const Scan& scan, const ScanMotion& motion,
                                         bool begins_segment, Notes& notes) {
   ScanReport& report = notes.report;
   LoopKeyframe keyframe{report.T_map_sensor,
@@ -247,12 +247,12 @@ void Slam::Implementation::add_keyframe(const Scan& scan, const Twist& velocity,
                         {},
                         scan.turning.has_value()};
   if (begins_segment || loop_closing->wants_view(report.T_map_sensor)) {
-    keyframe.view = {scan.cloud, scan.map_features, velocity,
+    keyframe.view = {scan.cloud, scan.map_features, motion,
                      begins_segment ? mapping.clear_window() : mapping.slide_window()};
     gravity_window.end(keyframe.scan, imu, mounting.turn_to_level());
     if (inertial_check.can_level()) keyframe.gravity = gravity_window.take();
   }
-  mapping.insert(scan.map_features, report.T_map_sensor, velocity);
+  mapping.insert(scan.map_features, report.T_map_sensor, motion);
   report.keyframe = true;
   report.times.mapping_s += notes.stopwatch.lap_s();
   loop_closing->add(std::move(keyframe));

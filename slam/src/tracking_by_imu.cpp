@@ -104,7 +104,7 @@ Registered Slam::Implementation::first_registered(Tracking& last, Scan& scan, No
   Reference& reference = alone_last.reference;
   reference.state = unknown_motion(reference.state.T_map_sensor);
   if (reference.inertial) reference.inertial = kept(*reference.inertial, reference.state);
-  reference.target = {put_first_keyframe(*alone_last.first_keyframe, Twist()), Twist()};
+  reference.target = {put_first_keyframe(*alone_last.first_keyframe, Twist()), ScanMotion()};
   const Registered by_scan = in_corrected_map(alone_last, alone, alone_notes);
   if (found.innovation < InertialCheck::kMostInnovation &&
       is_better(found, by_scan, kClearlyBetter)) {

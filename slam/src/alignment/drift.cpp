@@ -26,11 +26,12 @@ constexpr double kShakeAbout = 0.0097;
 constexpr double kNewJoltShare = 0.05;
 /// The share of a turn that is taken for uneven before a second velocity shows how even turns are.
 constexpr double kUnevenShare = 0.5;
-/// Standard deviation of a scan's unforeseen turn about one axis, and scans before it is known.
-/// Simulated vehicles have at most 0.005 rad, robots in rooms 0.012 to 0.026, hands 0.035 to 0.07;
-/// a VLP-16 on a car 0.002.
+/// Standard deviation of a scan's unforeseen turn about one axis. Simulated vehicles have at most
+/// 0.005 rad, robots in rooms 0.012 to 0.026, hands 0.035 to 0.07; a VLP-16 on a car 0.002.
 constexpr double kUneven_rad = 0.01;
-constexpr int kFewJolts = 5;
+/// One such turn: above those that 16 rows of a raw HDL-64E on a car pretend
+/// (weights/NOTEBOOK.md, "Acceleration within a scan").
+constexpr double kUnevenOnce_rad = 0.015;
 constexpr double kShare_per_m = 0.0135;
 /// Roll and pitch due to beam errors; the rest of it after levelling, and then their effect on x
 /// and y, which is negligible beside an unlevelled lean.
@@ -90,7 +91,8 @@ void Drift::learn(const Twist& velocity) {
   if (velocity_) {
     const Vector6 unforeseen = scan_period_s_ * (vector_of(velocity) - vector_of(*velocity_));
     ++jolt_count_;
-    jolts_ += std::max(kNewJoltShare, 1.0 / jolt_count_) * (unforeseen.cwiseAbs2() - jolts_);
+    last_jolt_ = unforeseen.cwiseAbs2();
+    jolts_ += std::max(kNewJoltShare, 1.0 / jolt_count_) * (last_jolt_ - jolts_);
   }
   velocity_ = velocity;
 }
@@ -117,7 +119,8 @@ Vector6 Drift::jolts(const Twist& velocity) const {
 }
 
 bool Drift::is_uneven() const {
-  return jolt_count_ >= kFewJolts && jolts_.tail<3>().maxCoeff() > kUneven_rad * kUneven_rad;
+  return jolts_.tail<3>().maxCoeff() > kUneven_rad * kUneven_rad ||
+         last_jolt_.tail<3>().maxCoeff() > kUnevenOnce_rad * kUnevenOnce_rad;
 }
 
 Vector6 Drift::shake(const Twist& velocity) const {

@@ -113,8 +113,8 @@ class Drift {
   void set(const DriftState& state) { state_ = state; }
 
   const DriftState& state() const { return state_; }
-  /// Whether the sensor turns so unevenly, as in a hand or on a robot in rooms, that a scan is
-  /// better corrected by the velocity that it measures itself.
+  /// Whether the sensor turns so unevenly, as in a hand or on a robot in rooms, or just did, that a
+  /// scan is better corrected by the velocity that it measures itself.
   bool is_uneven() const;
 
   /// The matrix A of a registered scan.
@@ -133,8 +133,9 @@ class Drift {
 
   double start_variance_;
   double scan_period_s_;
-  std::optional<Twist> velocity_;    ///< of the last scan that was registered
-  Vector6 jolts_ = Vector6::Zero();  ///< mean squares of a scan's unforeseen motion, m^2, rad^2
+  std::optional<Twist> velocity_;        ///< of the last scan that was registered
+  Vector6 jolts_ = Vector6::Zero();      ///< mean squares of a scan's unforeseen motion, m^2, rad^2
+  Vector6 last_jolt_ = Vector6::Zero();  ///< squares of that within the last scan
   int jolt_count_ = 0;
   double start_path_m_ = 0.0;   ///< with turns, as a length
   double unheld_path_m_ = 0.0;  ///< since the last scan of another level than kByNothing

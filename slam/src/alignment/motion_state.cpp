@@ -69,7 +69,7 @@ MotionState predicted(const MotionState& state, double duration_s, double steady
   F.topLeftCorner<6, 6>() = adjoint(motion.inverse());
   F.topRightCorner<6, 6>().diagonal().setConstant(duration_s);
   MotionState result;
-  result.is_velocity_measured = is_velocity_measured;
+  if (is_velocity_measured) result.measured_step_s = duration_s;
   result.T_map_sensor = state.T_map_sensor * motion;
   result.velocity = kept * state.velocity;
   result.covariance = F * state.covariance * F.transpose();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 #include "hqslam/core/pose.h"
 
@@ -24,6 +25,12 @@ Eigen::Matrix3d rotation_of(const Eigen::Vector3d& turn_rad);
 /// The change of (linear, angular) with the frame: exp(adjoint(T) e) = T exp(e) T^-1.
 Matrix6 adjoint(const Pose& pose);
 
+/// The motion of a sensor within a scan, in its frame at the stamp.
+struct ScanMotion {
+  Twist velocity;           ///< at the stamp, per second
+  Twist acceleration = {};  ///< per second squared
+};
+
 /// Pose and velocity of a sensor with their covariance, that of the error e = (pose, velocity) in
 /// the sensor's frame,
 ///   T_true = T_map_sensor exp(e_pose),  velocity_true = velocity + e_velocity,
@@ -32,9 +39,13 @@ struct MotionState {
   Pose T_map_sensor = Pose::Identity();
   Twist velocity;  ///< per second, in the sensor's frame
   Matrix12 covariance = Matrix12::Identity();
-  /// Whether scans measure the velocity, which is that at the stamp; otherwise it is the mean over
-  /// the last step.
-  bool is_velocity_measured = false;
+  /// Where scans measure the velocity, which is then that at the stamp, the time since the scan
+  /// before; otherwise the velocity is the mean over the last step.
+  std::optional<double> measured_step_s;
+  /// By which a measured velocity has changed in that time; otherwise 0.
+  Twist acceleration;
+
+  ScanMotion within_scan() const { return {velocity, acceleration}; }
 };
 
 /// A sensor at a known pose whose velocity is unknown, within the limits of vehicles.
@@ -60,7 +71,7 @@ class AccelerationNoise {
 ///   Q = density [t^3  t^2; t^2  t].
 /// Source: Barfoot, "State Estimation for Robotics", section 11.2 (white noise on acceleration),
 /// Q = density [t^3/3  t^2/2; t^2/2  t], which holds if the next scan measures its velocity itself
-/// (is_velocity_measured, set in the result).
+/// (measured_step_s, set in the result).
 /// Differs from it otherwise: the velocity changes at the beginning of a step, hence is the mean
 /// over the step. The velocity at its end would have to be extrapolated, v' = 1.5 step / t - 0.5 v,
 /// which oscillates: a wrong velocity corrects the scan wrongly for motion, that moves the pose,

@@ -101,7 +101,14 @@ void ExpectedState::improve(MotionState& state, const ScanInformation& scan,
   }
   const Vector12 change = -information.ldlt().solve(gradient);
   state.T_map_sensor = state.T_map_sensor * exponential(twist_of(change.head<6>()));
-  state.velocity = twist_of(vector_of(state.velocity) + Vector6(change.tail<6>()));
+  put_velocity(vector_of(state.velocity) + change.tail<6>(), state);
+}
+
+void ExpectedState::put_velocity(const Vector6& velocity, MotionState& state) const {
+  state.velocity = twist_of(velocity);
+  if (!expected_.measured_step_s) return;
+  state.acceleration =
+      twist_of((velocity - vector_of(expected_.velocity)) / *expected_.measured_step_s);
 }
 
 Matrix12 ExpectedState::covariance(const Matrix6& known) const {
@@ -116,7 +123,7 @@ MotionState ExpectedState::given(const Pose& T_map_sensor) const {
                          expected_.covariance.topLeftCorner<6, 6>().ldlt().solve(error);
   MotionState result = expected_;
   result.T_map_sensor = T_map_sensor;
-  result.velocity = twist_of(vector_of(expected_.velocity) + change);
+  put_velocity(vector_of(expected_.velocity) + change, result);
   return result;
 }
 

@@ -60,6 +60,9 @@ class ExpectedState {
   MotionState given(const Pose& T_map_sensor) const;
 
  private:
+  /// Puts the velocity, and the acceleration that it means, into the state.
+  void put_velocity(const Vector6& velocity, MotionState& state) const;
+
   MotionState expected_;
   Matrix12 information_;
 };

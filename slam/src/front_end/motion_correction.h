@@ -3,26 +3,29 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "alignment/motion_state.h"
 #include "front_end/features.h"
-#include "hqslam/core/pose.h"
 
 namespace hqslam::slam {
 
 /// Moves points to where they would have been measured at the scan's stamp.
 ///
 /// In: a point p(t) in the sensor frame at its own time t (offset from the stamp), the sensor's
-/// velocity per second. Out:
-///   p(0) = T_stamp_sensor(t) p(t),  T_stamp_sensor(t) = exponential(t velocity).
+/// velocity v and acceleration a at the stamp. Out:
+///   p(0) = T_stamp_sensor(t) p(t),  T_stamp_sensor(t) = exponential(t^2 a / 2) exponential(t v),
+/// the first factor to first order: (t^2 / 2) a turns by milliradians.
 /// Source: LOAM, section V A (constant velocity within a sweep).
-/// Differs from LeGO-LOAM: no IMU; along a screw, not along a chord; corrected to the stamp, not to
-/// the end of the sweep; points without offset (a motion-corrected scan) are left unchanged. In
-/// single precision.
+/// Differs from LeGO-LOAM: no IMU, but an acceleration; along a screw, not along a chord; corrected
+/// to the stamp, not to the end of the sweep; points without offset (a motion-corrected scan) are
+/// left unchanged. In single precision.
 class MotionCorrection {
  public:
-  explicit MotionCorrection(const Twist& velocity);
+  explicit MotionCorrection(const ScanMotion& motion);
   Eigen::Vector3f operator()(const FeaturePoint& point) const;
 
  private:
+  Eigen::Vector3f by_velocity(const Eigen::Vector3f& p_m, float time_s) const;
+
   /// A smaller rotation moves no point by a micrometre.
   static constexpr float kNoTurn_rad = 1e-8F;
 
@@ -31,10 +34,12 @@ class MotionCorrection {
   Eigen::Vector3f axis_ = Eigen::Vector3f::Zero();
   Eigen::Vector3f across_m_ = Eigen::Vector3f::Zero();
   Eigen::Vector3f twice_across_m_ = Eigen::Vector3f::Zero();
+  Eigen::Vector3f acceleration_mps2_;
+  Eigen::Vector3f angular_acceleration_rad_per_s2_;
 };
 
 /// MotionCorrection of all points.
 std::vector<Eigen::Vector3f> motion_corrected(const std::vector<FeaturePoint>& points,
-                                              const Twist& velocity);
+                                              const ScanMotion& motion);
 
 }  // namespace hqslam::slam

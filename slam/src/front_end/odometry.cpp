@@ -78,7 +78,7 @@ std::optional<EdgeConstraints> match_edge(const RowOrderedCloud& target,
 template <typename Find>
 ConstraintList find_all(const std::vector<FeaturePoint>& features, const Twist& velocity,
                         const Find& find) {
-  const MotionCorrection corrected(velocity);
+  const MotionCorrection corrected({velocity});
   std::vector<decltype(find(Eigen::Vector3f()))> found(features.size());
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < features.size(); ++i) {
@@ -102,9 +102,9 @@ bool improve(const std::vector<PlaneConstraint>& constraints, FreeParameters fre
 
 }  // namespace
 
-OdometryTarget::OdometryTarget(const Features& features, const Twist& velocity) {
+OdometryTarget::OdometryTarget(const Features& features, const ScanMotion& motion) {
   const auto ordered = [&](const std::vector<FeaturePoint>& points) {
-    return RowOrderedCloud(points, motion_corrected(points, velocity));
+    return RowOrderedCloud(points, motion_corrected(points, motion));
   };
 #pragma omp parallel sections
   {

@@ -17,7 +17,7 @@ struct OdometryTarget {
   RowOrderedCloud ground;
   RowOrderedCloud edges;
 
-  OdometryTarget(const Features& features, const Twist& velocity);
+  OdometryTarget(const Features& features, const ScanMotion& motion);
 };
 
 struct PredictedMotion {

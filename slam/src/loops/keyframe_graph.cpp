@@ -75,7 +75,7 @@ void KeyframeGraph::add_node(const LoopKeyframe& keyframe) {
   }
   last_contexts_ = scan_contexts_from_lanes(keyframe.view->cloud);
   contexts_.push_back(last_contexts_.front());
-  recent_.add(keyframe.view->features, keyframe.T_map_sensor, keyframe.view->velocity);
+  recent_.add(keyframe.view->features, keyframe.T_map_sensor, keyframe.view->motion);
 }
 
 void KeyframeGraph::add_loops(const std::vector<PoseGraphEdge>& loops) {

@@ -19,7 +19,7 @@ namespace hqslam::slam {
 struct LoopView {
   OrganizedCloud cloud;
   MapFeatures features;
-  Twist velocity;         ///< per second
+  ScanMotion motion;
   MapPoints left_window;  ///< points that left the window before the keyframe was inserted
 };
 

@@ -49,7 +49,7 @@ Fit fit_of(const MapFeatures& features, const FeatureMaps& map, const MotionStat
   int fitting = 0;
   double squares_m2 = 0.0;
   const auto add = [&](const std::vector<FeaturePoint>& kind, const auto& distance_m) {
-    for (const Eigen::Vector3f& corrected_m : motion_corrected(kind, state.velocity)) {
+    for (const Eigen::Vector3f& corrected_m : motion_corrected(kind, state.within_scan())) {
       const Eigen::Vector3d point_m = state.T_map_sensor * corrected_m.cast<double>();
       const std::optional<double> away_m = distance_m(point_m);
       ++count;

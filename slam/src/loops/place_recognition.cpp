@@ -30,7 +30,7 @@ std::optional<Pose> PlaceRecognition::find(const UnregisteredScan& scan, const F
   const Pose motion = scan.T_previous_sensor.value_or(Pose::Identity());
   Pose& T_map_sensor = graph_.T_map_node.back();
   T_map_sensor = orthonormalized(T_map_sensor * motion);
-  recent_.add(scan.features, T_map_sensor, scan.velocity);
+  recent_.add(scan.features, T_map_sensor, {scan.velocity});
   const std::vector<ScanContext> last_contexts = scan_contexts_from_lanes(scan.cloud);
   const std::vector<PlausibleDrift> drift(graph_.T_map_node.size(),
                                           has_start_ ? kNearStart : kAnywhere);

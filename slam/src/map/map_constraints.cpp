@@ -98,7 +98,7 @@ void put_time(float time_offset_s, EdgeConstraints& edge) {
 template <typename Fit, int kNeighbours, typename Make, typename Constrain>
 auto find_all(SearchedFeatures<Fit, kNeighbours>& searched, const MapSearch& search,
               const FeatureMap& map, const Make& make, const Constrain& constrain) {
-  const MotionCorrection corrected(search.velocity);
+  const MotionCorrection corrected(search.motion);
   const Eigen::Matrix3d rotation = search.T_map_sensor.linear();
   const Eigen::Vector3d origin_m = search.T_map_sensor.translation();
   std::vector<decltype(constrain(std::size_t(), std::optional<Fit>(), Eigen::Vector3d()))> found(

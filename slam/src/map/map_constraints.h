@@ -38,7 +38,7 @@ struct RegisteredScan {
 /// features: five neighbours farther apart are seldom of one surface.
 struct MapSearch {
   Pose T_map_sensor;
-  Twist velocity;  ///< per second
+  ScanMotion motion;
   double reach_m;
   double ground_reach_m;  ///< for the ground, if too little of it is within reach_m
   bool trust_near;        ///< features far from their line or plane lose weight

@@ -109,7 +109,7 @@ double enough_in_plane_per_m2(SearchFrom from) {
 MapSearch search_at(const MappingResult& at, const MappingOptions& options, SearchFrom from) {
   const double reach_m =
       at.is_close_search ? options.close_neighbour_distance_m : options.max_neighbour_distance_m;
-  return {at.state.T_map_sensor, at.state.velocity, reach_m,
+  return {at.state.T_map_sensor, at.state.within_scan(), reach_m,
           from == SearchFrom::kRecognizedPlace ? reach_m : options.max_neighbour_distance_m,
           at.is_close_search};
 }
@@ -189,7 +189,7 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
       result.status = Status::kTooFewFeatures;
       return result;
     }
-    if (expected.is_velocity_measured) {
+    if (expected.measured_step_s) {
       const VelocityInformation velocity =
           velocity_information(constraints.all, before.linear(), information);
       prior.improve(result.state, information, &velocity);
@@ -228,9 +228,10 @@ bool Mapping::is_keyframe(const Pose& T_map_sensor) const {
          rotation_angle_rad(motion) >= options_.keyframe_rotation_rad;
 }
 
-void Mapping::insert(const MapFeatures& features, const Pose& T_map_sensor, const Twist& velocity) {
+void Mapping::insert(const MapFeatures& features, const Pose& T_map_sensor,
+                     const ScanMotion& motion) {
   const auto in_map = [&](const std::vector<FeaturePoint>& points) {
-    std::vector<Eigen::Vector3f> result = motion_corrected(points, velocity);
+    std::vector<Eigen::Vector3f> result = motion_corrected(points, motion);
     for (Eigen::Vector3f& point_m : result) {
       point_m = (T_map_sensor * point_m.cast<double>()).cast<float>();
     }

@@ -90,7 +90,7 @@ class Mapping {
 
   /// Whether the pose is far enough from the last one inserted.
   bool is_keyframe(const Pose& T_map_sensor) const;
-  void insert(const MapFeatures& features, const Pose& T_map_sensor, const Twist& velocity);
+  void insert(const MapFeatures& features, const Pose& T_map_sensor, const ScanMotion& motion);
   std::uint32_t keyframes() const { return keyframes_; }
 
   /// Moves the sliding window: takes out the points that were not observed over the last

@@ -26,10 +26,10 @@ std::vector<FeaturePoint> every_nth(const std::vector<FeaturePoint>& points) {
 }  // namespace
 
 void RecentFeatures::add(const MapFeatures& features, const Pose& T_map_sensor,
-                         const Twist& velocity) {
-  scans_.push_back({T_map_sensor, motion_corrected(features.edges, velocity),
-                    motion_corrected(features.ground_to_register, velocity),
-                    motion_corrected(features.surfaces_to_register, velocity)});
+                         const ScanMotion& motion) {
+  scans_.push_back({T_map_sensor, motion_corrected(features.edges, motion),
+                    motion_corrected(features.ground_to_register, motion),
+                    motion_corrected(features.surfaces_to_register, motion)});
   if (scans_.size() > max_scans_) scans_.pop_front();
 }
 

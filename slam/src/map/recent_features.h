@@ -16,7 +16,7 @@ class RecentFeatures {
   explicit RecentFeatures(std::size_t max_scans) : max_scans_(max_scans) {}
 
   /// Adds the features of a scan and drops those of the oldest beyond max_scans.
-  void add(const MapFeatures& features, const Pose& T_map_sensor, const Twist& velocity);
+  void add(const MapFeatures& features, const Pose& T_map_sensor, const ScanMotion& motion);
 
   /// Applies a correction of the map, that of the last keyframe, to the poses of the scans.
   void correct(const Pose& T_corrected_map);

@@ -89,9 +89,9 @@ void trace_matches(const std::vector<std::optional<Constraint>>& matches,
 }
 
 /// The features of a kind, corrected for motion and unmatched. Out: the next feature.
-TracedFeature* correct_kind(const std::vector<FeaturePoint>& points, const Twist& velocity,
+TracedFeature* correct_kind(const std::vector<FeaturePoint>& points, const ScanMotion& motion,
                             TracedFeature* feature) {
-  for (const Eigen::Vector3f& point_m : motion_corrected(points, velocity)) {
+  for (const Eigen::Vector3f& point_m : motion_corrected(points, motion)) {
     *feature = {feature->kind, feature->row, feature->column, point_m};
     ++feature;
   }
@@ -114,7 +114,7 @@ void trace_registration(const Mapping& mapping, const MapFeatures& features,
   TracedFeature* traced = trace.features.data();
   for (const auto* points : {&features.ground_to_register, &features.surfaces_to_register,
                              &features.edges, &features.posts_to_register}) {
-    traced = correct_kind(*points, found.state.velocity, traced);
+    traced = correct_kind(*points, found.state.within_scan(), traced);
   }
   trace.inlier_ratio = found.inlier_ratio;
   const MapMatches matches = mapping.matches(features, found);

@@ -63,18 +63,17 @@ TEST_CASE("a sensor that is shaken is less certain along and about the axes that
   CHECK(covariance_of(drift, state).isApprox(still, 1e-6));
 }
 
-TEST_CASE("turns count as uneven once several changed by more than 0.01 rad within a scan") {
-  for (const double change_rad_per_s : {0.05, 0.2}) {  // 0.1 s a scan
+TEST_CASE("turns are uneven at once if one changes by more than 0.015 rad in a scan, or many do") {
+  for (const double change_rad_per_s : {0.09, 0.2}) {  // 0.1 s a scan
     slam::Drift drift = sixteen_rows();
-    Twist velocity;
-    for (int i = 0; i < 5; ++i) {
-      velocity.angular.z() = i % 2 == 0 ? 0.0 : change_rad_per_s;
-      drift.learn(velocity);
-      CHECK(!drift.is_uneven());
-    }
-    velocity.angular.z() = change_rad_per_s;
-    drift.learn(velocity);
-    CHECK(drift.is_uneven() == (change_rad_per_s > 0.1));
+    const auto learn = [&](double rate_rad_per_s) {
+      drift.learn({{0, 0, 0}, {0, 0, rate_rad_per_s}});
+      return drift.is_uneven();
+    };
+    for (int i = 0; i < 20; ++i) CHECK(!learn(0.0));
+    CHECK(learn(change_rad_per_s) == (change_rad_per_s > 0.15));
+    for (int i = 0; i < 20; ++i) learn(i % 2 == 0 ? 0.0 : change_rad_per_s);
+    CHECK(learn(change_rad_per_s) == (change_rad_per_s > 0.1));  // none, but a hand goes on
   }
 }
 

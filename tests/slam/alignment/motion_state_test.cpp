@@ -49,7 +49,7 @@ TEST_CASE("a velocity that the next scan measures changes evenly over the step")
   state.covariance.setZero();
   const Vector6 density = (Vector6() << 0.3, 0, 0, 0, 0, 0).finished();
   const MotionState later = slam::predicted(state, 0.5, kLong_s, density, true);
-  CHECK(later.is_velocity_measured);
+  CHECK(later.measured_step_s.has_value());
   CHECK(later.covariance(0, 0) == doctest::Approx(0.3 * 0.125 / 3.0));
   CHECK(later.covariance(0, 6) == doctest::Approx(0.3 * 0.25 / 2.0));
   CHECK(later.covariance(6, 6) == doctest::Approx(0.3 * 0.5));

@@ -37,11 +37,14 @@ TEST_CASE("a scan measures the velocity by which it should have been corrected f
   const auto constraints = wrongly_corrected(true);
   slam::MotionState expected = slam::unknown_motion(Pose::Identity());
   expected.covariance *= 1e4;
+  expected.measured_step_s = 0.1;
   const slam::ScanInformation pose = slam::scan_information(constraints, kLevel);
   const slam::VelocityInformation velocity = slam::velocity_information(constraints, kLevel, pose);
   slam::MotionState found = expected;
   slam::ExpectedState(expected).improve(found, pose, &velocity);
   CHECK((slam::vector_of(found.velocity) - kVelocityError).norm() < 0.01);
+  // It has changed by that since the scan before, when it was expected to be 0.
+  CHECK(slam::vector_of(found.acceleration).isApprox(10.0 * slam::vector_of(found.velocity)));
   CHECK(slam::vector_of(logarithm(found.T_map_sensor)).norm() < 1e-3);
 }
 

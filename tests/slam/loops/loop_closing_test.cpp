@@ -56,7 +56,7 @@ DrivenCircuit drive(const test::Circuit& circuit, const Estimate& estimate) {
     if (i == truth.size() / 2) T_map_sensor = T_map_sensor * estimate.error_once;
     const OrganizedCloud cloud = circuit.village.scan(sensor, truth[i]);
     const slam::MapFeatures features = test::features_of(cloud, sensor);
-    const Twist standing;
+    const slam::ScanMotion standing;
     slam::LoopKeyframe keyframe{T_map_sensor, estimate.status, i, i == 0, {}, std::nullopt};
     if (i > 0) since_view_m += (truth[i].translation() - truth[i - 1].translation()).norm();
     if (i == 0 || since_view_m >= 4.0) {
@@ -165,11 +165,11 @@ TEST_CASE("points restored to a levelled path move with it") {
     const slam::MapFeatures features = test::features_of(cloud, sensor);
     keyframes.push_back({T_map_sensor.back(), Status::kOk, i, i == 0, {}, std::nullopt});
     if (i % 3 == 0) {  // every 4.5 m
-      keyframes.back().view = {cloud, features, Twist(), mapping.slide_window()};
+      keyframes.back().view = {cloud, features, {}, mapping.slide_window()};
       const Pose leans = exponential({{0, 0, 0}, {2e-4 * static_cast<double>(i), 0, 0}});
       if (i > 0) keyframes.back().gravity = {felt_gravity(i, leans * T_map_sensor.back())};
     }
-    mapping.insert(features, T_map_sensor.back(), Twist());
+    mapping.insert(features, T_map_sensor.back(), {});
   }
   std::vector<slam::LoopKeyframe> late = keyframes;
   const slam::LoopResult result = loop_closing.process(std::move(keyframes));

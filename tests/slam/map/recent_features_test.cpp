@@ -49,6 +49,6 @@ TEST_CASE("features measured during the motion are put where they belong") {
   slam::RecentFeatures recent(2);
   slam::MapFeatures features;
   features.surfaces_to_register = {{{4.0F, 0.0F, 0.0F}, 0.05F, 0}};
-  recent.add(features, Pose::Identity(), {{10.0, 0.0, 0.0}, {0.0, 0.0, 0.0}});
+  recent.add(features, Pose::Identity(), {{{10.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}});
   CHECK(recent.about_last().surfaces_to_register[0].point_m.x() == doctest::Approx(4.5));
 }

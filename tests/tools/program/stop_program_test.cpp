@@ -89,14 +89,4 @@ TEST_CASE("a simulation that was stopped is used, and named as incomplete") {
   CHECK_FALSE(holds(run_hqslam(run_arguments(folder.file("whole"))).error, "stopped"));
 }
 
-TEST_CASE("a running program has its own name, by which killall and top find it") {
-  const TemporaryDirectory folder;
-  const ProgramResult result = run_shell(fmt::format(
-      "env -u OMP_WAIT_POLICY -u GOMP_SPINCOUNT '{0}' simulate --drive block --sensor os1-64 "
-      "--scans 100000 --out '{1}' >/dev/null & while kill -0 $! && [ ! -e '{1}' ]; do sleep 0.01; "
-      "done; cat /proc/$!/comm; kill $!; wait",
-      HQSLAM_LAB_PROGRAM, folder.file("drive")));
-  CHECK(result.out == "hqslam-lab\n");
-}
-
 }  // namespace hqslam::test
