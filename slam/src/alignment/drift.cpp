@@ -26,9 +26,11 @@ constexpr double kShakeAbout = 0.0097;
 constexpr double kNewJoltShare = 0.05;
 /// The share of a turn that is taken for uneven before a second velocity shows how even turns are.
 constexpr double kUnevenShare = 0.5;
-/// Standard deviation of a scan's unforeseen turn about one axis. Simulated vehicles have at most
-/// 0.005 rad, robots in rooms 0.012 to 0.026, hands 0.035 to 0.07; a VLP-16 on a car 0.002.
+/// Standard deviation of a scan's unforeseen turn about one axis, and scans before it is known.
+/// Simulated vehicles have at most 0.005 rad, robots in rooms 0.012 to 0.026, hands 0.035 to 0.07;
+/// a VLP-16 on a car 0.002.
 constexpr double kUneven_rad = 0.01;
+constexpr int kFewJolts = 5;
 /// One such turn: above those that 16 rows of a raw HDL-64E on a car pretend
 /// (weights/NOTEBOOK.md, "Acceleration within a scan").
 constexpr double kUnevenOnce_rad = 0.015;
@@ -119,7 +121,7 @@ Vector6 Drift::jolts(const Twist& velocity) const {
 }
 
 bool Drift::is_uneven() const {
-  return jolts_.tail<3>().maxCoeff() > kUneven_rad * kUneven_rad ||
+  return (jolt_count_ >= kFewJolts && jolts_.tail<3>().maxCoeff() > kUneven_rad * kUneven_rad) ||
          last_jolt_.tail<3>().maxCoeff() > kUnevenOnce_rad * kUnevenOnce_rad;
 }
 

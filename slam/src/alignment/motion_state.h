@@ -39,10 +39,10 @@ struct MotionState {
   Pose T_map_sensor = Pose::Identity();
   Twist velocity;  ///< per second, in the sensor's frame
   Matrix12 covariance = Matrix12::Identity();
-  /// Where scans measure the velocity, which is then that at the stamp, the time since the scan
-  /// before; otherwise the velocity is the mean over the last step.
+  /// The time since the scan before, where scans measure the velocity, which is then that at the
+  /// stamp; otherwise the velocity is the mean over the last step.
   std::optional<double> measured_step_s;
-  /// By which a measured velocity has changed in that time; otherwise 0.
+  /// Change of a measured velocity over that time, per second squared; otherwise 0.
   Twist acceleration;
 
   ScanMotion within_scan() const { return {velocity, acceleration}; }

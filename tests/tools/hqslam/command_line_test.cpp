@@ -15,13 +15,11 @@ TEST_CASE("what makes no sense is refused") {
   const std::vector<std::vector<std::string>> wrong = {
       {"run", "/"},
       {"run", "/", "--out", "x", "--rows", "0"},
-      {"run", "/", "--out", "x", "--row-order", "sideways"},
       {"run", "/", "--out", "x", "--threads", "0"},
       {"run", "/", "--out", "x", "--reference", "/no/such/file"},
       {"run", "/", "--out", "x", "--upsample", "cubic"},
       {"upsample", "/", "--method", "linear"},
       {"evaluate", "/no/such/file", "/no/such/file"},
-      {"live", "--sensor", "vlp-16"},
       {"live", "--sensor", "vlp-16", "--out", "x", "--port", "70000"},
       {"live", "--sensor", "vlp-16", "--out", "x", "--view-address", "0.0.0.0"},
       {"view", "/", "--out", "x", "--scan", "-1"},

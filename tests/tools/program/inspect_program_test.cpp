@@ -30,13 +30,16 @@ struct Inspected {
 
 }  // namespace
 
-TEST_CASE("inspect and compare take weights that come with hqslam by name, of any columns") {
+TEST_CASE("inspect and compare take weights that come with hqslam by their name") {
   const TemporaryDirectory folder;
-  write_sensor_json(preset_with("vlp-32c", 270), folder.file("sensor.json"));
-  succeeds("simulate --drive block --sensor '{0}/sensor.json' --scans 1 --seed 9 --out '{0}/drive'",
-           folder.path());
-  succeeds("inspect '{0}/drive' --weights du-mix --out '{0}/page.html'", folder.path());
+  const std::string drive = simulated_drive("--sensor vlp-32c --scans 1 --seed 9");
+  succeeds("inspect '{}' --weights du-mix --out '{}'", drive, folder.file("page.html"));
   CHECK(holds(file_contents(folder.file("page.html")), "du-mix_any-beams.npz"));
+  CHECK(holds(succeeds("compare '{}' --weights du-mix", drive).out, "\ndu-mix "));
+  // On scans of any number of columns.
+  write_sensor_json(preset_with("hdl-32e", 270), folder.file("sensor.json"));
+  succeeds("simulate --drive block --sensor '{0}/sensor.json' --scans 1 --out '{0}/drive'",
+           folder.path());
   CHECK(holds(succeeds("compare '{}' --weights du-mix", folder.file("drive")).out, "\ndu-mix "));
 }
 

@@ -77,7 +77,6 @@ TEST_CASE("scans determine whether they were corrected for motion, and how many 
   CHECK(corrected.verdict == CaptureTime::kMotionCorrected);
   CHECK(corrected.corrected_m < corrected.rolling_m);
   CHECK(corrected.turns == 1);
-  // A stack's scans have no times only where --motion-corrected stated it.
   recordings::OpenOptions stated;
   stated.sensor = "os1-16";
   stated.files.capture_time = CaptureTime::kMotionCorrected;
