@@ -1,3 +1,6 @@
+#include <iterator>
+#include <sstream>
+
 #include "product.h"
 #include "tools/command_line/parsed_options.h"
 
@@ -12,20 +15,17 @@ TEST_CASE("the page of live is served to this computer alone, at port 8642 or an
 }
 
 TEST_CASE("what makes no sense is refused") {
-  const std::vector<std::vector<std::string>> wrong = {
-      {"run", "/"},
-      {"run", "/", "--out", "x", "--rows", "0"},
-      {"run", "/", "--out", "x", "--threads", "0"},
-      {"run", "/", "--out", "x", "--reference", "/no/such/file"},
-      {"run", "/", "--out", "x", "--upsample", "cubic"},
-      {"upsample", "/", "--method", "linear"},
-      {"evaluate", "/no/such/file", "/no/such/file"},
-      {"live", "--sensor", "vlp-16", "--out", "x", "--port", "70000"},
-      {"live", "--sensor", "vlp-16", "--out", "x", "--view-address", "0.0.0.0"},
-      {"view", "/", "--out", "x", "--scan", "-1"},
-  };
-  for (const std::vector<std::string>& arguments : wrong) {
-    CAPTURE(arguments.size());
+  for (const std::string given :
+       {"run", "run /", "run / --out x --rows 0", "run / --out x --rows many",
+        "run / --out x --row-order sideways", "run / --out x --threads 0",
+        "run / --out x --reference /no/such/file", "run / --out x --upsample cubic",
+        "upsample / --method linear", "evaluate /no/such/file /no/such/file",
+        "live --sensor vlp-16", "live --sensor vlp-16 --out x --port 70000",
+        "live --sensor vlp-16 --out x --view-address 0.0.0.0", "view /", "view --out x",
+        "view / --out x --scan -1"}) {
+    CAPTURE(given);
+    std::istringstream words(given);
+    const std::vector<std::string> arguments{std::istream_iterator<std::string>(words), {}};
     CHECK_THROWS_AS(parse(product(), arguments), CLI::ParseError);
   }
 }
