@@ -9,6 +9,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/json_fields.h"
+#include "hqslam/core/ouster_beams.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/core/whole_file.h"
 #include "hqslam/core/words.h"
@@ -73,9 +74,11 @@ void set_lidar_mode(SensorModel& sensor, JsonFields fields) {
 SensorModel sensor_from_ouster(JsonFields fields, const std::string& path) {
   JsonFields beams = fields.section("beam_intrinsics");
   SensorModel sensor;
-  sensor.beam_elevation_rad = radians(beams.numbers("beam_altitude_angles"));
-  sensor.beam_azimuth_offset_rad = radians(beams.numbers("beam_azimuth_angles"));
-  for (double& offset_rad : sensor.beam_azimuth_offset_rad) offset_rad = -offset_rad;
+  const OusterBeams listed = ouster_beams(beams);
+  for (const std::size_t i : listed.present) {
+    sensor.beam_elevation_rad.push_back(radians(listed.altitude_deg[i]));
+    sensor.beam_azimuth_offset_rad.push_back(-radians(listed.azimuth_deg[i]));
+  }
 
   JsonFields format =
       fields.section(fields.has("lidar_data_format") ? "lidar_data_format" : "data_format");
@@ -112,6 +115,25 @@ void require_printable_name(const SensorModel& sensor, const std::string& path) 
 }
 
 }  // namespace
+
+OusterBeams ouster_beams(JsonFields& fields) {
+  constexpr const char* kAzimuth = "beam_azimuth_angles";
+  OusterBeams beams{fields.numbers("beam_altitude_angles"), fields.numbers(kAzimuth), {}};
+  const std::size_t listed = beams.altitude_deg.size();
+  if (beams.azimuth_deg.size() != listed) {
+    fields.complain(kAzimuth, fmt::format("{} angles, one for each altitude", listed));
+  }
+  std::vector<std::size_t> zeros;
+  for (std::size_t i = 0; i < listed; ++i) {
+    const bool is_zero = beams.altitude_deg[i] == 0.0 && beams.azimuth_deg[i] == 0.0;
+    (is_zero ? zeros : beams.present).push_back(i);
+  }
+  if (zeros.size() == 1) {  // one beam may look there
+    beams.present.push_back(zeros.front());
+    std::ranges::sort(beams.present);
+  }
+  return beams;
+}
 
 SensorModel sensor_from_json(const std::string& text, const std::string& source) {
   const JsonFields fields(text, source, "correct the sensor file");

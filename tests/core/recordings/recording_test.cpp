@@ -165,6 +165,8 @@ TEST_CASE("an Ouster's metadata are found beside the capture") {
   CHECK(info.duration_s == doctest::Approx(0.15).scale(0).epsilon(1e-3));
   write_file(directory.file("sensor_2.json"), ouster_metadata_text(OusterProfile::kRng15));
   CHECK(refused_with([&] { Recording::open(path); }, "sensor_1.json", "sensor_2.json"));
+  write_file(directory.file("a_0.json"), ouster_metadata_text(OusterProfile::kRng15));
+  CHECK(all_scans(Recording::open(path)).size() == 3);
   // The file of the capture's own name comes first, and must fit.
   write_file(directory.file("a.json"), ouster_metadata_text(OusterProfile::kLegacy));
   CHECK(refused_with([&] { Recording::open(path); }, "LEGACY", "bytes"));

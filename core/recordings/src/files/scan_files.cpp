@@ -250,8 +250,11 @@ std::unique_ptr<ScanSource> open_scan_files(const std::string& path,
   if (is_one_of(kBinaryPoints) || is_one_of(kTextPoints)) {
     return make_file_scan_source({path}, choose, options);
   }
-  throw Error("{}: expected a recording, found a file named '{}'; give {}", path,
-              extension.string(), kKnownRecordings);
+  throw Error("{}: expected a recording, found {}; give {}", path,
+              extension == ".osf" ? "an Ouster's .osf file, of which 'ouster-cli source FILE.osf "
+                                    "save .pcap' makes a capture"
+                                  : fmt::format("a file named '{}'", extension.string()),
+              kKnownRecordings);
 }
 
 std::unique_ptr<ScanSource> with_imu(std::unique_ptr<ScanSource> source,

@@ -159,13 +159,14 @@ void OusterDecoder::read_columns(Bytes packet) {
 
 void OusterDecoder::read_pixels(const std::uint8_t* pixels, int column) {
   const auto columns = static_cast<std::size_t>(metadata_.sensor.columns);
-  const auto rows = static_cast<std::size_t>(metadata_.sensor.rows());
-  const auto read = [&](const std::uint8_t* at, std::vector<std::uint32_t>& range,
+  const auto read = [&](const std::uint8_t* begin, std::vector<std::uint32_t>& range,
                         std::vector<std::uint16_t>& bright) {
-    for (std::size_t i = static_cast<std::size_t>(column); i < rows * columns; i += columns) {
+    auto i = static_cast<std::size_t>(column);
+    for (const std::size_t pixel : metadata_.pixel_of_row) {
+      const std::uint8_t* at = begin + layout_.pixel * pixel;
       range[i] = range_mm(at, layout_);
       bright[i] = reflectivity(at, layout_);
-      at += layout_.pixel;
+      i += columns;
     }
   };
   read(pixels, frame_->range_mm, frame_->reflectivity);

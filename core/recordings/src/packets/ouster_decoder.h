@@ -106,7 +106,7 @@ class OusterDecoder : public ScanAssembler {
   }
   std::size_t column_bytes() const {
     return layout_.column_header + layout_.column_footer +
-           layout_.pixel * static_cast<std::size_t>(metadata_.sensor.rows());
+           layout_.pixel * metadata_.pixels_per_column;
   }
 
   OusterMetadata metadata_;

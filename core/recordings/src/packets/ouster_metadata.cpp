@@ -11,6 +11,7 @@
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/json_fields.h"
+#include "hqslam/core/ouster_beams.h"
 #include "hqslam/core/whole_file.h"
 
 namespace hqslam::recordings {
@@ -151,8 +152,7 @@ std::uint64_t serial_number(Bytes packet, OusterProfile profile) {
 
 std::size_t OusterMetadata::packet_bytes() const {
   const OusterLayout& of = layout(profile);
-  const std::size_t column =
-      of.column_header + of.column_footer + of.pixel * static_cast<std::size_t>(sensor.rows());
+  const std::size_t column = of.column_header + of.column_footer + of.pixel * pixels_per_column;
   return of.packet_header + of.packet_footer +
          column * static_cast<std::size_t>(columns_per_packet);
 }
@@ -188,6 +188,10 @@ OusterMetadata ouster_metadata_from_json(const std::string& text, const std::str
   if (metadata.columns_per_packet < 1 || metadata.columns_per_packet > 64) {
     format.complain("columns_per_packet", "1 to 64");
   }
+  JsonFields intrinsics = fields.section("beam_intrinsics");
+  const OusterBeams beams = ouster_beams(intrinsics);
+  metadata.pixels_per_column = beams.altitude_deg.size();
+  metadata.pixel_of_row = beams.present;
   set_window(metadata, format);
   const std::string product = words(info, "prod_line").substr(0, 60);
   metadata.serial_number = whole_number(words(info, "prod_sn"));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <utility>
 
@@ -45,6 +46,20 @@ std::vector<Candidate> fitting_files(const fs::path& folder, const Stream& strea
     }
   }
   return candidates;
+}
+
+/// Ouster's programs name the metadata of drive.pcap drive_0.json, drive_1.json and so on.
+bool is_named_after(const fs::path& capture, const std::string& metadata) {
+  const std::string stem = capture.stem().string();
+  const std::string name = fs::path(metadata).stem().string();
+  return name.starts_with(stem + '_') || name.starts_with(stem + '.');
+}
+
+/// Keeps the candidates of a property, if any has it.
+void prefer(std::vector<Candidate>& candidates, const std::function<bool(const Candidate&)>& has) {
+  if (candidates.size() > 1 && std::ranges::any_of(candidates, has)) {
+    std::erase_if(candidates, [&](const Candidate& candidate) { return !has(candidate); });
+  }
 }
 
 /// How often each serial number stands in the first packets, if they were of this profile.
@@ -117,17 +132,13 @@ Candidate metadata_of(StreamReader& reader, const OpenOptions& options) {
   }
   std::vector<Candidate> candidates =
       fitting_files(beside.has_parent_path() ? beside.parent_path() : ".", reader.stream());
-  if (candidates.size() > 1) {
-    std::vector<Candidate> same_sensor;
-    for (const Candidate& candidate : candidates) {
-      const OusterMetadata& metadata = candidate.metadata;
-      if (metadata.serial_number != 0 &&
-          serial_numbers(reader, metadata.profile).contains(metadata.serial_number)) {
-        same_sensor.push_back(candidate);
-      }
-    }
-    if (!same_sensor.empty()) candidates = std::move(same_sensor);
-  }
+  prefer(candidates, [&](const Candidate& candidate) {
+    const OusterMetadata& metadata = candidate.metadata;
+    return metadata.serial_number != 0 &&
+           serial_numbers(reader, metadata.profile).contains(metadata.serial_number);
+  });
+  prefer(candidates,
+         [&](const Candidate& candidate) { return is_named_after(path, candidate.source); });
   if (candidates.empty() && !reader.stream().type.empty()) {
     const std::string text = text_of(later_metadata(path), reader.stream());
     if (!text.empty()) return {ouster_metadata_from_json(text, path), path};

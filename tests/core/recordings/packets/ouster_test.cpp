@@ -43,7 +43,7 @@ TEST_CASE("fields stand where Ouster's own decoder reads them") {
   for (const Expected& e : expected) {
     CAPTURE(name(e.profile));
     OusterMetadata metadata = small_metadata(e.profile);
-    metadata.sensor = sensor_preset("vlp-32c");  // 32 rows
+    metadata.pixels_per_column = 32;
     REQUIRE(metadata.packet_bytes() == e.bytes);
     const Payload bytes = packet(e.bytes);
     const OusterLayout& of = layout(e.profile);
@@ -85,6 +85,18 @@ TEST_CASE("every profile gives the ranges that were put into it") {
       }
     }
   }
+}
+
+TEST_CASE("beams that old firmware lists as 0 and 0, and their pixels, are left out") {
+  std::string text = ouster_metadata_text(OusterProfile::kLegacy, 5);
+  text = replaced_in(text, "[10, 5, 0, -5, -10]", "[0, 5, 0, -5, 0]");
+  OusterDecoder decoder(
+      ouster_metadata_from_json(replaced_in(text, "2, -1, 2, -1, 2", "0, -1, 0, -1, 0"), "a test"));
+  const auto frames = decoded(decoder, ouster_turn(OusterProfile::kLegacy, 1, 5));
+  REQUIRE(frames.size() == 1);
+  REQUIRE(frames[0].range_mm.size() == std::size_t{2 * 512});
+  CHECK(frames[0].range_mm[100] == 2000 + 10 * 1 + 100);
+  CHECK(frames[0].range_mm[512 + 100] == 2000 + 10 * 3 + 100);
 }
 
 TEST_CASE("a pixel's point is that of the documented formula") {

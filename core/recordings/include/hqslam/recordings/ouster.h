@@ -1,9 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "hqslam/core/sensor_model.h"
 
@@ -23,6 +25,9 @@ struct OusterMetadata {
   SensorModel sensor;
   OusterProfile profile = OusterProfile::kLegacy;
   int columns_per_packet = 16;
+  std::size_t pixels_per_column = 0;  ///< in a packet
+  /// The pixel of each row of the sensor: old firmware sends pixels of beams that it lacks, too.
+  std::vector<std::size_t> pixel_of_row;
   /// The columns that the sensor sends; a first one behind the last: over the end of the turn.
   int first_column = 0;
   int last_column = 0;
