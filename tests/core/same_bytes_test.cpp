@@ -4,8 +4,6 @@
 #include "hqslam/core/trajectory.h"
 #include "made_images.h"
 
-using test::hash_of;
-
 // Made on x86-64. Compilers that fuse multiplications and additions, other vector instructions and
 // another mathematics library could each change a last bit.
 TEST_CASE("points, images, components and trajectories have the same bytes on every machine") {
@@ -33,7 +31,7 @@ TEST_CASE("points, images, components and trajectories have the same bytes on ev
   for (int i = 1; i < 200; ++i) {
     trajectory.push_back({0.1 * i, trajectory.back().T_map_sensor * step});
   }
-  const test::TemporaryDirectory directory;
+  const TemporaryDirectory directory;
   write_tum(trajectory, directory.file("trajectory.tum"));
-  CHECK(hash_of(test::file_contents(directory.file("trajectory.tum"))) == 14911819237509355218U);
+  CHECK(hash_of(file_contents(directory.file("trajectory.tum"))) == 14911819237509355218U);
 }

@@ -8,7 +8,7 @@ namespace {
 
 /// Beams at 10, 8.5, 4 and 3 degrees are measured, with a row in the middle above each.
 SensorModel uneven_beams() {
-  return test::beams_at(radians({10.75, 10.0, 9.25, 8.5, 6.25, 4.0, 3.5, 3.0}), 1024);
+  return beams_at(radians({10.75, 10.0, 9.25, 8.5, 6.25, 4.0, 3.5, 3.0}), 1024);
 }
 constexpr RowSelection kEveryOther{1, 2};
 

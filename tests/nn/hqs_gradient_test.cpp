@@ -20,8 +20,7 @@ GradientProblem problem(const HqsPlan& plan, int columns, std::uint32_t seed, in
     p.directions.push_back(random_values(seed + 1 + i, 16 * columns));
   }
   const RangeImage scene = measured_scene(plan);
-  p.measured =
-      test::made_image(4, columns, [&](int row, int column) { return scene.at(row, column); });
+  p.measured = made_image(4, columns, [&](int row, int column) { return scene.at(row, column); });
   if (plan.penalties() == 1) p.parameters.back() = 0.4F;  // at 10.99 hardly anything flows
   return p;
 }

@@ -42,8 +42,8 @@ TEST_CASE("the widest instruction set is chosen, or that which the variable name
 
 TEST_CASE("an unknown name is refused with the list of those that there are") {
   const Setting setting("sse9");
-  const std::string message = test::error_message([] { chosen_instruction_set(); });
-  CHECK(test::one_line_with(message, kVariable, "'sse9'", "portable"));
+  const std::string message = error_message([] { chosen_instruction_set(); });
+  CHECK(one_line_with(message, kVariable, "'sse9'", "portable"));
   for (const InstructionSet instruction_set : available_instruction_sets()) {
     CHECK(message.find(name(instruction_set)) != std::string::npos);
   }

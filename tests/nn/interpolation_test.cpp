@@ -96,11 +96,11 @@ TEST_CASE("columns are interpolated each for itself") {
 
 TEST_CASE("images that do not have the measured rows are refused") {
   const auto message = [](int measured, RowSelection rows, int all) {
-    return test::error_message([&] {
+    return error_message([&] {
       interpolate_rows(RangeImage(measured, 2), rows, even_beams(all), Interpolation::kLinear);
     });
   };
-  CHECK(test::one_line_with(message(3, {0, 4}, 16), "interpolation", "3 x 2", "16 rows"));
+  CHECK(one_line_with(message(3, {0, 4}, 16), "interpolation", "3 x 2", "16 rows"));
   CHECK(message(5, {0, 4}, 16) != "no Error");
   CHECK(message(4, {0, 4}, 16) == "no Error");
   CHECK(message(4, {0, 0}, 4) != "no Error");

@@ -78,8 +78,8 @@ TEST_CASE("a sum of tensors of different shapes is refused") {
   const ConvolutionOptions back{
       .channels = 1, .kernel = {2, 2}, .stride = {2, 2}, .transposed = true};
   const std::vector<int> summands = {half, 0};
-  CHECK(test::refused_with([&] { graph.add("back", back, summands); }, "'back'", "1 x 5 x 16",
-                           "1 x 6 x 16"));
+  CHECK(refused_with([&] { graph.add("back", back, summands); }, "'back'", "1 x 5 x 16",
+                     "1 x 6 x 16"));
 }
 
 TEST_CASE("dropout and its gradient equal PyTorch's, and another seed drops others") {

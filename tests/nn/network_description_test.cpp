@@ -7,7 +7,7 @@ namespace hqslam::nn {
 namespace {
 
 std::string message(const HqsPlan& description) {
-  return test::error_message([&] { validate(description); });
+  return error_message([&] { validate(description); });
 }
 
 /// A change that makes a plan invalid, and a part of the error.
@@ -79,18 +79,18 @@ TEST_CASE("descriptions that describe no network are refused with the field and 
     CHECK(message(plan) == "no Error");
     each.spoil(plan);
     CHECK(message(plan) != "no Error");
-    CHECK(test::one_line_with(message(plan), each.said));
+    CHECK(one_line_with(message(plan), each.said));
   }
   const std::vector<std::pair<RowSelection, const char*>> no_rows = {
       {{16, 4}, "rows 16 + n 4 of 16 are no selection"},
       {{0, 2'000'000'000}, "no selection"},
       {{0, 0}, "no selection"},
       {{0, 1}, "all 16 rows of sensor 'small' are measured"}};
-  CHECK(test::refused_with([] { validate(NetworkDescription{}); }, "architecture"));
+  CHECK(refused_with([] { validate(NetworkDescription{}); }, "architecture"));
   for (const auto& [rows, said] : no_rows) {
     HqsPlan plan = du_or;
     plan.measured_rows = rows;
-    CHECK(test::one_line_with(message(plan), said));
+    CHECK(one_line_with(message(plan), said));
   }
 }
 
@@ -106,7 +106,7 @@ TEST_CASE("the choices of the loop are written as they are read, and refused oth
   CHECK(json.find(R"("penalty": 0.25)") != std::string::npos);
   CHECK(network_json(network_from_json(json, "a test")) == json);
   const auto message_of = [](const std::string& kind, const std::string& fields) {
-    return test::error_message([&] {
+    return error_message([&] {
       network_from_json(
           R"({"kind": ")" + kind + R"(", "sensor": "os1-64", "measured_rows": 16, )" + fields + "}",
           "a test");
@@ -117,7 +117,7 @@ TEST_CASE("the choices of the loop are written as they are read, and refused oth
         "no Error");
   const auto refuses = [&](const char* kind, const char* fields, const auto&... parts) {
     CAPTURE(fields);
-    CHECK(test::one_line_with(message_of(kind, fields), parts...));
+    CHECK(one_line_with(message_of(kind, fields), parts...));
   };
   refuses("simple-du", R"("shared_weights": false)", "shared_weights", "true");
   refuses("du-or", R"("filtered_iterate": "y")", "filtered_iterate", "h, z");
@@ -130,24 +130,24 @@ TEST_CASE("the choices of the loop are written as they are read, and refused oth
 TEST_CASE("networks that take gigabytes are refused, the usual ones on large images are not") {
   HqsPlan simple = small_simple_du();
   simple.plain = {};
-  simple.sensor = test::even_sensor(128, 2048, 28.0, 0.05);
+  simple.sensor = even_sensor(128, 2048, 28.0, 0.05);
   simple.measured_rows = {3, 4};
   CHECK(message(simple) == "no Error");
-  simple.sensor = test::even_sensor(1024, 16352, 28.0, 0.05);
+  simple.sensor = even_sensor(1024, 16352, 28.0, 0.05);
   simple.layers = 1;
   simple.plain = {.features = 512, .convolutions = 2, .dropout = 0.0F};
-  CHECK(test::one_line_with(message(simple), "1024 x 16352", "values", "at most 536870912"));
+  CHECK(one_line_with(message(simple), "1024 x 16352", "values", "at most 536870912"));
   HqsPlan du_or = small_du_or();
   du_or.u_shaped = {.tile = {4, 4}, .channels = {32, 32}, .memory = 16, .negative_slope = 0.0F};
-  du_or.sensor = test::even_sensor(128, 2048, 28.0, 0.05);
+  du_or.sensor = even_sensor(128, 2048, 28.0, 0.05);
   du_or.measured_rows = {3, 4};
   CHECK(message(du_or) == "no Error");
   du_or.u_shaped.tile = {1, 1};
   du_or.u_shaped.channels = {512, 512, 512};
-  CHECK(test::one_line_with(message(du_or), "128 x 2048", "values", "at most 536870912"));
+  CHECK(one_line_with(message(du_or), "128 x 2048", "values", "at most 536870912"));
   du_or.u_shaped.channels = {1, 1};
   du_or.u_shaped.memory = 512;
-  CHECK(test::one_line_with(message(du_or), "128 x 2048", "values"));
+  CHECK(one_line_with(message(du_or), "128 x 2048", "values"));
 }
 
 }  // namespace hqslam::nn

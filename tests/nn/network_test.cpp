@@ -13,7 +13,7 @@ std::vector<NetworkDescription> every_kind() {
 
 /// A scan of `columns` columns, `times` side by side.
 RangeImage repeated_scan(int columns, int times) {
-  return test::made_image(4, columns * times, [=](int row, int column) {
+  return made_image(4, columns * times, [=](int row, int column) {
     return 5 + (row * 37 + column % columns * 11) % 23;
   });
 }
@@ -66,10 +66,10 @@ TEST_CASE("images may have any number of columns that the strides divide, down t
     if (multiple == 1) continue;
     NetworkDescription other = description;
     other.sensor.columns = 60;
-    CHECK(test::refused_with([&] { validate(other); }, "60", "multiple"));
+    CHECK(refused_with([&] { validate(other); }, "60", "multiple"));
     for (const int columns : {multiple - 1, multiple + 1, 3 * multiple + multiple / 2}) {
-      CHECK(test::refused_with([&] { upsampled(description, RangeImage(4, columns)); },
-                               std::to_string(columns), "multiple"));
+      CHECK(refused_with([&] { upsampled(description, RangeImage(4, columns)); },
+                         std::to_string(columns), "multiple"));
     }
   }
 }
@@ -78,8 +78,7 @@ TEST_CASE("columns, threads, instruction sets and parameters that cannot be are 
   for (const NetworkDescription& description : every_kind()) {
     const auto refuses = [&](int columns, int instruction_set, int threads, const auto&... parts) {
       const auto set = static_cast<InstructionSet>(instruction_set);
-      CHECK(
-          test::refused_with([&] { make_network(description, columns, set, threads); }, parts...));
+      CHECK(refused_with([&] { make_network(description, columns, set, threads); }, parts...));
     };
     const int chosen = static_cast<int>(chosen_instruction_set());
     const int beyond_all = static_cast<int>(InstructionSet::kAvx512) + 1;
@@ -92,8 +91,8 @@ TEST_CASE("columns, threads, instruction sets and parameters that cannot be are 
     std::vector<float> parameters = initial_parameters(description, 1);
     const std::string expected = std::to_string(parameters.size());
     parameters.pop_back();
-    CHECK(test::refused_with([&] { made(description, parameters); },
-                             std::to_string(parameters.size()), expected));
+    CHECK(refused_with([&] { made(description, parameters); }, std::to_string(parameters.size()),
+                       expected));
   }
 }
 

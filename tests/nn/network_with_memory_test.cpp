@@ -8,8 +8,8 @@
 namespace hqslam::nn {
 
 TEST_CASE("a memory takes whole tiles of rows, the last of each of which is measured") {
-  CHECK(test::refused_with([] { small_any_beams({0, 4}, true); }, "the last of every 4"));
-  CHECK(test::refused_with([] { small_any_beams({7, 8}, true); }, "tile.rows", "2 to 4"));
+  CHECK(refused_with([] { small_any_beams({0, 4}, true); }, "the last of every 4"));
+  CHECK(refused_with([] { small_any_beams({7, 8}, true); }, "tile.rows", "2 to 4"));
   CHECK(has_scan_memory(network_from_json(network_json(small_du_mix_with_memory()), "file")));
   CHECK_FALSE(has_scan_memory(small_du_mix()));
   CHECK(network_json(small_du_mix()).find("scan_memory") == std::string::npos);
@@ -43,7 +43,7 @@ TEST_CASE("a memory that begins with another network's weights begins as that ne
   }
   CHECK(parameters_to_start_from(weights, plain, "file") == weights.parameters);
   const auto refuses = [&](const Weights& from, const NetworkDescription& to) {
-    CHECK(test::refused_with([&] { parameters_to_start_from(from, to, "file"); }, "file"));
+    CHECK(refused_with([&] { parameters_to_start_from(from, to, "file"); }, "file"));
   };
   refuses(small_weights(description), plain);
   refuses(small_weights(small_du_or()), description);
@@ -56,9 +56,9 @@ TEST_CASE("what is recalled in another shape is refused in one line") {
   RecalledImage recalled = recalled_scene();
   CHECK(resolver.run(measured, recalled).image.rows == 16);
   recalled.weight.pop_back();
-  CHECK(test::refused_with([&] { resolver.run(measured, recalled); }, "1023 weights"));
+  CHECK(refused_with([&] { resolver.run(measured, recalled); }, "1023 weights"));
   recalled = {RangeImage(4, 64), std::vector<float>(4 * 64)};
-  CHECK(test::refused_with([&] { resolver.run(measured, recalled); }, "4 x 64"));
+  CHECK(refused_with([&] { resolver.run(measured, recalled); }, "4 x 64"));
 }
 
 }  // namespace hqslam::nn

@@ -109,9 +109,9 @@ TEST_CASE("the reference refuses what does not fit in one line") {
   const HqsPlan plan = small_du_or();
   const std::vector<double> none;
   const RangeImage measured = measured_scene(plan);
-  CHECK(test::refused_with([&] { reference_trace(plan, none, measured); }, "0 parameters"));
-  CHECK(test::refused_with([&] { reference_trace(plan, none, RangeImage(16, 64)); }, "16 x 64"));
-  CHECK(test::refused_with([&] { reference_of(plan, {.rejected = {{1}}}); }, "a mask of 1"));
+  CHECK(refused_with([&] { reference_trace(plan, none, measured); }, "0 parameters"));
+  CHECK(refused_with([&] { reference_trace(plan, none, RangeImage(16, 64)); }, "16 x 64"));
+  CHECK(refused_with([&] { reference_of(plan, {.rejected = {{1}}}); }, "a mask of 1"));
 }
 
 TEST_CASE("DU-Mix for any beams equals the reference, whatever rows are measured") {

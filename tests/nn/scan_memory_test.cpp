@@ -10,7 +10,7 @@ namespace hqslam::nn {
 namespace {
 
 const SensorModel kMemorySensor = [] {
-  SensorModel sensor = test::preset_with("os1-64", 256);
+  SensorModel sensor = preset_with("os1-64", 256);
   sensor.measured_rows = RowSelection{3, 4};
   return sensor;
 }();
@@ -53,7 +53,7 @@ ColumnPoses poses_at(double scan, const Eigen::Vector3d& offset_m, int first_col
 /// The ranges of all beams, column after column.
 RangeImage seen_from(const ColumnPoses& poses, const Eigen::Vector3d& offset_m,
                      bool pillar = true) {
-  return test::made_image(kMemorySensor, [&](int row, int column, const Eigen::Vector3d& along) {
+  return made_image(kMemorySensor, [&](int row, int column, const Eigen::Vector3d& along) {
     const Pose& pose = poses[kMemorySensor.firing_column(row, column)];
     return range_to_hall_m(pose.translation() - offset_m, pose.linear() * along, pillar);
   });
@@ -231,9 +231,7 @@ TEST_CASE("the scans of a slow sensor are kept step by step") {
 TEST_CASE("what does not fit a memory is refused in one line") {
   SensorModel sensor = kMemorySensor;
   ScanMemory memory(sensor);
-  const auto refuses = [](const auto& call, const char* what) {
-    CHECK(test::refused_with(call, what));
-  };
+  const auto refuses = [](const auto& call, const char* what) { CHECK(refused_with(call, what)); };
   refuses([&] { memory.recall(RangeImage(64, 256), kHere); }, "64 x 256");
   refuses([&] { memory.recall(RangeImage(16, 256), ColumnPoses(7)); }, "7 poses");
   refuses([&] { memory.insert(OrganizedCloud(16, 128), kHere, 0.0); }, "16 x 128");

@@ -30,7 +30,7 @@ TEST_CASE("a range that the sensor cannot measure is no return, and empties noth
 }
 
 TEST_CASE("inside a parallel region of the caller's each object works as it does outside") {
-  const test::TemporaryDirectory directory;
+  const TemporaryDirectory directory;
   for (const Weights& weights :
        {weights_of(small_du_or()), weights_of(small_simple_du()), small_weights(small_du_mix())}) {
     const std::string path = directory.file("weights.npz");
@@ -45,7 +45,7 @@ TEST_CASE("inside a parallel region of the caller's each object works as it does
     std::array<Trace, kCallers> traces;
 #pragma omp parallel for num_threads(kCallers) schedule(static, 1)
     for (int i = 0; i < kCallers; ++i) {
-      complaints[i] = test::error_message(
+      complaints[i] = error_message(
           [&] { upsampled[i] = SuperResolver::load(path, {.threads = 2}).run(scene, &traces[i]); });
     }
     for (int i = 0; i < kCallers; ++i) {
@@ -62,8 +62,8 @@ TEST_CASE("inside a parallel region of the caller's each object works as it does
 
 TEST_CASE("an image of another shape is refused with both shapes that would do") {
   SuperResolver resolver(weights_of(small_du_or()), {});
-  CHECK(test::refused_with([&] { resolver.run(RangeImage(5, 64)); }, "5 x 64", "4 or 16 x 64"));
-  CHECK(test::refused_with([&] { resolver.run(RangeImage(4, 32)); }, "4 x 32"));
+  CHECK(refused_with([&] { resolver.run(RangeImage(5, 64)); }, "5 x 64", "4 or 16 x 64"));
+  CHECK(refused_with([&] { resolver.run(RangeImage(4, 32)); }, "4 x 32"));
 }
 
 TEST_CASE("the filter at the end can be left out") {
@@ -87,7 +87,7 @@ TEST_CASE("the filter at the end can be left out") {
 }
 
 TEST_CASE("a weights file is loaded, checked and counted") {
-  const test::TemporaryDirectory directory;
+  const TemporaryDirectory directory;
   const std::string path = directory.file("weights.npz");
   const Weights weights = weights_of(small_du_or());
   write_weights(path, weights);
@@ -98,7 +98,7 @@ TEST_CASE("a weights file is loaded, checked and counted") {
   const std::int64_t per_layer =
       64 * (19 * 6 * 9) + 16 * (6 * 8 * 9) + 16 * (8 * 8 * 9) + 16 * (8 * 6 * 4) + 64 * (6 * 83);
   CHECK(resolver.multiply_adds() == 3 * per_layer);
-  CHECK(test::refused_with([&] { SuperResolver::load(directory.file("none.npz")); }, "none.npz"));
+  CHECK(refused_with([&] { SuperResolver::load(directory.file("none.npz")); }, "none.npz"));
 }
 
 }  // namespace hqslam::nn

@@ -82,7 +82,7 @@ TEST_CASE("a third prior is one file and one line: described, trained, written a
         network_json(description));
 
   const Weights weights = weights_with(description, trained_for(description, 40).parameters);
-  const test::TemporaryDirectory directory;
+  const TemporaryDirectory directory;
   const std::string path = directory.file("weights.npz");
   write_weights(path, weights);
   const Weights read = read_weights(path, kWithAThird);

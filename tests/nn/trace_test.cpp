@@ -82,9 +82,9 @@ TEST_CASE("Simple DU has no Y, DU-Mix has modes instead of a choice") {
 
 TEST_CASE("an unknown name is refused with the nearest ones") {
   const Trace trace = traced_run(shallow_du_or()).trace;
-  CHECK(test::refused_with([&] { trace.tensor("layers.9.h"); }, "no tensor 'layers.9.h'",
-                           "did you mean 'layers.0.h'"));
-  CHECK(test::refused_with([&] { trace.image("layers.0.encoder.0"); }, "6 channels", "expected 1"));
+  CHECK(refused_with([&] { trace.tensor("layers.9.h"); }, "no tensor 'layers.9.h'",
+                     "did you mean 'layers.0.h'"));
+  CHECK(refused_with([&] { trace.image("layers.0.encoder.0"); }, "6 channels", "expected 1"));
 }
 
 }  // namespace hqslam::nn

@@ -82,7 +82,7 @@ TEST_CASE("the gradients of DU-Mix for any beams are the slopes of its loss") {
 TEST_CASE("a network of one sensor refuses another one, and one for any beams takes it") {
   const NetworkDescription one = small_du_mix();
   CHECK_FALSE(fits_any_sensor(one));
-  CHECK(test::refused_with([&] { for_sensor(one, one.sensor, {1, 2}); }, "expected one for any"));
+  CHECK(refused_with([&] { for_sensor(one, one.sensor, {1, 2}); }, "expected one for any"));
   const NetworkDescription any = small_any_beams({3, 4});
   CHECK(fits_any_sensor(any));
   const NetworkDescription other = for_sensor(any, any.sensor, {1, 2});
@@ -90,7 +90,7 @@ TEST_CASE("a network of one sensor refuses another one, and one for any beams ta
   SensorModel odd = any.sensor;
   odd.beam_elevation_rad.resize(12);
   odd.beam_azimuth_offset_rad.resize(12);
-  CHECK(test::refused_with([&] { for_sensor(any, odd, {3, 4}); }, "even number", "found 3"));
+  CHECK(refused_with([&] { for_sensor(any, odd, {3, 4}); }, "even number", "found 3"));
 }
 
 TEST_CASE("the loss is the mean over the columns, where they are no whole vectors too") {
@@ -98,7 +98,7 @@ TEST_CASE("the loss is the mean over the columns, where they are no whole vector
   // scale is e^-3.5.
   const NetworkDescription description = small_du_mix();
   const std::vector<float> nothing(elements(parameter_shapes(description)));
-  const RangeImage walls = test::flat_image(16, 40, 10.0F);  // ten tiles a row
+  const RangeImage walls = flat_image(16, 40, 10.0F);  // ten tiles a row
   const RangeImage measured = select_rows(walls, description.measured_rows);
   for (const InstructionSet instruction_set : available_instruction_sets()) {
     CAPTURE(name(instruction_set));
@@ -158,11 +158,10 @@ TEST_CASE("the confidence grows with the tolerance, and its exponent is that of 
 TEST_CASE("a DU-Mix that cannot be is refused with the field") {
   TwoModesShape bad = small_two_modes();
   bad.tile.rows = 2;
-  CHECK(test::refused_with([&] { validate(small_du_mix(bad)); }, "tiles of 2 rows",
-                           "one measured row"));
+  CHECK(refused_with([&] { validate(small_du_mix(bad)); }, "tiles of 2 rows", "one measured row"));
   TwoModesShape senseless = small_two_modes();
   senseless.channels = 0;
-  CHECK(test::refused_with([&] { small_du_mix(senseless); }, "channels is 0"));
+  CHECK(refused_with([&] { small_du_mix(senseless); }, "channels is 0"));
 }
 
 }  // namespace hqslam::nn

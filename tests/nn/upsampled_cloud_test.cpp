@@ -9,16 +9,16 @@ namespace {
 constexpr RowSelection kMeasuredRows = {1, 2};
 
 /// Six rows of 16 columns, of which rows 1, 3 and 5 are measured.
-const SensorModel kSixRows = test::even_sensor(6, 16, 10.0, 4.0);
+const SensorModel kSixRows = even_sensor(6, 16, 10.0, 4.0);
 
 RangeImage image_with_holes() {
-  return test::made_image(6, 16, [](int row, int column) {
+  return made_image(6, 16, [](int row, int column) {
     const int i = 16 * row + column;
     return i % 7 == 3 ? 0.0 : 5.0 + 0.1 * i;
   });
 }
 
-const RangeImage kTenMetres = test::flat_image(6, 16, 10.0F);
+const RangeImage kTenMetres = flat_image(6, 16, 10.0F);
 
 }  // namespace
 
@@ -94,7 +94,7 @@ TEST_CASE("the scans of a sensor that keeps to its beam table become what unproj
 }
 
 TEST_CASE("a computed point deviates from its beam as the measured ones above and below do") {
-  const RangeImage upsampled = test::flat_image(6, 16, 20.0F);
+  const RangeImage upsampled = flat_image(6, 16, 20.0F);
   OrganizedCloud measured(3, 16);
   const auto measure = [&](int measured_row, int column, double deviation_deg) {
     const int row = kMeasuredRows.offset + measured_row * kMeasuredRows.stride;

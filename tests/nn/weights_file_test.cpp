@@ -8,13 +8,11 @@
 namespace hqslam::nn {
 namespace {
 
-using test::refused_with;
-
 std::string golden_file(const std::string& name) { return golden_folder() + "/" + name + ".npz"; }
 
 /// A weights file after `change` was made to its arrays.
 void refuses_arrays(const auto& change, const auto&... parts) {
-  const test::TemporaryDirectory directory;
+  const TemporaryDirectory directory;
   const std::string path = directory.file("weights.npz");
   write_weights(path, small_weights(small_du_or(), 7));
   NpzArrays arrays = read_npz(path);
@@ -37,7 +35,7 @@ void refuses_description(const std::string& from, const std::string& to, const a
   refuses_arrays(
       [&](NpzArrays& arrays) {
         const std::string text = text_value(arrays["description"], "description");
-        arrays["description"] = npz_text(test::replaced_in(text, from, to));
+        arrays["description"] = npz_text(replaced_in(text, from, to));
       },
       parts...);
 }
@@ -45,7 +43,7 @@ void refuses_description(const std::string& from, const std::string& to, const a
 }  // namespace
 
 TEST_CASE("weights of every network come back as they were written") {
-  const test::TemporaryDirectory directory;
+  const TemporaryDirectory directory;
   const std::string path = directory.file("weights.npz");
   for (const NetworkDescription& description :
        {NetworkDescription(small_du_or()), NetworkDescription(small_simple_du()), small_du_mix()}) {
@@ -100,7 +98,7 @@ TEST_CASE("a description that does not fit is refused with field, expected and f
 }
 
 TEST_CASE("weights that no reader would take are not written") {
-  const test::TemporaryDirectory directory;
+  const TemporaryDirectory directory;
   const std::string path = directory.file("weights.npz");
   for (const int missing : {1, -1}) {
     Weights weights = small_weights(small_du_or(), 7);
@@ -136,7 +134,7 @@ TEST_CASE("arrays that PyTorch exported give the ranges that PyTorch gave, withi
 }
 
 TEST_CASE("arrays of double precision are taken, missing and unknown ones named") {
-  const test::TemporaryDirectory directory;
+  const TemporaryDirectory directory;
   const std::string path = directory.file("arrays.npz");
   NpzArrays arrays = read_npz(golden_file("exported_simple_du"));
   arrays.erase("self_test.measured");

@@ -35,7 +35,7 @@ enum class Imu { kNone, kAll, kWithGap, kClockSetBack, kInG };
 /// began. Out: the worst error of a position.
 double worst_inertial_error_m(double period_s, int scans, Imu imu,
                               const slam::MountingOptions& mounting, double begin_s = 0.0) {
-  const SensorModel sensor = test::small_sensor(16, 1024);
+  const SensorModel sensor = small_sensor(16, 1024);
   slam::SlamOptions options;
   options.mounting = mounting;
   options.loop_closing.enabled = false;
@@ -59,7 +59,7 @@ double worst_inertial_error_m(double period_s, int scans, Imu imu,
       }
     }
     slam.add_imu(samples);
-    const OrganizedCloud scan = test::Yard().rolling_scan(sensor, [&](double time_s) {
+    const OrganizedCloud scan = Yard().rolling_scan(sensor, [&](double time_s) {
       return hand_pose(begin_s + stamp_s + time_s) * T_level_sensor;
     });
     const slam::ScanReport report = slam.process(scan, stamp_of(stamp_s));

@@ -9,21 +9,21 @@ using slam::Status;
 namespace {
 
 Pose street_pose(double x_m, double y_m = 0.0, double yaw_rad = 0.0) {
-  return test::yard_pose(x_m, y_m, yaw_rad);
+  return yard_pose(x_m, y_m, yaw_rad);
 }
 
 /// What a drive along a street, from x = 0 to 80 m, leaves behind.
-slam::SavedMap driven(const test::Village& village) {
-  slam::Slam slam(test::street_sensor());
+slam::SavedMap driven(const Village& village) {
+  slam::Slam slam(street_sensor());
   for (int i = 0; i <= 80; ++i) {
-    slam.process(village.scan(street_pose(test::kStreetStep_m * i)), 0.1 * i);
+    slam.process(village.scan(street_pose(kStreetStep_m * i)), 0.1 * i);
   }
   slam.finish();
   return slam.saved_map();
 }
 
 slam::Slam located_in(const slam::SavedMap& map, const std::optional<Pose>& T_map_start = {}) {
-  return slam::Slam(test::street_sensor(), slam::SlamOptions(), map, T_map_start);
+  return slam::Slam(street_sensor(), slam::SlamOptions(), map, T_map_start);
 }
 
 /// Where a scan of the street is in that map: its first scan is the origin.
@@ -36,7 +36,7 @@ double error_m(const Pose& T_map_sensor, const Pose& T_street_sensor) {
 }  // namespace
 
 TEST_CASE("a drive is located in an earlier one's map from any start, and leaves that unchanged") {
-  const test::Village village = test::street(31);
+  const Village village = street(31);
   const slam::SavedMap map = driven(village);
   CHECK(map.places.size() >= 18);
   for (const double yaw_rad : {0.3, std::numbers::pi}) {
@@ -59,15 +59,15 @@ TEST_CASE("a drive is located in an earlier one's map from any start, and leaves
 }
 
 TEST_CASE("a place outside of the map is not recognized, and one inside is after it") {
-  const slam::SavedMap map = driven(test::street(31));
+  const slam::SavedMap map = driven(street(31));
   slam::Slam slam = located_in(map);
   for (int i = 0; i < 5; ++i) {
-    const auto report = slam.process(test::street(77).scan(street_pose(30.0 + i)), 0.1 * i);
+    const auto report = slam.process(street(77).scan(street_pose(30.0 + i)), 0.1 * i);
     CHECK(report.mapping_status == Status::kNotRecognized);
     CHECK_FALSE(is_registered(report.mapping_status));
     CHECK(std::isinf(report.covariance(0, 0)));
   }
-  const auto report = slam.process(test::street(31).scan(street_pose(30.0)), 0.5);
+  const auto report = slam.process(street(31).scan(street_pose(30.0)), 0.5);
   CHECK(report.mapping_status != Status::kNotRecognized);
   CHECK(error_m(report.T_map_sensor, street_pose(30.0)) < 0.05);
   const double sigma_m = std::sqrt(report.covariance(0, 0));
@@ -76,7 +76,7 @@ TEST_CASE("a place outside of the map is not recognized, and one inside is after
 }
 
 TEST_CASE("a sensor that is covered at first, or later, is recognized when it is uncovered") {
-  const test::Village village = test::street(31);
+  const Village village = street(31);
   slam::Slam slam = located_in(driven(village));
   OrganizedCloud nothing = village.scan(street_pose(30.0));
   std::ranges::fill(nothing.range_m, 0.0F);
@@ -106,7 +106,7 @@ TEST_CASE("a sensor that is covered at first, or later, is recognized when it is
 }
 
 TEST_CASE("of two halves that are alike the given start decides") {
-  const test::Village village = test::street_of_two_equal_halves();
+  const Village village = street_of_two_equal_halves();
   const slam::SavedMap map = driven(village);
   const Pose truth = street_pose(68.0, 0.5, 0.1);
   const OrganizedCloud scan = village.scan(truth);
@@ -117,7 +117,7 @@ TEST_CASE("of two halves that are alike the given start decides") {
 }
 
 TEST_CASE("a sensor carried along the street is found there after a few scans") {
-  const test::Village village = test::street(31);
+  const Village village = street(31);
   slam::Slam slam = located_in(driven(village));
   int located = 0;
   for (int i = 0; i < 20; ++i) {
@@ -131,21 +131,21 @@ TEST_CASE("a sensor carried along the street is found there after a few scans") 
 }
 
 TEST_CASE("a sensor that spins fast is located in a given map as one that stands is") {
-  slam::Slam mapped(test::street_sensor());
-  for (int i = 0; i < 40; ++i) mapped.process(test::drive_scan(test::street_sensor(), i), 0.1 * i);
+  slam::Slam mapped(street_sensor());
+  for (int i = 0; i < 40; ++i) mapped.process(drive_scan(street_sensor(), i), 0.1 * i);
   mapped.finish();
-  const Pose T_yard_start = test::drive_pose(2.0);
-  const Pose T_map_yard = test::drive_pose(0.0).inverse();
+  const Pose T_yard_start = drive_pose(2.0);
+  const Pose T_map_yard = drive_pose(0.0).inverse();
   const auto T_yard_sensor = [&](double time_s) {
     const double turned_rad = 0.75 * time_s * std::abs(time_s);
     return Pose(T_yard_start * Eigen::AngleAxisd(turned_rad, Eigen::Vector3d::UnitZ()));
   };
   slam::Slam slam = located_in(mapped.saved_map(), T_map_yard * T_yard_start);
   for (int i = 0; i < 40; ++i) {
-    const auto report = slam.process(
-        test::Yard().rolling_scan(test::street_sensor(),
-                                  [&](double t_s) { return T_yard_sensor(0.1 * i + t_s); }),
-        0.1 * i);
+    const auto report =
+        slam.process(Yard().rolling_scan(street_sensor(),
+                                         [&](double t_s) { return T_yard_sensor(0.1 * i + t_s); }),
+                     0.1 * i);
     const Pose error = report.T_map_sensor.inverse() * T_map_yard * T_yard_sensor(0.1 * i);
     CAPTURE(i);
     CHECK(is_registered(report.mapping_status));
@@ -159,8 +159,8 @@ TEST_CASE("a map needs places; none is saved without loop closing or in a given 
   CHECK_THROWS_WITH_AS(located_in(empty), doctest::Contains("expected a map with places"), Error);
   slam::SlamOptions open;
   open.loop_closing.enabled = false;
-  CHECK_THROWS_WITH_AS(slam::Slam(test::street_sensor(), open).saved_map(),
+  CHECK_THROWS_WITH_AS(slam::Slam(street_sensor(), open).saved_map(),
                        doctest::Contains("loop closing"), Error);
-  const slam::Slam given = located_in(driven(test::street(31)));
+  const slam::Slam given = located_in(driven(street(31)));
   CHECK_THROWS_WITH_AS(given.saved_map(), doctest::Contains("given map"), Error);
 }

@@ -69,7 +69,7 @@ class RandomDrive {
     for (int i = 0; i < count; ++i) {
       x_m_ += step_m_;
       time_s_ += 0.1;
-      const Pose pose = test::yard_pose(x_m_, 0.0, 0.0);
+      const Pose pose = yard_pose(x_m_, 0.0, 0.0);
       OrganizedCloud cloud = streets_[street_].scan(sensor_, pose);
       if (is_blind_) cloud = OrganizedCloud(cloud.rows, cloud.columns);
       slam::ScanTrace trace;
@@ -81,9 +81,9 @@ class RandomDrive {
   }
 
   std::mt19937 random_;
-  SensorModel sensor_ = test::small_sensor(16, 240);
+  SensorModel sensor_ = small_sensor(16, 240);
   slam::Slam slam_{sensor_};
-  std::array<test::Village, 2> streets_ = {test::street(31), test::street(77)};
+  std::array<Village, 2> streets_ = {street(31), street(77)};
   std::size_t street_ = 0;
   bool is_blind_ = false;
   bool was_carried_blind_ = false;

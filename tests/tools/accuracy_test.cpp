@@ -71,7 +71,7 @@ double ape_rmse_m(const TrackedDrive& drive) {
 
 /// The recorded HDL-64E drive of HQSLAM_DATA, or an empty result where that is not set.
 TrackedDrive track_recorded(int rows) {
-  const auto folder = test::real_data("kitti_drive_0005");
+  const auto folder = real_data("kitti_drive_0005");
   if (!folder) return {};
   TrackedDrive result;
   const SensorModel sensor = sensor_preset("hdl-64e");
@@ -215,7 +215,7 @@ TEST_CASE("an inertial sensor with negated rates, or late, costs a drive nothing
 }
 
 TEST_CASE("a hand with a scan a second is located by single scans where its odometry fails") {
-  const auto folder = test::real_data("handheld_os0");
+  const auto folder = real_data("handheld_os0");
   if (!folder) return;
   NpyStackReader stack(*folder + "/scans.npy");
   const RowSelection rows = selection_for(64, 16);

@@ -91,8 +91,8 @@ TEST_CASE("upsampling a scan allocates what it returns, the measured rows and 10
     CAPTURE(weights);
     auto resolver =
         nn::SuperResolver::load(golden_folder() + "/../../weights/" + weights, {.threads = 2});
-    const RangeImage image = test::made_image(
-        64, 1024, [](int row, int column) { return 5.0 + 0.3 * row + 0.01 * column; });
+    const RangeImage image =
+        made_image(64, 1024, [](int row, int column) { return 5.0 + 0.3 * row + 0.01 * column; });
     resolver.run(image);
     const Allocations second = allocations_of([&] { resolver.run(image); });
     const Allocations allocations = allocations_of([&] { resolver.run(image); });

@@ -35,6 +35,8 @@ TEST_CASE("a file with the name of a capture or a bag and other contents is refu
   }
   write_file(directory.file("a.xyz"), "junk");
   CHECK(refused_with([&] { Recording::open(directory.file("a.xyz")); }, "'.xyz'", ".pcap", ".bag"));
+  write_file(directory.file("a.osf"), "junk");
+  CHECK(refused_with([&] { Recording::open(directory.file("a.osf")); }, "Ouster's .osf", "save"));
 }
 
 namespace {

@@ -5,7 +5,7 @@ namespace hqslam {
 namespace {
 
 SensorModel two_beams() {
-  SensorModel sensor = test::beams_at({0.1, -0.2}, 16);
+  SensorModel sensor = beams_at({0.1, -0.2}, 16);
   sensor.elevation_correction_rad = {0.01, -0.02};
   sensor.range_correction_m = {0.5, -0.25};
   return sensor;

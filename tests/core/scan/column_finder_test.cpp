@@ -17,7 +17,7 @@ TEST_CASE("the column that is found quickly is the sensor's own, also at all col
   std::vector<SensorModel> sensors;
   for (const std::string& name : sensor_preset_names()) sensors.push_back(sensor_preset(name));
   for (const int columns : {16, 1023, 16384}) {
-    sensors.push_back(test::preset_with("vls-128", columns));
+    sensors.push_back(preset_with("vls-128", columns));
   }
   for (const SensorModel& sensor : sensors) {
     CAPTURE(sensor.name);

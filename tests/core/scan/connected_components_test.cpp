@@ -4,8 +4,6 @@
 
 namespace {
 
-using test::degrees_apart;
-
 /// The slow, textbook form: union-find over all pairs of neighbours with atan2.
 std::vector<int> union_find_labels(const RangeImage& image, const SensorModel& sensor,
                                    double min_angle_rad,
@@ -61,7 +59,7 @@ ConnectedComponents components_of(const RangeImage& image, const SensorModel& se
 
 TEST_CASE("a near column splits the scan in two, because the scan is a circle") {
   const SensorModel sensor = degrees_apart(5, 360);
-  RangeImage image = test::flat_image(5, 360, 10.0F);
+  RangeImage image = flat_image(5, 360, 10.0F);
   for (int row = 0; row < 5; ++row) image.at(row, 180) = 5.0F;
   CHECK(components_of(image, sensor, 20 * kDegree_rad).components.size() == 2);
 }
@@ -100,7 +98,7 @@ TEST_CASE("labels equal those of a slow union-find on random images, with and wi
 }
 
 TEST_CASE("more than 65,536 components are distinguished") {
-  const RangeImage image = test::made_image(
+  const RangeImage image = made_image(
       64, 4096, [](int row, int column) { return (row + column) % 2 == 0 ? 5.0 : 50.0; });
   const auto result = components_of(image, degrees_apart(64, 4096), 10 * kDegree_rad);
   CHECK(result.components.size() == 64 * 4096);
@@ -108,7 +106,7 @@ TEST_CASE("more than 65,536 components are distinguished") {
 }
 
 TEST_CASE("a second image is not affected by the first") {
-  const RangeImage full = test::flat_image(4, 32, 3.0F);
+  const RangeImage full = flat_image(4, 32, 3.0F);
   ComponentLabeler labeler(degrees_apart(4, 32), {});
   labeler.label(full);
   CHECK(labeler.label(RangeImage(4, 32)).components.empty());

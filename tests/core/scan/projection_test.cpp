@@ -10,7 +10,7 @@ namespace {
 
 RangeImage random_image(const SensorModel& sensor, unsigned seed) {
   std::mt19937 generator(seed);
-  return hqslam::test::made_image(sensor.rows(), sensor.columns, [&](int, int) {
+  return made_image(sensor.rows(), sensor.columns, [&](int, int) {
     const auto value = static_cast<double>(generator() % 1000);
     return value < 200.0 ? 0.0 : 2.0 + 0.05 * value;
   });

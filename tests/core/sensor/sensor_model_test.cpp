@@ -133,7 +133,7 @@ TEST_CASE("validation names the field, the value and the constraint") {
   const auto is_refused = [](const auto& change) {
     SensorModel changed = sensor_preset("vlp-16");
     change(changed);
-    return test::error_message([&] { validate(changed); }) != "no Error";
+    return error_message([&] { validate(changed); }) != "no Error";
   };
   for (const int columns : {16, 16384, 16385}) {
     CHECK(is_refused([&](SensorModel& s) { s.columns = columns; }) == (columns > 16384));

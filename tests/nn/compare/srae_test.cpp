@@ -91,8 +91,8 @@ TEST_CASE("the published size has the published numbers of parameters and multip
 TEST_CASE("rows and sizes that do not fit are refused with what would") {
   NetworkDescription srae = small_srae();
   srae.measured_rows = {2, 3};
-  CHECK(test::refused_with([&] { validate(srae); }, "2 + n 3", "16"));
-  CHECK(test::refused_with([] { Srae({.dropout = 1.0F}); }, "dropout", "1"));
+  CHECK(refused_with([&] { validate(srae); }, "2 + n 3", "16"));
+  CHECK(refused_with([] { Srae({.dropout = 1.0F}); }, "dropout", "1"));
   CHECK_THROWS_AS(make_network(small_srae(), 40, chosen_instruction_set(), 1), Error);
 }
 

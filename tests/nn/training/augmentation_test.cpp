@@ -12,7 +12,7 @@ const Augmentation kNothing{
 
 /// Ranges that number their pixels; far from the sensor's limits.
 RangeImage numbered() {
-  return test::made_image(16, 64, [](int row, int i) { return 10.0 + 0.0625 * (64 * row + i); });
+  return made_image(16, 64, [](int row, int i) { return 10.0 + 0.0625 * (64 * row + i); });
 }
 
 TrainingSample sample(const Augmentation& augmentation, std::uint64_t seed) {

@@ -21,7 +21,7 @@ Checkpoint some_checkpoint() {
 }  // namespace
 
 TEST_CASE("a checkpoint brings back parameters, moments, steps and curve exactly") {
-  const test::TemporaryDirectory directory;
+  const TemporaryDirectory directory;
   const std::string path = directory.file("checkpoint.npz");
   const Checkpoint written = some_checkpoint();
   write_checkpoint(path, written);
@@ -37,14 +37,14 @@ TEST_CASE("a checkpoint brings back parameters, moments, steps and curve exactly
 }
 
 TEST_CASE("a checkpoint of another configuration or network, or a damaged one, is refused") {
-  const test::TemporaryDirectory directory;
+  const TemporaryDirectory directory;
   const std::string path = directory.file("checkpoint.npz");
   write_checkpoint(path, some_checkpoint());
   const auto message = [&](const std::string& configuration, const NetworkDescription& network) {
-    return test::error_message([&] { read_checkpoint(path, configuration, network, {}); });
+    return error_message([&] { read_checkpoint(path, configuration, network, {}); });
   };
-  CHECK(test::one_line_with(message("{}", small_du_or()), "another training configuration"));
-  CHECK(test::one_line_with(message("{\"a\": 1}", small_simple_du()), "first_moment", "expected"));
+  CHECK(one_line_with(message("{}", small_du_or()), "another training configuration"));
+  CHECK(one_line_with(message("{\"a\": 1}", small_simple_du()), "first_moment", "expected"));
   const NpzArrays good = read_npz(path);
   const auto refuses = [&](const char* name, const std::optional<NpzArray>& instead,
                            const auto&... parts) {
@@ -52,7 +52,7 @@ TEST_CASE("a checkpoint of another configuration or network, or a damaged one, i
     arrays.erase(name);
     if (instead) arrays[name] = *instead;
     write_npz(path, arrays);
-    CHECK(test::one_line_with(message("{\"a\": 1}", small_du_or()), name, parts...));
+    CHECK(one_line_with(message("{\"a\": 1}", small_du_or()), name, parts...));
   };
   for (const std::int64_t steps : {std::int64_t{-4}, std::int64_t{1} << 62}) {
     refuses("steps", npz_array(std::vector{steps}, {1}), "expected");

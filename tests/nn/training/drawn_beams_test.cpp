@@ -6,7 +6,7 @@ namespace hqslam::nn {
 namespace {
 
 /// 272 rows, a quarter of a degree apart.
-SensorModel many_rows() { return test::even_sensor(272, 64, 34.0, 0.25); }
+SensorModel many_rows() { return even_sensor(272, 64, 34.0, 0.25); }
 
 }  // namespace
 
@@ -32,7 +32,7 @@ TEST_CASE("a drawn sensor sees its rows and columns of a scan, up to its range")
   DrawnBeams beams = draw_beams(many_rows(), 3);
   beams.sensor.max_range_m = 100.0;
   const TrainingScan scan{
-      test::made_image(272, 64, [](int row, int column) { return row + 0.01 * column; })};
+      made_image(272, 64, [](int row, int column) { return row + 0.01 * column; })};
   const TrainingScan seen = seen_by(beams, scan);
   CHECK(seen.truth.columns == 64 / beams.column_step);
   for (int row = 0; row < seen.truth.rows; ++row) {
@@ -42,7 +42,7 @@ TEST_CASE("a drawn sensor sees its rows and columns of a scan, up to its range")
 }
 
 TEST_CASE("the beams like a sensor's are the nearest ones") {
-  const SensorModel like = test::preset_with("vlp-16", 32);
+  const SensorModel like = preset_with("vlp-16", 32);
   const DrawnBeams beams = beams_like(many_rows(), like, {0, 1});
   for (int row = 0; row < 16; ++row) {
     CHECK(beams.sensor.beam_elevation_rad[row] ==

@@ -40,9 +40,9 @@ TEST_CASE("a training that stopped and went on gives the same bytes as one that 
 
 TEST_CASE("a network for any beams is trained on drawn sensors, the same ones by any threads") {
   const NetworkDescription description = small_any_beams({3, 4});
-  const SensorModel many = test::even_sensor(272, description.sensor.columns, 34.0, 0.25);
-  const TrainingScan scan{test::made_image(
-      272, many.columns, [](int row, int column) { return 5 + (row + column) % 7; })};
+  const SensorModel many = even_sensor(272, description.sensor.columns, 34.0, 0.25);
+  const TrainingScan scan{
+      made_image(272, many.columns, [](int row, int column) { return 5 + (row + column) % 7; })};
   TrainingPlan plan = small_plan();
   plan.drawn_from = many;
   plan.augmentation.crop_columns = 32;
@@ -55,13 +55,13 @@ TEST_CASE("a network for any beams is trained on drawn sensors, the same ones by
   check_same(one, trained_by(3));
   CHECK(one.parameters != fresh_state(description).parameters);
   plan.drawn_from.reset();
-  CHECK(test::refused_with([&] { trained_by(1); }, "272 x"));
+  CHECK(refused_with([&] { trained_by(1); }, "272 x"));
 }
 
 TEST_CASE("a network for any beams is trained and validated on scans of several sensors") {
   const NetworkDescription description = small_any_beams({3, 4}, true);
   TrainingScan usual{small_scene()};
-  TrainingScan wide{test::flat_image(8, 128, 7.0F), {}, ScanSensor{description.sensor, {1, 2}}};
+  TrainingScan wide{flat_image(8, 128, 7.0F), {}, ScanSensor{description.sensor, {1, 2}}};
   wide.sensor->sensor.columns = 128;
   wide.sensor->sensor.beam_elevation_rad.resize(8);
   wide.sensor->sensor.beam_azimuth_offset_rad.resize(8);
@@ -76,7 +76,7 @@ TEST_CASE("a network for any beams is trained and validated on scans of several 
   check_same(trained_by(1), trained_by(3));
   wide.sensor->sensor.columns = 64;
   Trainer trainer(description, plan, in_memory({usual, wide}), fresh_state(description), 1);
-  CHECK(test::refused_with([&] { train(trainer, 4); }, "8 x 128", "8 x 64"));
+  CHECK(refused_with([&] { train(trainer, 4); }, "8 x 128", "8 x 64"));
 }
 
 TEST_CASE("every step draws samples of its own") {

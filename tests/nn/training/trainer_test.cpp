@@ -6,7 +6,7 @@ namespace hqslam::nn {
 namespace {
 
 std::string plan_message(const TrainingPlan& plan) {
-  return test::error_message([&] { validate(plan, small_sensor()); });
+  return error_message([&] { validate(plan, small_sensor()); });
 }
 
 }  // namespace
@@ -49,7 +49,7 @@ TEST_CASE("the mean begins with the first step and follows by 10 of 11 in the se
 TEST_CASE("the gradient and the loss of a batch are means: equal samples give those of one") {
   const HqsPlan description = small_du_or();
   // The same from every side, so that turning it changes nothing.
-  const RangeImage rings = test::made_image(16, 64, [](int row, int) { return 30.0 - row; });
+  const RangeImage rings = made_image(16, 64, [](int row, int) { return 30.0 - row; });
   TrainingPlan plan = small_plan();
   plan.augmentation = {.smallest_scale = 1.0F, .largest_scale = 1.0F};
   TrainingStep steps[2];
@@ -108,29 +108,29 @@ TEST_CASE("plans that cannot be followed are refused with the field and the valu
        }) {
     TrainingPlan plan = small_plan();
     spoil(plan);
-    CHECK(test::one_line_with(plan_message(plan), said));
+    CHECK(one_line_with(plan_message(plan), said));
   }
 }
 
 TEST_CASE("scans and states that do not fit the network are refused, by any number of threads") {
   const HqsPlan description = small_du_or();
   const auto message = [&](std::vector<TrainingScan> with, const TrainingState& state) {
-    return test::error_message(
+    return error_message(
         [&] { Trainer(description, small_plan(), in_memory(std::move(with)), state, 2); });
   };
   const TrainingState good = fresh_state(description);
   CHECK(message(scans(), good) == "no Error");
-  CHECK(test::one_line_with(message({}, good), "no scans"));
-  CHECK(test::one_line_with(message({{RangeImage(16, 32)}}, good), "16 x 32", "16 x 64"));
+  CHECK(one_line_with(message({}, good), "no scans"));
+  CHECK(one_line_with(message({{RangeImage(16, 32)}}, good), "16 x 32", "16 x 64"));
   TrainingState bad = good;
   bad.parameters.pop_back();
-  CHECK(test::one_line_with(message(scans(), bad), std::to_string(bad.parameters.size())));
+  CHECK(one_line_with(message(scans(), bad), std::to_string(bad.parameters.size())));
   bad = good;
   bad.optimiser.second_moment.pop_back();
-  CHECK(test::one_line_with(message(scans(), bad), std::to_string(good.parameters.size())));
+  CHECK(one_line_with(message(scans(), bad), std::to_string(good.parameters.size())));
   Trainer trainer(description, small_plan(), in_memory(scans()), good, 2);
   const std::vector<TrainingScan> mixed = {{small_scene()}, {RangeImage(16, 32)}};
-  CHECK(test::refused_with([&] { trainer.validate(mixed); }, "16 x 32"));
+  CHECK(refused_with([&] { trainer.validate(mixed); }, "16 x 32"));
 }
 
 TEST_CASE("a training whose loss is not finite stops with an Error, by any number of threads") {
@@ -139,7 +139,7 @@ TEST_CASE("a training whose loss is not finite stops with an Error, by any numbe
     TrainingState state = fresh_state(description);
     state.parameters[0] = std::nanf("");
     Trainer trainer(description, small_plan(), in_memory(scans()), state, threads);
-    CHECK(test::refused_with([&] { trainer.step(); }, "not finite"));
+    CHECK(refused_with([&] { trainer.step(); }, "not finite"));
   }
 }
 

@@ -18,8 +18,8 @@ const std::string kText = R"({
 /// Of the text with `to` in place of `from`.
 void refuses_recipe(const std::string& from, const std::string& to, const auto&... parts) {
   CAPTURE(to);
-  const std::string text = test::replaced_in(kText, from, to);
-  CHECK(test::refused_with([&] { training_configuration(text, "recipe.json"); }, parts...));
+  const std::string text = replaced_in(kText, from, to);
+  CHECK(refused_with([&] { training_configuration(text, "recipe.json"); }, parts...));
 }
 
 }  // namespace
@@ -46,7 +46,7 @@ TEST_CASE("a configuration is read field by field, the rest keeps its default") 
 
 TEST_CASE("seeds are a list or a span, conditions usual or varied") {
   const TrainingConfiguration c = training_configuration(
-      test::replaced_in(kText, "[1, 2]", R"({"first": 1000, "count": 3}, "conditions": "varied")"),
+      replaced_in(kText, "[1, 2]", R"({"first": 1000, "count": 3}, "conditions": "varied")"),
       "recipe.json");
   CHECK(c.training.simulated[0].seeds == std::vector<int>{1000, 1001, 1002});
   CHECK(c.training.simulated[0].conditions == DriveConditions::kVaried);
@@ -62,7 +62,7 @@ TEST_CASE("drives and stacks of a network for any beams have sensors of their ow
            {R"("every": 10})", R"("every": 10, "sensor": "drawn"})"},
            {R"("a.npy")", R"("a.npy", "sensor": "hdl-32e", "measured_rows": 8)"},
            {R"("steps")", R"("drawn_from": "vls-128", "steps")"}}) {
-    text = test::replaced_in(text, from, to);
+    text = replaced_in(text, from, to);
   }
   const TrainingConfiguration c = training_configuration(text, "recipe.json");
   CHECK(c.training.simulated[0].own_sensors);

@@ -19,7 +19,7 @@ class FixedNetwork final : public Network {
 };
 
 /// Walls 10 m away.
-RangeImage walls() { return test::flat_image(16, 64, 10.0F); }
+RangeImage walls() { return flat_image(16, 64, 10.0F); }
 
 /// The same; the first 16 columns of the row above the second measured one have no return.
 RangeImage truth() {

@@ -31,12 +31,12 @@ TEST_CASE("drift grows with the path, not with the number of scans") {
   slam::Drift in_one_step = sixteen_rows();
   slam::Drift in_ten = sixteen_rows();
   const MotionState state = known_to(0.01);
-  in_one_step.grow(test::at_x(1e-6), state);
-  in_ten.grow(test::at_x(1e-6), state);
+  in_one_step.grow(at_x(1e-6), state);
+  in_ten.grow(at_x(1e-6), state);
   const Matrix6 start = covariance_of(in_one_step, state);
   // Steps so small that the lever of a turn is negligible.
-  in_one_step.grow(test::at_x(0.01), state);
-  for (int i = 0; i < 10; ++i) in_ten.grow(test::at_x(0.001), state);
+  in_one_step.grow(at_x(0.01), state);
+  for (int i = 0; i < 10; ++i) in_ten.grow(at_x(0.001), state);
   const double grown = covariance_of(in_one_step, state)(2, 2) - start(2, 2);
   CHECK(grown > 0.0);
   CHECK(covariance_of(in_ten, state)(2, 2) - start(2, 2) == doctest::Approx(grown).epsilon(1e-3));
@@ -93,7 +93,7 @@ TEST_CASE("a start tilts the map within the first metres, by the spacing of the 
   slam::Drift drift = sixteen_rows();
   constexpr double kPath_m = 20.0;
   for (int i = 0; i < 1000; ++i)
-    drift.grow(test::at_x(kPath_m / 1000), kExact, slam::Drift::Level::kByGravity);
+    drift.grow(at_x(kPath_m / 1000), kExact, slam::Drift::Level::kByGravity);
   const Matrix6 covariance = covariance_of(drift, kExact);
   const double tilt_rad = 0.019 * 0.0368;
   const double lean_rad2_per_m = std::pow(1.2e-4, 2);  // rest of the lean after levelling
@@ -132,7 +132,7 @@ TEST_CASE("beam errors make it lean by the path's root, less with gravity, more 
   using enum slam::Drift::Level;
   const auto sigma_after = [](int steps_m, slam::Drift::Level level, int at) {
     slam::Drift drift = sixteen_rows();
-    for (int i = 0; i < steps_m; ++i) drift.grow(test::at_x(1.0), kExact, level);
+    for (int i = 0; i < steps_m; ++i) drift.grow(at_x(1.0), kExact, level);
     return std::sqrt(covariance_of(drift, kExact)(at, at));
   };
   constexpr int kAhead = 0;
@@ -150,13 +150,13 @@ TEST_CASE("beam errors make it lean by the path's root, less with gravity, more 
 TEST_CASE("the covariance of the last scan is carried to this one") {
   slam::Drift drift = sixteen_rows();  // whose heading is lost, to 0.1 rad
   drift.lose(0.1 * 0.1 * Vector6::Unit(5).asDiagonal().toDenseMatrix(), false);
-  CHECK(covariance_of(drift, kExact, test::at_x(20.0))(1, 1) == doctest::Approx(4.0));
+  CHECK(covariance_of(drift, kExact, at_x(20.0))(1, 1) == doctest::Approx(4.0));
   slam::Drift moved = drift;
-  moved.move(test::at_x(20.0));
-  CHECK(covariance_of(moved, kExact).isApprox(covariance_of(drift, kExact, test::at_x(20.0))));
+  moved.move(at_x(20.0));
+  CHECK(covariance_of(moved, kExact).isApprox(covariance_of(drift, kExact, at_x(20.0))));
   // An error of the heading becomes one across the path.
   const double before_m2 = covariance_of(drift, kExact)(1, 1);
-  drift.grow(test::at_x(20.0), kExact);
+  drift.grow(at_x(20.0), kExact);
   CHECK(covariance_of(drift, kExact)(1, 1) - before_m2 >= doctest::Approx(4.0));
   CHECK(covariance_of(drift, kExact)(5, 5) >= doctest::Approx(0.01));
 }
@@ -183,20 +183,20 @@ TEST_CASE("unmeasured motion stays uncertain until a loop removes that, but not 
     slam::Drift drift = sixteen_rows();
     drift.lose(9.0 * Matrix6::Identity(), is_carried);
     const slam::DriftState before = drift.state();
-    for (int i = 0; i < 10; ++i) drift.grow(test::at_x(0.5), known_to(0.01));
+    for (int i = 0; i < 10; ++i) drift.grow(at_x(0.5), known_to(0.01));
     CHECK(std::isinf(covariance_of(drift, kExact)(0, 0)) == is_carried);
     CHECK(covariance_of(drift, kExact)(0, 0) >= doctest::Approx(9.0));
     slam::Drift never_lost = sixteen_rows();
-    for (int i = 0; i < 10; ++i) never_lost.grow(test::at_x(0.5), known_to(0.01));
+    for (int i = 0; i < 10; ++i) never_lost.grow(at_x(0.5), known_to(0.01));
     const slam::DriftState after{before.drift, 1e-4 * Matrix6::Identity(), false};
     slam::Drift found = drift;
-    found.set(improved(drift.state(), {before, after}, test::at_x(5.0), true));
+    found.set(improved(drift.state(), {before, after}, at_x(5.0), true));
     const double of_drift_m2 = covariance_of(never_lost, kExact)(0, 0);
     CHECK(covariance_of(found, kExact)(0, 0) == doctest::Approx(of_drift_m2 + 1e-4));
     // If tracking was lost again since, nothing follows for the present pose.
     slam::Drift lost_again = drift;
     lost_again.lose(4.0 * Matrix6::Identity(), true);
-    lost_again.set(improved(lost_again.state(), {before, after}, test::at_x(5.0), false));
+    lost_again.set(improved(lost_again.state(), {before, after}, at_x(5.0), false));
     CHECK(std::isinf(covariance_of(lost_again, kExact)(0, 0)));
   }
 }

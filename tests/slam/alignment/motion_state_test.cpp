@@ -9,10 +9,10 @@ using slam::Vector6;
 namespace {
 
 constexpr double kLong_s = 1000.0;
-const test::SteadyDrive kScrew{
+const SteadyDrive kScrew{
     pose_from_xyz_rpy({3, 4, 5}, 0.1, 0.2, 0.3), {12, -1, 0.5}, {0.3, -0.2, 0.8}};
 
-MotionState driving(const test::SteadyDrive& drive) {
+MotionState driving(const SteadyDrive& drive) {
   MotionState state;
   state.T_map_sensor = drive.at(0.0);
   state.velocity = {drive.velocity_mps, drive.turn_rad_per_s};
@@ -64,7 +64,7 @@ TEST_CASE("covariance is carried as random errors of the start are") {
     Vector6 error = Vector6::Constant(0.3 * kError);
     error[i] = kError;
     state.covariance.topLeftCorner<6, 6>() += error * error.transpose();
-    test::SteadyDrive moved = kScrew;
+    SteadyDrive moved = kScrew;
     moved.T_start = kScrew.T_start * exponential(slam::twist_of(error));
     const Vector6 later = slam::vector_of(logarithm(kScrew.at(0.9).inverse() * moved.at(0.9)));
     expected += later * later.transpose();

@@ -17,11 +17,11 @@ const Vector6 kVelocityError = (Vector6() << 0.3, -0.2, 0.1, 0.05, -0.1, 0.2).fi
 /// velocity that was wrong by kVelocityError; the pose at the stamp is right.
 std::vector<PlaneConstraint> wrongly_corrected(bool with_times) {
   std::mt19937 generator(11);
-  const auto random = [&] { return test::random_vector(generator); };
+  const auto random = [&] { return random_vector(generator); };
   std::vector<PlaneConstraint> result;
   for (int i = 0; i < 300; ++i) {
     const Eigen::Vector3d true_m = 20.0 * random();
-    const double time_s = 0.05 * test::random_unit(generator);
+    const double time_s = 0.05 * random_unit(generator);
     const Pose missing = exponential(time_s * slam::twist_of(kVelocityError));
     const Eigen::Vector3d normal = (random() + Eigen::Vector3d(0, 0, 0.1)).normalized();
     PlaneConstraint plane{missing.inverse() * true_m, normal, normal.dot(true_m), 50.0};

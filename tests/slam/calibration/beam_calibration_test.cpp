@@ -7,16 +7,16 @@ namespace hqslam {
 namespace {
 
 constexpr int kRows = 16;
-constexpr double kHeight_m = 1.7;  ///< of test::yard_pose
+constexpr double kHeight_m = 1.7;  ///< of yard_pose
 
 /// A sensor whose beams have errors of elevation and range against `sensor`.
 struct BiasedSensor {
-  SensorModel sensor = test::small_sensor(kRows, 512);
+  SensorModel sensor = small_sensor(kRows, 512);
   std::vector<double> elevation_rad;  ///< truth minus the model
   std::vector<double> range_m;        ///< truth minus what is measured
 
   /// Its measured scan of a yard.
-  OrganizedCloud scan(const test::Yard& yard, const Pose& T_yard_sensor) const {
+  OrganizedCloud scan(const Yard& yard, const Pose& T_yard_sensor) const {
     SensorModel true_sensor = sensor;
     for (int row = 0; row < kRows; ++row) true_sensor.beam_elevation_rad[row] += elevation_rad[row];
     RangeImage image = range_image(yard.scan(true_sensor, T_yard_sensor));
@@ -42,10 +42,10 @@ BiasedSensor biased_sensor(double elevation_deg, double range_m) {
 
 /// Scans around the yard, with errors of the poses of centimetres, as those of SLAM.
 std::vector<slam::LocatedScan> drive(const BiasedSensor& sensor, double step_m = 1.0) {
-  const test::Yard yard{.half_width_m = 10.0};
+  const Yard yard{.half_width_m = 10.0};
   std::vector<slam::LocatedScan> scans;
   for (int i = 0; i < 40.0 / step_m; ++i) {
-    const Pose truth = test::yard_pose(-20.0 + step_m * i, 5.0 * std::sin(0.15 * i), 0.1 * i);
+    const Pose truth = yard_pose(-20.0 + step_m * i, 5.0 * std::sin(0.15 * i), 0.1 * i);
     Pose estimated = truth;
     estimated.translation() +=
         Eigen::Vector3d(0.01 * std::sin(i), 0.01 * std::cos(2 * i), 0.01 * std::sin(3 * i));

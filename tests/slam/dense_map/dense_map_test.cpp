@@ -50,7 +50,7 @@ bool same_bytes(const std::vector<Value>& a, const std::vector<Value>& b) {
 /// Scans of a random scatter about the sensor, measured and computed, from places along a line.
 std::vector<OrganizedCloud> random_scans(int count) {
   std::mt19937 generator(11);
-  const auto random = [&] { return static_cast<float>(test::random_unit(generator)); };
+  const auto random = [&] { return static_cast<float>(random_unit(generator)); };
   std::vector<OrganizedCloud> scans;
   for (int scan = 0; scan < count; ++scan) {
     OrganizedCloud cloud(4, 500);
@@ -86,7 +86,7 @@ std::vector<DenseMapPoint> map_of(const std::vector<OrganizedCloud>& scans, bool
 
 TEST_CASE("one point per voxel: the mean of the measured ones, in the map's frame") {
   DenseMap map({});
-  map.insert(test::cloud_of({{1.02F, 0.05F, 0.05F}, {1.06F, 0.05F, 0.05F}, {1.15F, 0.05F, 0.05F}}),
+  map.insert(cloud_of({{1.02F, 0.05F, 0.05F}, {1.06F, 0.05F, 0.05F}, {1.15F, 0.05F, 0.05F}}),
              std::nullopt, at(10.0));
   const auto points = map.points();
   REQUIRE(points.size() == 2);
@@ -98,13 +98,13 @@ TEST_CASE("one point per voxel: the mean of the measured ones, in the map's fram
 
 TEST_CASE("a voxel's intensity is the mean of those of the points that its place is the mean of") {
   const float nan = std::nanf("");
-  OrganizedCloud measured = test::cloud_of({{1.02F, 0.05F, 0.05F}, {1.06F, 0.05F, 0.05F}});
+  OrganizedCloud measured = cloud_of({{1.02F, 0.05F, 0.05F}, {1.06F, 0.05F, 0.05F}});
   measured.intensity = {0.25F, 100.0F};
   OrganizedCloud guesses = computed(
-      test::cloud_of({{1.05F, 0.05F, 0.05F}, {1.15F, 0.05F, 0.05F}, {1.16F, 0.05F, 0.05F}}), 0.5F);
+      cloud_of({{1.05F, 0.05F, 0.05F}, {1.15F, 0.05F, 0.05F}, {1.16F, 0.05F, 0.05F}}), 0.5F);
   guesses.intensity = {7.0F, 20.0F, 40.0F};
   guesses.confidence[2] = 0.98F;
-  OrganizedCloud silent = test::cloud_of({{1.25F, 0.05F, 0.05F}, {1.35F, 0.05F, 0.05F}});
+  OrganizedCloud silent = cloud_of({{1.25F, 0.05F, 0.05F}, {1.35F, 0.05F, 0.05F}});
   OrganizedCloud unknown = silent;
   unknown.intensity = {nan, 8.0F};
   const std::vector<OrganizedCloud> scans = {measured, guesses, silent, unknown};
@@ -121,7 +121,7 @@ TEST_CASE("a voxel's intensity is the mean of those of the points that its place
     CHECK(intensity[3] == 8.0F);
   } while (std::next_permutation(order.begin(), order.end()));
   DenseMap without({});
-  insert(without, test::cloud_of(wall(5.0F)));
+  insert(without, cloud_of(wall(5.0F)));
   std::vector<float> intensity = {1.0F};
   CHECK(without.points(&intensity).size() == 200);
   CHECK(intensity.empty());
@@ -139,7 +139,7 @@ TEST_CASE("points of a turning, driving sensor are placed by its pose at their c
   for (const double t : {-0.05, 0.05}) {
     seen_m.push_back((path.at(t).inverse() * thing_m).cast<float>());
   }
-  OrganizedCloud cloud = test::cloud_of(seen_m);
+  OrganizedCloud cloud = cloud_of(seen_m);
   cloud.time_offset_s = {-0.05F, 0.05F};
   DenseMap map({});
   map.insert(cloud, std::nullopt, path);
@@ -151,22 +151,22 @@ TEST_CASE("points of a turning, driving sensor are placed by its pose at their c
 TEST_CASE("a wall that beams of other scans cross vanishes; one that they meet stays") {
   DenseMap map({});
   // Something stands 5 m ahead in two scans and is gone in six.
-  for (int i = 0; i < 2; ++i) insert(map, test::cloud_of(wall(5.05F)));
-  for (int i = 0; i < 6; ++i) insert(map, test::cloud_of(wall(10.05F)));
+  for (int i = 0; i < 2; ++i) insert(map, cloud_of(wall(5.05F)));
+  for (int i = 0; i < 6; ++i) insert(map, cloud_of(wall(10.05F)));
   CHECK(points_near_x(map.points(), 5.05F) == 200);
-  for (int i = 0; i < 2; ++i) map.see_through(test::cloud_of(wall(5.05F)), kOrigin);
+  for (int i = 0; i < 2; ++i) map.see_through(cloud_of(wall(5.05F)), kOrigin);
   // The far wall fills half of the near one's angle; a dense one crosses every voxel.
   for (int i = 0; i < 6; ++i) {
     std::vector<Eigen::Vector3f> dense_m;
     for (const Eigen::Vector3f& point_m : wall(5.05F)) dense_m.push_back(10.05F / 5.05F * point_m);
-    map.see_through(test::cloud_of(dense_m), kOrigin);
+    map.see_through(cloud_of(dense_m), kOrigin);
   }
   CHECK(points_near_x(map.points(), 5.05F) == 0);
   CHECK(points_near_x(map.points(), 10.05F) == 200);
 }
 
 TEST_CASE("a computed wall is in the map when scans agree, a lone computed point is not") {
-  const OrganizedCloud lone = computed(test::cloud_of({{5.05F, 0.05F, 0.05F}}), 0.5F);
+  const OrganizedCloud lone = computed(cloud_of({{5.05F, 0.05F, 0.05F}}), 0.5F);
   DenseMap map({});
   insert(map, lone);
   CHECK(map.points().empty());
@@ -178,8 +178,8 @@ TEST_CASE("a computed wall is in the map when scans agree, a lone computed point
 
 TEST_CASE("a computed point between measured ones needs less confidence than one in the open") {
   DenseMap map({});
-  insert(map, test::cloud_of({{5.05F, -0.05F, 0.05F}, {5.05F, 0.15F, 0.05F}}));
-  insert(map, computed(test::cloud_of({{5.05F, 0.05F, 0.05F}, {5.05F, 2.05F, 0.05F}}), 0.5F));
+  insert(map, cloud_of({{5.05F, -0.05F, 0.05F}, {5.05F, 0.15F, 0.05F}}));
+  insert(map, computed(cloud_of({{5.05F, 0.05F, 0.05F}, {5.05F, 2.05F, 0.05F}}), 0.5F));
   CHECK(map.points().size() == 3);
 }
 
@@ -211,10 +211,10 @@ TEST_CASE("the same scans give the same bytes, in any order, with one thread and
 
 TEST_CASE("memory is bounded: a full map adds no voxels and reports it") {
   DenseMap map({.max_voxels = 100});
-  insert(map, test::cloud_of(wall(5.05F)));
+  insert(map, cloud_of(wall(5.05F)));
   CHECK(map.is_full());
   CHECK(map.voxels() == 100);
-  insert(map, test::cloud_of(wall(5.05F)));
+  insert(map, cloud_of(wall(5.05F)));
   CHECK(map.voxels() == 100);
   const auto points = map.points();
   REQUIRE(points.size() == 100);
@@ -224,8 +224,8 @@ TEST_CASE("memory is bounded: a full map adds no voxels and reports it") {
 TEST_CASE("points beyond the range, without a return or not finite leave no trace") {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInfinite = std::numeric_limits<float>::infinity();
-  OrganizedCloud cloud = test::cloud_of(
-      {{60.0F, 0.0F, 0.0F}, {5.0F, 0.0F, 0.0F}, {kNan, 0.0F, 0.0F}, {1e30F, 0.0F, 0.0F}});
+  OrganizedCloud cloud =
+      cloud_of({{60.0F, 0.0F, 0.0F}, {5.0F, 0.0F, 0.0F}, {kNan, 0.0F, 0.0F}, {1e30F, 0.0F, 0.0F}});
   cloud.range_m = {60.0F, 0.0F, 5.0F, 5.0F};
   DenseMap map({});
   insert(map, cloud);
@@ -242,7 +242,7 @@ TEST_CASE("points beyond the range, without a return or not finite leave no trac
 
 TEST_CASE("clouds, poses and options that cannot be are errors of one line") {
   DenseMap map({});
-  OrganizedCloud cloud = test::cloud_of({{5.0F, 0.0F, 0.0F}, {6.0F, 0.0F, 0.0F}});
+  OrganizedCloud cloud = cloud_of({{5.0F, 0.0F, 0.0F}, {6.0F, 0.0F, 0.0F}});
   cloud.confidence = {1.0F};
   CHECK(refused_with([&] { insert(map, cloud); }, "1x2", "1 confidences"));
   cloud.confidence.clear();
@@ -251,7 +251,7 @@ TEST_CASE("clouds, poses and options that cannot be are errors of one line") {
   cloud.intensity.clear();
   cloud.range_m.pop_back();
   CHECK(refused_with([&] { map.see_through(cloud, kOrigin); }, "1 ranges"));
-  cloud = test::cloud_of({{5.0F, 0.0F, 0.0F}});
+  cloud = cloud_of({{5.0F, 0.0F, 0.0F}});
   CHECK(refused_with([&] { map.insert(cloud, {}, at(HUGE_VAL)); }, "expected a finite pose"));
   CHECK(refused_with([] { DenseMap({.voxel_m = 0.0}); }, "voxel_m", "0.02"));
   CHECK(refused_with([] { validate(DenseMapOptions{.least_confidence = 1.0}); }, "least_confidence",

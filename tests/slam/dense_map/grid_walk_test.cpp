@@ -39,8 +39,8 @@ TEST_CASE("the cells cover the section without gaps, each holding its part") {
   std::mt19937 generator(5);
   for (int beam = 0; beam < 200; ++beam) {
     BeamSection section;
-    section.origin_m = 5.0 * hqslam::test::random_vector(generator);
-    section.direction = hqslam::test::random_vector(generator).normalized();
+    section.origin_m = 5.0 * random_vector(generator);
+    section.direction = random_vector(generator).normalized();
     section.begin_m = 0.3;
     section.end_m = 4.0;
     double at_m = section.begin_m;

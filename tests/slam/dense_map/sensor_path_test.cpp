@@ -29,6 +29,5 @@ TEST_CASE("at the ends, and beside a stamp that does not rise, the other side's 
   CHECK(SensorPath(trajectory, 1).at(0.05).translation().x() == doctest::Approx(1.5));
   CHECK(SensorPath(trajectory, 2).at(0.05).translation().x() == 7.0);
   CHECK(SensorPath({pose_at(0.0, 2.0)}, 0).at(0.05).translation().x() == 2.0);
-  CHECK(hqslam::test::refused_with([] { SensorPath({pose_at(0.0, 0.0)}, 1); }, "scan 1",
-                                   "trajectory of 1"));
+  CHECK(refused_with([] { SensorPath({pose_at(0.0, 0.0)}, 1); }, "scan 1", "trajectory of 1"));
 }

@@ -11,7 +11,7 @@ struct OneRow {
   slam::Segmentation segmentation;
 
   explicit OneRow(const std::vector<float>& range_m) {
-    sensor = test::beams_at({0.0}, static_cast<int>(range_m.size()));
+    sensor = beams_at({0.0}, static_cast<int>(range_m.size()));
     RangeImage image(1, sensor.columns);
     image.range_m = range_m;
     cloud = unproject(image, sensor, CaptureTime::kMotionCorrected);
@@ -23,17 +23,17 @@ struct OneRow {
   slam::Features features() const { return slam::extract_features(cloud, segmentation, {}); }
 };
 
-slam::Features yard_features(const SensorModel& sensor, const test::Yard& yard) {
-  return test::scan_features(yard.scan(sensor, test::yard_pose(0, 0, 0)), sensor);
+slam::Features yard_features(const SensorModel& sensor, const Yard& yard) {
+  return scan_features(yard.scan(sensor, yard_pose(0, 0, 0)), sensor);
 }
 
 }  // namespace
 
 TEST_CASE("the slope of the ground is in the ground, across the row, that of a wall upwards") {
-  const SensorModel sensor = test::small_sensor(16, 512);
+  const SensorModel sensor = small_sensor(16, 512);
   const Pose tilted = pose_from_xyz_rpy({0.0, 0.0, 1.7}, 0.05, -0.03, 0.4);
-  const test::Yard floor{.half_length_m = 500.0, .half_width_m = 500.0, .pillars = false};
-  const auto features = test::scan_features(floor.scan(sensor, tilted), sensor);
+  const Yard floor{.half_length_m = 500.0, .half_width_m = 500.0, .pillars = false};
+  const auto features = scan_features(floor.scan(sensor, tilted), sensor);
   const Eigen::Vector3f up = tilted.linear().transpose().col(2).cast<float>();
   CHECK(features.ground.size() > 200);
   for (const auto& point : features.ground) {
@@ -41,13 +41,13 @@ TEST_CASE("the slope of the ground is in the ground, across the row, that of a w
     CHECK(std::abs(point.slope.dot(up)) < 0.02F);
     CHECK(point.slope.head<2>().dot(point.point_m.head<2>().normalized()) > 0.9F);
   }
-  for (const auto& point : yard_features(sensor, test::Yard()).surfaces)
+  for (const auto& point : yard_features(sensor, Yard()).surfaces)
     CHECK(point.slope == Eigen::Vector3f::UnitZ());
 }
 
 TEST_CASE("a short run of one row that no other row shows to stand is no feature, a long one is") {
-  const SensorModel sensor = test::small_sensor(16, 512);
-  const RangeImage image = test::flat_image(16, 512, 20.0F);
+  const SensorModel sensor = small_sensor(16, 512);
+  const RangeImage image = flat_image(16, 512, 20.0F);
   slam::Segmentation objects;
   objects.pixel_class.assign(image.range_m.size(), slam::PixelClass::kObject);
   const auto near_features = [&](int run) {
@@ -64,8 +64,8 @@ TEST_CASE("a short run of one row that no other row shows to stand is no feature
 }
 
 TEST_CASE("in a scan with computed rows the measured ones have features, the same as alone") {
-  const SensorModel sensor = test::small_sensor(32, 512);
-  const OrganizedCloud cloud = test::Yard().scan(sensor, test::yard_pose(0, 0, 0));
+  const SensorModel sensor = small_sensor(32, 512);
+  const OrganizedCloud cloud = Yard().scan(sensor, yard_pose(0, 0, 0));
   const slam::Segmentation segmentation = slam::segment(cloud, sensor, {});
   const slam::Features of_all = slam::extract_features(cloud, segmentation, {});
   const auto features = slam::extract_features(cloud, segmentation, {}, RowSelection{3, 4});
@@ -112,8 +112,8 @@ TEST_CASE("the far side of a depth jump is never an edge, the near side may be o
 }
 
 TEST_CASE("an edge on a post is the post's centre") {
-  const SensorModel sensor = test::beams_at({0.04, 0.0, -0.04}, 360);
-  RangeImage image = test::flat_image(3, 360, 10.0F);
+  const SensorModel sensor = beams_at({0.04, 0.0, -0.04}, 360);
+  RangeImage image = flat_image(3, 360, 10.0F);
   for (int row = 0; row < 3; ++row) std::fill_n(image.range_m.begin() + 360 * row + 100, 6, 5.0F);
   const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kMotionCorrected);
   const slam::Segmentation objects{std::vector(image.range_m.size(), slam::PixelClass::kObject)};
@@ -175,8 +175,8 @@ TEST_CASE("a circle around the sensor and the curve of a distant wall have no ed
 }
 
 TEST_CASE("edges of a yard are on its pillars and corners") {
-  const test::Yard yard;
-  const auto features = yard_features(test::small_sensor(32, 1024), yard);
+  const Yard yard;
+  const auto features = yard_features(small_sensor(32, 1024), yard);
   CHECK(features.sharp_edges.size() > 50);
   int on_pillar_or_corner = 0;
   for (const auto& edge : features.sharp_edges) {
@@ -194,7 +194,7 @@ TEST_CASE("edges of a yard are on its pillars and corners") {
 }
 
 TEST_CASE("flat points are ground, sharp edges are among the edges, rows rise") {
-  const auto features = yard_features(test::small_sensor(32, 1024), test::Yard());
+  const auto features = yard_features(small_sensor(32, 1024), Yard());
   CHECK(features.flat_points.size() > 100);
   // The lowest point of a wall counts as ground where the floor before it is far away.
   int on_floor = 0;
@@ -211,7 +211,7 @@ TEST_CASE("flat points are ground, sharp edges are among the edges, rows rise") 
 }
 
 TEST_CASE("two flat points of a row are never within five points of each other") {
-  const SensorModel sensor = test::small_sensor(16, 720);
+  const SensorModel sensor = small_sensor(16, 720);
   const auto features = yard_features(sensor, {.pillars = false});
   REQUIRE(features.flat_points.size() > 20);
   for (std::size_t i = 0; i < features.flat_points.size(); ++i) {

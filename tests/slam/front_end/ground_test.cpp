@@ -15,7 +15,7 @@ OrganizedCloud column_cloud(const SensorModel& sensor, const std::vector<Eigen::
   return cloud;
 }
 
-SensorModel downward_sensor() { return test::beams_at({-0.05, -0.1, -0.15, -0.2}, 16); }
+SensorModel downward_sensor() { return beams_at({-0.05, -0.1, -0.15, -0.2}, 16); }
 
 std::vector<int> marked_rows(const std::vector<Eigen::Vector3f>& points) {
   const SensorModel sensor = downward_sensor();
@@ -65,8 +65,8 @@ TEST_CASE("points of beams above the horizon are no ground, however level they a
 TEST_CASE("the floor of a yard is ground and its walls are not, for 16, 32, 64 and 128 rows") {
   for (const char* name : {"vlp-16", "hdl-32e", "os1-64", "vls-128"}) {
     SensorModel sensor = sensor_preset(name);
-    const test::Yard yard;
-    const OrganizedCloud cloud = yard.scan(sensor, test::yard_pose(1, 2, 0.3));
+    const Yard yard;
+    const OrganizedCloud cloud = yard.scan(sensor, yard_pose(1, 2, 0.3));
     const auto ground = slam::mark_ground(cloud, sensor, {});
     int floor = 0;
     int floor_marked = 0;

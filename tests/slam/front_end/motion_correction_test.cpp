@@ -21,9 +21,9 @@ TEST_CASE("correction is that of a body with a constant twist, for random twists
   std::mt19937 generator(3);
   const auto random = [&] { return static_cast<double>(generator() % 2001) / 1000.0 - 1.0; };
   for (int trial = 0; trial < 200; ++trial) {
-    const test::SteadyDrive drive{Pose::Identity(),
-                                  {20 * random(), 5 * random(), 5 * random()},
-                                  {2 * random(), 2 * random(), 5 * random() + 1e-3}};
+    const SteadyDrive drive{Pose::Identity(),
+                            {20 * random(), 5 * random(), 5 * random()},
+                            {2 * random(), 2 * random(), 5 * random() + 1e-3}};
     const FeaturePoint point{Eigen::Vector3d(20 * random(), 20 * random(), random()).cast<float>(),
                              static_cast<float>(0.05 * random()), 0};
     const auto found =

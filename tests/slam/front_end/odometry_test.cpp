@@ -6,11 +6,11 @@ using slam::Status;
 
 namespace {
 
-const SensorModel kFineSensor = test::small_sensor(32, 1024);
-const Pose kFirst = test::yard_pose(0, 0, 0.2);
+const SensorModel kFineSensor = small_sensor(32, 1024);
+const Pose kFirst = yard_pose(0, 0, 0.2);
 
 slam::Features seen_from(const Pose& T_yard_sensor) {
-  return test::scan_features(test::Yard().scan(kFineSensor, T_yard_sensor), kFineSensor);
+  return scan_features(Yard().scan(kFineSensor, T_yard_sensor), kFineSensor);
 }
 
 /// Between two scans that are a step apart, each with what change(features) leaves of it.

@@ -8,7 +8,7 @@ namespace {
 
 /// One level row with objects 10 m away, 0.17 m from column to column.
 struct RowWithPosts {
-  SensorModel sensor = test::beams_at({0.0}, 360);
+  SensorModel sensor = beams_at({0.0}, 360);
   bool returns_fail = false;
   std::vector<float> range_m = std::vector<float>(360, 10.0F);
   slam::Segmentation segmentation{std::vector(360, slam::PixelClass::kObject)};
@@ -126,7 +126,7 @@ TEST_CASE("where returns fail, what is near in one row alone is an echo") {
   row.returns_fail = true;
   row.put(100, 102, 5.0F);
   CHECK(row.posts().empty());
-  row.sensor = test::beams_at({0.5, 0.0}, 360);
+  row.sensor = beams_at({0.5, 0.0}, 360);
   const std::vector<float> one = row.range_m;
   row.range_m.insert(row.range_m.end(), one.begin(), one.end());
   row.segmentation.pixel_class.resize(720, slam::PixelClass::kObject);

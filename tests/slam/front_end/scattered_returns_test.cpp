@@ -35,7 +35,7 @@ std::vector<std::uint8_t> add_echoes(OrganizedCloud& cloud, double share) {
 TEST_CASE("a scan in clear air stays as it is") {
   CHECK_FALSE(slam::without_scattered(wall()));
   for (double x_m = 0.0; x_m < 60.0; x_m += 7.0) {
-    CHECK_FALSE(slam::without_scattered(test::street(31).scan(test::yard_pose(x_m, 0.0, 0.0))));
+    CHECK_FALSE(slam::without_scattered(street(31).scan(yard_pose(x_m, 0.0, 0.0))));
   }
   CHECK_FALSE(slam::without_scattered(OrganizedCloud(16, 360)));  // nothing at all
   CHECK_FALSE(slam::without_scattered(OrganizedCloud()));

@@ -37,7 +37,7 @@ TEST_CASE("there is one point per voxel, in the order of their first points") {
   std::mt19937 generator(2);
   std::vector<FeaturePoint> places(500);
   for (FeaturePoint& place : places) {
-    place.point_m = (1000.0 * hqslam::test::random_vector(generator)).cast<float>();
+    place.point_m = (1000.0 * random_vector(generator)).cast<float>();
   }
   for (int i = 0; i < 10; ++i) {
     for (const FeaturePoint& place : places) {

@@ -10,10 +10,10 @@ namespace {
 constexpr double kScan_s = 0.1;
 constexpr double kStep_s = 0.01;
 
-const test::SteadyDrive kStraight{Pose::Identity(), {10, 0, 0}, {0, 0, 1e-6}};
-const test::SteadyDrive kRound{Pose::Identity(), {10, 0, 0}, {0.1, 0.05, 0.4}};
+const SteadyDrive kStraight{Pose::Identity(), {10, 0, 0}, {0, 0, 1e-6}};
+const SteadyDrive kRound{Pose::Identity(), {10, 0, 0}, {0.1, 0.05, 0.4}};
 
-Trajectory poses_of(const test::SteadyDrive& drive) {
+Trajectory poses_of(const SteadyDrive& drive) {
   Trajectory poses;
   for (int scan = 0; scan <= 30; ++scan) {
     poses.push_back({kScan_s * scan, drive.at(kScan_s * scan)});
@@ -24,14 +24,14 @@ Trajectory poses_of(const test::SteadyDrive& drive) {
 /// Three seconds of standing, by a gyroscope with this bias.
 slam::ImuBuffer standing(const Eigen::Vector3d& bias_rad_per_s) {
   std::vector<ImuSample> samples;
-  for (int k = 0; k <= 310; ++k) samples.push_back({kStep_s * k, bias_rad_per_s, -test::kGravity});
+  for (int k = 0; k <= 310; ++k) samples.push_back({kStep_s * k, bias_rad_per_s, -kGravity});
   slam::ImuBuffer imu;
   imu.add(samples);
   return imu;
 }
 
 /// Three seconds of a drive, as an inertial sensor with these errors measures them.
-std::vector<ImuStep> measured(const test::SteadyDrive& drive, const Eigen::Vector3d& bias_mps2,
+std::vector<ImuStep> measured(const SteadyDrive& drive, const Eigen::Vector3d& bias_mps2,
                               const ImuErrors& errors) {
   const Eigen::Vector3d& turn = drive.turn_rad_per_s;
   const Eigen::Vector3d at_lever_mps2 =
@@ -41,7 +41,7 @@ std::vector<ImuStep> measured(const test::SteadyDrive& drive, const Eigen::Vecto
   std::vector<ImuStep> steps;
   for (int k = 0; k < 300; ++k) {
     const Eigen::Matrix3d R = drive.at((k + 0.5) * kStep_s - errors[7]).linear();
-    const Eigen::Vector3d force = at_lever_mps2 - R.transpose() * test::kGravity;
+    const Eigen::Vector3d force = at_lever_mps2 - R.transpose() * kGravity;
     steps.push_back(
         {kStep_s, R_imu_lidar * turn, (1.0 + errors[3]) * (R_imu_lidar * force) + bias_mps2});
   }
@@ -51,12 +51,12 @@ std::vector<ImuStep> measured(const test::SteadyDrive& drive, const Eigen::Vecto
 }  // namespace
 
 TEST_CASE("gravity is measured without the acceleration of the sensor") {
-  for (const test::SteadyDrive& drive : {kStraight, kRound}) {
+  for (const SteadyDrive& drive : {kStraight, kRound}) {
     const auto felt = slam::felt_gravity(
         poses_of(drive), measured(drive, Eigen::Vector3d::Zero(), ImuErrors::Zero()));
     REQUIRE(felt);
     CHECK(felt->stamp_s == 3.0);
-    CHECK((felt->gravity_mps2 - drive.at(3.0).linear().transpose() * test::kGravity).norm() < 5e-3);
+    CHECK((felt->gravity_mps2 - drive.at(3.0).linear().transpose() * kGravity).norm() < 5e-3);
   }
 }
 
@@ -67,12 +67,12 @@ TEST_CASE("the effects of a bias and of each inertial error are predicted") {
     REQUIRE(felt);
     const Eigen::Vector3d put_right =
         felt->gravity_mps2 + felt->of_bias * bias_mps2 + felt->of_errors * errors;
-    const Eigen::Vector3d truth = kRound.at(3.0).linear().transpose() * test::kGravity;
+    const Eigen::Vector3d truth = kRound.at(3.0).linear().transpose() * kGravity;
     CHECK((put_right - truth).norm() < 5e-3);
     // Left alone it would be felt.
     CHECK((felt->gravity_mps2 - truth).norm() > 0.01);
   };
-  check(test::kBias_mps2, ImuErrors::Zero());
+  check(kBias_mps2, ImuErrors::Zero());
   for (int i = 0; i < large.size(); ++i) check({0, 0, 0}, large[i] * ImuErrors::Unit(i));
 }
 
@@ -109,7 +109,7 @@ TEST_CASE("gravity is taken from three whole seconds, each once, wherever the ma
   const std::vector<slam::FeltGravity> felt = taken(window, 30);
   REQUIRE(felt.size() == 1);
   CHECK(felt[0].scan == 30);
-  CHECK((felt[0].gravity_mps2 - test::kGravity).norm() < 1e-6);
+  CHECK((felt[0].gravity_mps2 - kGravity).norm() < 1e-6);
   CHECK(taken(window, 31).empty());
   CHECK(taken(interrupted, 30).empty());
 }
@@ -127,5 +127,5 @@ TEST_CASE("a bias that becomes known later is removed from windows that ended be
   window.add({3.1, Pose::Identity()}, bias_rad_per_s);
   const std::vector<slam::FeltGravity> felt = window.take();
   REQUIRE(felt.size() == 1);
-  CHECK((felt[0].gravity_mps2 - test::kGravity).norm() < 1e-6);
+  CHECK((felt[0].gravity_mps2 - kGravity).norm() < 1e-6);
 }

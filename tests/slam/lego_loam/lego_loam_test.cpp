@@ -5,15 +5,15 @@
 
 using namespace hqslam::lego_loam;
 
-static const SensorModel kSensor = test::small_sensor(16, 512);
+static const SensorModel kSensor = small_sensor(16, 512);
 
 TEST_CASE("LeGO-LOAM follows a drive around a yard") {
   LegoLoam system(kSensor);
   Trajectory truth;
   for (int i = 0; i < 40; ++i) {
-    const double stamp_s = i * test::kDrivePeriod_s;
-    truth.push_back({stamp_s, test::drive_pose(stamp_s)});
-    system.process(test::drive_scan(kSensor, i), stamp_s);
+    const double stamp_s = i * kDrivePeriod_s;
+    truth.push_back({stamp_s, drive_pose(stamp_s)});
+    system.process(drive_scan(kSensor, i), stamp_s);
   }
   REQUIRE(system.trajectory().size() == 40);
   const auto error = absolute_pose_error(system.trajectory(), truth, Alignment::kFirstPose);
@@ -25,8 +25,8 @@ TEST_CASE("LeGO-LOAM's trace shows what each stage made of a scan") {
   LegoLoam system(kSensor);
   for (int i = 0; i < 2; ++i) {
     ScanTrace trace;
-    const OrganizedCloud scan = test::drive_scan(kSensor, i);
-    const auto report = system.process(scan, i * test::kDrivePeriod_s, &trace);
+    const OrganizedCloud scan = drive_scan(kSensor, i);
+    const auto report = system.process(scan, i * kDrivePeriod_s, &trace);
     CHECK(report.ground_points == std::ranges::count(trace.label, ScanTrace::kGround));
     CHECK(report.clusters == std::ranges::max(trace.label));
     CHECK(report.edge_features == std::ranges::count(trace.feature, FeatureKind::kSharp));
@@ -46,18 +46,18 @@ TEST_CASE("LeGO-LOAM stays where it is while it sees nothing, and takes no harm 
                                                    : Eigen::Vector3f(5.0F, 0.0F, 0.0F));
       cloud.points_m[7].x() = std::numeric_limits<float>::quiet_NaN();
     }
-    CHECK(system.process(cloud, i * test::kDrivePeriod_s).T_map_sensor.matrix().allFinite());
+    CHECK(system.process(cloud, i * kDrivePeriod_s).T_map_sensor.matrix().allFinite());
   }
   LegoLoam blind(kSensor);
   for (int i = 0; i < 8; ++i) {
     const OrganizedCloud nothing(kSensor.rows(), kSensor.columns);
-    CHECK(blind.process(nothing, i * test::kDrivePeriod_s).T_map_sensor.isApprox(Pose::Identity()));
+    CHECK(blind.process(nothing, i * kDrivePeriod_s).T_map_sensor.isApprox(Pose::Identity()));
   }
 }
 
 TEST_CASE("LeGO-LOAM refuses scans of another sensor and stamps that are no times") {
   LegoLoam system(kSensor);
-  CHECK(test::refused_with([&] { system.process(OrganizedCloud(3, 4), 0.0); }, "3x4", "16x512"));
-  CHECK(test::refused_with([&] { system.process(OrganizedCloud(16, 512), NAN); }, "stamp"));
+  CHECK(refused_with([&] { system.process(OrganizedCloud(3, 4), 0.0); }, "3x4", "16x512"));
+  CHECK(refused_with([&] { system.process(OrganizedCloud(16, 512), NAN); }, "stamp"));
   CHECK_THROWS_AS(LegoLoam{SensorModel()}, Error);
 }

@@ -17,7 +17,7 @@ Scan random_scan(int points, float reach_m) {
   std::mt19937 generator(5);
   Scan scan;
   for (int i = 0; i < points; ++i) {
-    scan.points_m.push_back(reach_m * test::random_vector(generator).cast<float>());
+    scan.points_m.push_back(reach_m * random_vector(generator).cast<float>());
     scan.intensity.push_back(static_cast<float>(generator() % 256));
   }
   return scan;
@@ -77,7 +77,7 @@ TEST_CASE("a cloud with more voxels than VoxelGrid can number is thinned like an
 }
 
 TEST_CASE("what PCL writes as PCD or PLY is read as PCL has it") {
-  const test::TemporaryDirectory directory;
+  const TemporaryDirectory directory;
   const Scan scan = random_scan(500, 50.0F);
   const PclCloud cloud = pcl_cloud(scan);
   const std::string pcd = directory.file("a.pcd");
@@ -99,7 +99,7 @@ TEST_CASE("what PCL writes as PCD or PLY is read as PCL has it") {
 }
 
 TEST_CASE("PCL reads what is written as PCD or PLY") {
-  const test::TemporaryDirectory directory;
+  const TemporaryDirectory directory;
   const Scan scan = random_scan(500, 50.0F);
   for (const std::string name : {"b.pcd", "b.ply"}) {
     CAPTURE(name);

@@ -30,7 +30,7 @@ TEST_CASE("a cluster of five points is kept where it spans three rows, its first
 }
 
 TEST_CASE("points above one another on flat ground are ground, also below an empty pixel") {
-  OrganizedCloud cloud = test::Village().scan(kSensor, test::yard_pose(0, 0, 0));
+  OrganizedCloud cloud = Village().scan(kSensor, yard_pose(0, 0, 0));
   const int lowest = kSensor.rows() - 1;
   cloud.range_m[cloud.index(lowest - 2, 10)] = 0.0F;
   const SegmentedScan scan = lego_loam::Segmentation(kSensor).segment(cloud);
@@ -41,8 +41,8 @@ TEST_CASE("points above one another on flat ground are ground, also below an emp
 }
 
 TEST_CASE("every fifth column of the ground is kept, and those at the seam") {
-  const SegmentedScan scan = lego_loam::Segmentation(kSensor).segment(
-      test::Village().scan(kSensor, test::yard_pose(0, 0, 0)));
+  const SegmentedScan scan =
+      lego_loam::Segmentation(kSensor).segment(Village().scan(kSensor, yard_pose(0, 0, 0)));
   REQUIRE_FALSE(scan.rows.back().empty());
   for (const auto& point : scan.rows.back()) {
     CHECK(point.ground);

@@ -30,7 +30,7 @@ struct Path {
       if (i % 6 != 0) continue;
       FeltGravity felt;
       felt.stamp_s = 0.5 * i;
-      felt.gravity_mps2 = truth.back().linear().transpose() * test::kGravity - bias_mps2;
+      felt.gravity_mps2 = truth.back().linear().transpose() * kGravity - bias_mps2;
       felt.of_bias.setIdentity();
       gravity.push_back({static_cast<std::size_t>(i), felt});
     }
@@ -55,14 +55,13 @@ TEST_CASE("a path that leans by a little more with every metre is put upright") 
     REQUIRE(upright.size() == path.truth.size());
     CHECK(upright.front().isApprox(path.registered.front()));
     CHECK(worst_lean_rad(upright) < 0.1 * worst_lean_rad(path.registered));
-    CHECK(test::worst_error_m(upright, path.truth) <
-          0.2 * test::worst_error_m(path.registered, path.truth));
+    CHECK(worst_error_m(upright, path.truth) < 0.2 * worst_error_m(path.registered, path.truth));
   }
 }
 
 TEST_CASE("an accelerometer's bias is not taken for a lean, whether the sensor turns or not") {
   for (const auto& [has_corners, most_rad] : {std::pair(true, 1e-3), {false, 1e-6}}) {
-    const Path path(has_corners, 0.0, test::kBias_mps2);
+    const Path path(has_corners, 0.0, kBias_mps2);
     CHECK(worst_lean_rad(*slam::levelled(path.registered, path.gravity)) < most_rad);
   }
 }
@@ -75,7 +74,7 @@ TEST_CASE("a clock that is set back does no harm") {
 }
 
 TEST_CASE("motions in the sensor's frame stay as they were, and so does a path without gravity") {
-  const Path path(true, 5e-4, test::kBias_mps2);
+  const Path path(true, 5e-4, kBias_mps2);
   const std::vector<Pose> upright = slam::levelled(path.registered, path.gravity).value();
   for (std::size_t i = 1; i < upright.size(); ++i) {
     const Pose motion = upright[i - 1].inverse() * upright[i];

@@ -11,7 +11,7 @@ namespace {
 PoseGraph straight(int nodes) {
   PoseGraph graph;
   for (int i = 0; i < nodes; ++i) {
-    graph.T_map_node.push_back(test::at_x(4.0 * i));
+    graph.T_map_node.push_back(at_x(4.0 * i));
     if (i > 0) graph.odometry.push_back({graph.T_map_node.size() - 2, graph.T_map_node.size() - 1});
   }
   return graph;
@@ -46,16 +46,16 @@ TEST_CASE("for unconnected nodes any drift is plausible") {
 }
 
 TEST_CASE("a place is a candidate if it is similar and within reach of plausible drift") {
-  const test::Village village = test::street(1, -40.0, 200.0);
+  const Village village = street(1, -40.0, 200.0);
   PoseGraph graph = straight(30);
   std::vector<slam::ScanContext> contexts;
   for (const Pose& pose : graph.T_map_node) {
     contexts.push_back(
-        slam::scan_context(village.scan(test::yard_pose(pose.translation().x(), 0.0, 0.0))));
+        slam::scan_context(village.scan(yard_pose(pose.translation().x(), 0.0, 0.0))));
   }
   // At the end the sensor is back at node 10, but estimated 25 m beside it.
   graph.T_map_node.push_back(pose_from_xyz_rpy({40.0, 25.0, 0.0}, 0.0, 0.0, 0.1));
-  contexts.push_back(slam::scan_context(village.scan(test::yard_pose(40.5, 0.3, 0.0))));
+  contexts.push_back(slam::scan_context(village.scan(yard_pose(40.5, 0.3, 0.0))));
   const auto candidates_with = [&](double drift_m, std::size_t old_nodes) {
     const std::vector<slam::PlausibleDrift> drift(31, {drift_m, 0.3});
     std::vector<std::size_t> nodes(old_nodes);

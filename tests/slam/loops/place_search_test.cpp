@@ -10,7 +10,7 @@ namespace {
 std::vector<Eigen::Vector2d> posts(unsigned seed) {
   std::mt19937 generator(seed);
   std::vector<Eigen::Vector2d> result(40);
-  for (auto& p : result) p = 25.0 * test::random_vector(generator).head<2>();
+  for (auto& p : result) p = 25.0 * random_vector(generator).head<2>();
   return result;
 }
 

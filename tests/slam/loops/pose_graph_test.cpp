@@ -43,10 +43,10 @@ TEST_CASE("a gap in a straight path is spread evenly over its edges") {
   PoseGraph graph;
   graph.T_map_node.push_back(Pose::Identity());
   for (std::size_t i = 0; i < 5; ++i) {
-    graph.odometry.push_back({i, i + 1, test::at_x(1.0), 0.2, 0.01});
-    graph.T_map_node.push_back(graph.T_map_node.back() * test::at_x(1.0));
+    graph.odometry.push_back({i, i + 1, at_x(1.0), 0.2, 0.01});
+    graph.T_map_node.push_back(graph.T_map_node.back() * at_x(1.0));
   }
-  graph.loops.push_back({0, 5, test::at_x(5.5), 0.01, 0.01});
+  graph.loops.push_back({0, 5, at_x(5.5), 0.01, 0.01});
   const std::vector<Pose> poses = optimized(graph);
   REQUIRE(poses.size() == 6);
   for (int i = 0; i <= 5; ++i) {
@@ -59,14 +59,14 @@ TEST_CASE("a gap in a straight path is spread evenly over its edges") {
 TEST_CASE("a square whose odometry drifts closes with one loop") {
   const PoseGraph open = drifted_square(pose_from_xyz_rpy({0.01, 0.0, 0.02}, 0.0, 0.0, 0.004));
   const std::vector<Pose> truth = square();
-  const double before_m = test::worst_error_m(open.T_map_node, truth);
+  const double before_m = worst_error_m(open.T_map_node, truth);
   CHECK(before_m > 1.3);
   PoseGraph closed = open;
   closed.loops.push_back({0, 40, Pose::Identity(), 0.01, 0.001});
   const std::vector<Pose> poses = optimized(closed);
   REQUIRE(poses.size() == truth.size());
   CHECK((poses.back().translation() - truth.back().translation()).norm() < 0.02);
-  CHECK(test::worst_error_m(poses, truth) < before_m / 5.0);
+  CHECK(worst_error_m(poses, truth) < before_m / 5.0);
   CHECK(poses.front().matrix() == truth.front().matrix());
 }
 
@@ -105,17 +105,17 @@ TEST_CASE("a false loop does not bend a path that true loops hold") {
     graph.loops.push_back({i, 40, square()[i].inverse() * square()[40], 0.1, 0.005});
   }
   const std::vector<Pose> truth = square();
-  CHECK(test::worst_error_m(optimized(graph), truth) < 1e-6);
+  CHECK(worst_error_m(optimized(graph), truth) < 1e-6);
   const Pose false_loop(Eigen::Translation3d(6.0, -3.0, 0.0));
   graph.loops.push_back({5, 25, false_loop, 0.1, 0.005});
   const std::vector<Pose> poses = optimized(graph);
   REQUIRE(poses.size() == truth.size());
-  CHECK(test::worst_error_m(poses, truth) < 0.1);
+  CHECK(worst_error_m(poses, truth) < 0.1);
   CHECK(slam::disagreement(graph.loops.back(), poses).translation().norm() > 5.0);
 }
 
 TEST_CASE("a graph without loops stays as it is, and one without nodes gives none") {
   const PoseGraph graph = drifted_square(pose_from_xyz_rpy({0.01, 0.0, 0.0}, 0.0, 0.0, 0.004));
-  CHECK(test::worst_error_m(optimized(graph), graph.T_map_node) < 1e-9);
+  CHECK(worst_error_m(optimized(graph), graph.T_map_node) < 1e-9);
   CHECK(optimized(PoseGraph{}).empty());
 }

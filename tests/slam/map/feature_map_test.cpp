@@ -12,7 +12,7 @@ std::vector<Eigen::Vector3f> random_points_m(int count, float extent_m, unsigned
   std::vector<Eigen::Vector3f> points(count);
   const Eigen::Vector3d extents_m(extent_m, extent_m, 0.2 * extent_m);
   for (auto& p : points) {
-    p = hqslam::test::random_vector(generator).cwiseProduct(extents_m).cast<float>();
+    p = random_vector(generator).cwiseProduct(extents_m).cast<float>();
   }
   return points;
 }

@@ -17,20 +17,20 @@ slam::MotionState expected_at(const Pose& T_map_sensor, double sigma = 0.3) {
 
 /// A map of the yard from eleven places along its length, whose frame is that of the first, moved.
 struct MappedYard {
-  SensorModel sensor = test::small_sensor(32, 1024);
-  test::Yard yard;
+  SensorModel sensor = small_sensor(32, 1024);
+  Yard yard;
   Pose T_map_yard;
   slam::Mapping mapping{slam::MappingOptions{}};
 
-  explicit MappedYard(const test::Yard& yard_ = {}, const Pose& T_map_first = Pose::Identity())
-      : yard(yard_), T_map_yard(T_map_first * test::yard_pose(-5, 0, 0).inverse()) {
+  explicit MappedYard(const Yard& yard_ = {}, const Pose& T_map_first = Pose::Identity())
+      : yard(yard_), T_map_yard(T_map_first * yard_pose(-5, 0, 0).inverse()) {
     for (int i = 0; i <= 10; ++i) {
-      const Pose T_yard_sensor = test::yard_pose(-5 + i, 0, 0);
+      const Pose T_yard_sensor = yard_pose(-5 + i, 0, 0);
       mapping.insert(features_at(T_yard_sensor), T_map_yard * T_yard_sensor, {});
     }
   }
   slam::MapFeatures features_at(const Pose& T_yard_sensor) const {
-    return test::features_of(yard.scan(sensor, T_yard_sensor), sensor);
+    return features_of(yard.scan(sensor, T_yard_sensor), sensor);
   }
   slam::MappingResult registered(const Pose& T_yard_sensor, const Pose& T_map_predicted,
                                  double sigma = 0.3) const {
@@ -104,7 +104,7 @@ double roll_beside_a_bank_rad(const slam::MappingOptions& options) {
 
 TEST_CASE("a map that is put into voxels of another size stays where it is") {
   MappedYard mapped;
-  const Pose T_yard_sensor = test::yard_pose(2.3, 0.4, 0.1);
+  const Pose T_yard_sensor = yard_pose(2.3, 0.4, 0.1);
   const Pose T_map_sensor = mapped.T_map_yard * T_yard_sensor;
   const auto points = [&] { return mapped.mapping.map().planes.size(); };
   const std::size_t in_streets = points();
@@ -112,8 +112,7 @@ TEST_CASE("a map that is put into voxels of another size stays where it is") {
   CHECK(points() == in_streets);
   const auto found = mapped.registered(T_yard_sensor, T_map_sensor);
   CHECK((found.state.T_map_sensor.translation() - T_map_sensor.translation()).norm() < 0.02);
-  const auto scan =
-      test::scan_features(mapped.yard.scan(mapped.sensor, T_yard_sensor), mapped.sensor);
+  const auto scan = scan_features(mapped.yard.scan(mapped.sensor, T_yard_sensor), mapped.sensor);
   mapped.mapping.insert(slam::map_features(scan, mapped.mapping.options()), T_map_sensor, {});
   const std::size_t in_rooms = points();
   CHECK(in_rooms > in_streets);
@@ -139,7 +138,7 @@ TEST_CASE("a scan is located in the map from a rough prediction, as well far fro
   for (const Pose& T_map_first :
        {Pose(Pose::Identity()), pose_from_xyz_rpy({4000, -3000, 50}, 0, 0, 1.0)}) {
     const MappedYard mapped({}, T_map_first);
-    const Pose T_yard_sensor = test::yard_pose(0.3, 0.4, 0.1);
+    const Pose T_yard_sensor = yard_pose(0.3, 0.4, 0.1);
     const Pose truth = mapped.T_map_yard * T_yard_sensor;
     const auto result = mapped.registered(
         T_yard_sensor, truth * pose_from_xyz_rpy({0.2, -0.15, 0.05}, 0.01, -0.01, 0.02));
@@ -188,7 +187,7 @@ TEST_CASE("a place met again with drift is matched with only when it was taken u
     const slam::MapFeatures elsewhere = road(0.0, 0.0);
     mapped.mapping.insert(elsewhere, pose_from_xyz_rpy({50.0 * i, 500.0, 0.0}, 0, 0, 0), {});
   }
-  const Pose T_yard_sensor = test::yard_pose(0.3, 0.4, 0.1);
+  const Pose T_yard_sensor = yard_pose(0.3, 0.4, 0.1);
   const Pose truth = mapped.T_map_yard * T_yard_sensor;
   const Pose drifted = truth * pose_from_xyz_rpy({0.4, 0.0, 0.0}, 0, 0, 0);
   slam::MapPoints left_window = mapped.mapping.slide_window();
@@ -203,9 +202,9 @@ TEST_CASE("a place met again with drift is matched with only when it was taken u
 
 TEST_CASE("in an endless corridor the motion along it is held at its prediction") {
   const MappedYard mapped({.half_width_m = 4.0, .pillars = false, .end_walls = false});
-  const Pose predicted = mapped.T_map_yard * test::yard_pose(0.4, 0.0, 0.01);
+  const Pose predicted = mapped.T_map_yard * yard_pose(0.4, 0.0, 0.01);
   // The accuracy with which a car's next scan is predicted.
-  const auto result = mapped.registered(test::yard_pose(0.0, 0.2, 0.0), predicted, 0.03);
+  const auto result = mapped.registered(yard_pose(0.0, 0.2, 0.0), predicted, 0.03);
   CHECK(result.status == Status::kDegenerate);
   CHECK(result.state.T_map_sensor.translation().x() ==
         doctest::Approx(predicted.translation().x()).epsilon(0.02));
@@ -242,8 +241,8 @@ TEST_CASE("rings on a bare floor do not hold the sensor back") {
   // Over an endless floor every scan has the same rings, which must not imply that the sensor
   // stands.
   const MappedYard mapped({.half_width_m = 1000.0, .pillars = false, .end_walls = false});
-  const Pose predicted = mapped.T_map_yard * test::yard_pose(6.0, 0.0, 0.0);
-  const auto result = mapped.registered(test::yard_pose(6.0, 0.0, 0.0), predicted);
+  const Pose predicted = mapped.T_map_yard * yard_pose(6.0, 0.0, 0.0);
+  const auto result = mapped.registered(yard_pose(6.0, 0.0, 0.0), predicted);
   CHECK(result.status == Status::kDegenerate);
   CHECK((result.state.T_map_sensor.translation() - predicted.translation()).norm() < 0.01);
 }

@@ -21,9 +21,9 @@ std::vector<float> sorted_x_m(const slam::MapFeatures& features) {
 
 TEST_CASE("features of the last scans come together in the frame of the last one") {
   slam::RecentFeatures recent(2);
-  recent.add(one_edge_at(1.0F), test::at_x(0.0), {});  // dropped
-  recent.add(one_edge_at(2.0F), test::at_x(10.0), {});
-  recent.add(one_edge_at(3.0F), test::at_x(14.0), {});
+  recent.add(one_edge_at(1.0F), at_x(0.0), {});  // dropped
+  recent.add(one_edge_at(2.0F), at_x(10.0), {});
+  recent.add(one_edge_at(3.0F), at_x(14.0), {});
   CHECK(sorted_x_m(recent.about_last()) == std::vector<float>{-2.0F, 3.0F});
   // A correction of the map does not change the features.
   recent.correct(pose_from_xyz_rpy({5.0, -3.0, 1.0}, 0.0, 0.0, 0.5));
@@ -34,14 +34,14 @@ TEST_CASE("features of the last scans come together in the frame of the last one
 TEST_CASE("points far from the last scan are left out, and many points are thinned") {
   slam::RecentFeatures recent(2);
   slam::MapFeatures features = one_edge_at(36.0F);
-  recent.add(features, test::at_x(0.0), {});
+  recent.add(features, at_x(0.0), {});
   CHECK(recent.about_last().edges.empty());
   for (int i = 0; i < 1000; ++i) {
     const auto column = static_cast<float>(i % 40);
     const auto row = static_cast<float>(i / 40);
     features.edges.push_back({{0.02F * column, 0.5F * row, 0.4F * column}, 0.0F, 0});
   }
-  recent.add(features, test::at_x(0.0), {});
+  recent.add(features, at_x(0.0), {});
   CHECK(recent.about_last().edges.size() == 800);
 }
 

@@ -23,7 +23,7 @@ slam::SavedMap small_saved_map() {
 }  // namespace
 
 TEST_CASE("a saved map is read back unchanged, with intensities or of before them") {
-  const test::TemporaryDirectory folder;
+  const TemporaryDirectory folder;
   slam::SavedMap map = small_saved_map();
   slam::write_saved_map(folder.file("map.npz"), map);
   CHECK_FALSE(read_npz(folder.file("map.npz")).contains("edges_intensity"));
@@ -66,7 +66,7 @@ TEST_CASE("a file that is no saved map is refused in one line") {
       {"T_map_place", npz_array(Doubles(24), {2, 3, 4}), "expected rotations"},
       {"T_map_place", npz_array(Doubles(12), {1, 3, 4}), "a context for each of 1 places, found 2"},
   };
-  const test::TemporaryDirectory folder;
+  const TemporaryDirectory folder;
   const std::string path = folder.file("map.npz");
   slam::write_saved_map(path, small_saved_map());
   const NpzArrays saved = read_npz(path);

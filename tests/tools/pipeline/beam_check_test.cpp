@@ -56,7 +56,7 @@ TEST_CASE("corrections larger than those of any known sensor are complained abou
   sensor.elevation_correction_rad[3] = -0.69 * kDegree_rad;
   CHECK(complaint_about(sensor).empty());
   sensor.elevation_correction_rad[3] = -0.93 * kDegree_rad;
-  CHECK(test::one_line_with(complaint_about(sensor), "reach 0.93 degrees", "'vlp-16'"));
+  CHECK(one_line_with(complaint_about(sensor), "reach 0.93 degrees", "'vlp-16'"));
 }
 
 TEST_CASE("a scan is kept for each metre of path, as far as wanted, with the trajectory's poses") {
@@ -64,8 +64,8 @@ TEST_CASE("a scan is kept for each metre of path, as far as wanted, with the tra
   BeamCheck beams(3.0);
   int processed = 0;
   const auto process_next = [&] {
-    const OrganizedCloud cloud = test::drive_scan(kDriven, processed);
-    beams.add(cloud, pipeline.process(cloud, test::kDrivePeriod_s * processed++).report, pipeline);
+    const OrganizedCloud cloud = drive_scan(kDriven, processed);
+    beams.add(cloud, pipeline.process(cloud, kDrivePeriod_s * processed++).report, pipeline);
   };
   while (processed < 100 && !beams.is_complete()) process_next();
   REQUIRE(beams.is_complete());
@@ -90,8 +90,8 @@ TEST_CASE("scans of fog are not kept: their short view does not tell beams from 
   Pipeline pipeline(kDriven);
   BeamCheck beams(3.0);
   for (int i = 0; i < 40; ++i) {
-    const OrganizedCloud cloud = test::drive_scan(kDriven, i);
-    slam::ScanReport report = pipeline.process(cloud, test::kDrivePeriod_s * i).report;
+    const OrganizedCloud cloud = drive_scan(kDriven, i);
+    slam::ScanReport report = pipeline.process(cloud, kDrivePeriod_s * i).report;
     report.scattered = 1;
     beams.add(cloud, report, pipeline);
   }

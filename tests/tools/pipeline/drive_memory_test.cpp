@@ -13,8 +13,8 @@ nn::ColumnPoses poses_of_scan_from(int first_column) {
   SensorModel sensor = sensor_preset("os1-64");
   const RowSelection rows{3, 4};
   sensor.measured_rows = rows;
-  OrganizedCloud cloud = unproject(test::flat_image(16, sensor.columns, 10.0F),
-                                   select_rows(sensor, rows), CaptureTime::kRolling);
+  OrganizedCloud cloud = unproject(flat_image(16, sensor.columns, 10.0F), select_rows(sensor, rows),
+                                   CaptureTime::kRolling);
   for (int row = 0; row < cloud.rows; ++row) {
     for (int column = 0; column < cloud.columns; ++column) {
       const int head = sensor.firing_column(rows.offset + row * rows.stride, column);
@@ -52,9 +52,9 @@ TEST_CASE("the poses of a scan's columns follow the times of its points, whereve
 
 TEST_CASE("without looking ahead a scan recalls those before it, also of a sensor that stands") {
   const SensorModel sensor = sensor_preset("os1-64");
-  const nn::Upsampler upsampler(
-      nn::SuperResolver::load(test::untrained_file("du-mix", "scan_memory")), sensor);
-  const OrganizedCloud measured = unproject(test::flat_image(16, sensor.columns, 10.0F),
+  const nn::Upsampler upsampler(nn::SuperResolver::load(untrained_file("du-mix", "scan_memory")),
+                                sensor);
+  const OrganizedCloud measured = unproject(flat_image(16, sensor.columns, 10.0F),
                                             select_rows(sensor, {3, 4}), CaptureTime::kRolling);
   ScanPoses poses;
   for (int scan = 0; scan < 30; ++scan) poses.trajectory.push_back({0.1 * scan, Pose::Identity()});

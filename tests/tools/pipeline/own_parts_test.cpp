@@ -103,8 +103,8 @@ TEST_CASE("SLAM and the scans that it is given have no part of the vehicle") {
   LocatedScan located;
   for (int i = 0; i < 45; ++i) {
     RecordedScan scan;
-    scan.stamp_s = test::kDrivePeriod_s * i;
-    scan.cloud = test::drive_scan(kCarried, i);
+    scan.stamp_s = kDrivePeriod_s * i;
+    scan.cloud = drive_scan(kCarried, i);
     for (int row = 10; row < 16; ++row) {
       for (int column = 100; column < 150; ++column) {
         const std::size_t pixel = scan.cloud.index(row, column);

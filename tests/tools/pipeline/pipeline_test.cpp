@@ -11,8 +11,8 @@ const SensorModel kSensor = sensor_preset("os1-16");
 
 RecordedScan recorded_scan(int i) {
   RecordedScan scan;
-  scan.stamp_s = test::kDrivePeriod_s * i;
-  scan.cloud = test::drive_scan(kSensor, i);
+  scan.stamp_s = kDrivePeriod_s * i;
+  scan.cloud = drive_scan(kSensor, i);
   return scan;
 }
 
@@ -44,7 +44,7 @@ TEST_CASE("without an upsampling the pipeline is SLAM, bit by bit, of a driver's
 }
 
 TEST_CASE("a network with a memory recalls the scans before, as SLAM located them") {
-  const std::string weights = test::untrained_file("du-mix", "scan_memory");
+  const std::string weights = untrained_file("du-mix", "scan_memory");
   Pipeline pipeline(kSensor, {.upsampling = {.method = weights}});
   Upsampler alone(kSensor, {.method = weights});
   for (int i = 0; i < 3; ++i) {

@@ -6,22 +6,20 @@
 namespace hqslam::pipeline {
 namespace {
 
-using test::refused_with;
-
 struct Files {
-  test::TemporaryDirectory folder;
-  std::string weights = test::untrained_file();
+  TemporaryDirectory folder;
+  std::string weights = untrained_file();
 
   std::string stack(int rows) const {
     const std::string path = folder.file(std::to_string(rows) + ".npy");
-    test::write_stack(path, {test::flat_image(rows, 1024, 10.0F)});
+    write_stack(path, {flat_image(rows, 1024, 10.0F)});
     return path;
   }
   std::string cloud(const char* sensor_name) const {
     const SensorModel sensor = sensor_preset(sensor_name);
-    const RangeImage image = test::flat_image(sensor.rows(), sensor.columns, 10.0F);
+    const RangeImage image = flat_image(sensor.rows(), sensor.columns, 10.0F);
     const std::string path = folder.file(std::string(sensor_name) + ".pcd");
-    test::write_points(points_of(unproject(image, sensor, CaptureTime::kMotionCorrected)), path);
+    write_points(points_of(unproject(image, sensor, CaptureTime::kMotionCorrected)), path);
     return path;
   }
 };

@@ -6,17 +6,15 @@
 namespace hqslam::pipeline {
 namespace {
 
-using test::refused_with;
-
 /// Whether these options for a drive of this sensor are refused with these parts.
 bool refused(const SensorModel& sensor, const UpsamplingOptions& options, const auto&... parts) {
-  return test::refused_with([&] { Upsampler(sensor, options, "drive"); }, parts...);
+  return refused_with([&] { Upsampler(sensor, options, "drive"); }, parts...);
 }
 
 }  // namespace
 
 TEST_CASE("scans of the measured rows and of all rows are upsampled to the same rows") {
-  const std::string weights = test::untrained_file();
+  const std::string weights = untrained_file();
   const Upsampler measured(sensor_preset("os1-16"), {.method = weights});
   CHECK(measured.recorded() == sensor_preset("os1-16"));
   CHECK_FALSE(measured.selected_rows());
@@ -35,7 +33,7 @@ TEST_CASE("scans of the measured rows and of all rows are upsampled to the same 
 }
 
 TEST_CASE("the sensor's own beams, rate and limits are kept when its scans are upsampled") {
-  const std::string weights = test::untrained_file();
+  const std::string weights = untrained_file();
   SensorModel own = sensor_preset("os1-64");
   for (double& elevation_rad : own.beam_elevation_rad) elevation_rad += 0.002;  // 0.11 degrees
   own.name = "own";
@@ -66,22 +64,22 @@ TEST_CASE("an interpolation takes every fourth row as measured, or the rows that
 }
 
 TEST_CASE("a sensor that the weights were not made for is one line with what they expect") {
-  const std::string weights = test::untrained_file();
+  const std::string weights = untrained_file();
   const UpsamplingOptions options{.method = weights};
   CHECK(refused(sensor_preset("hdl-64e"), options, "os1-64", "drive is of 'hdl-64e'"));
   CHECK(refused(sensor_preset("vlp-16"), options, "16 x 1024", "vlp-16"));
   CHECK(
       refused(sensor_preset("os1-64"), {.method = weights, .rows = 32}, "16 measured rows", "32"));
-  CHECK(refused(test::preset_with("os1-16", 512), options, "expects 1024 columns a turn",
-                "drive has 512"));
+  CHECK(
+      refused(preset_with("os1-16", 512), options, "expects 1024 columns a turn", "drive has 512"));
   CHECK(refused_with([&] { Upsampler(UpsamplingOptions{.method = "linear"}); }, "weights"));
 }
 
 TEST_CASE("scans in more columns than the network's are projected into its columns") {
-  const SensorModel fine = test::preset_with("os1-16", 2048);
-  const Upsampler upsampler(fine, {.method = test::untrained_file()});
+  const SensorModel fine = preset_with("os1-16", 2048);
+  const Upsampler upsampler(fine, {.method = untrained_file()});
   CHECK(upsampler.recorded().columns == 1024);
-  const RangeImage image = test::flat_image(16, fine.columns, 10.0F);
+  const RangeImage image = flat_image(16, fine.columns, 10.0F);
   const OrganizedCloud measured = upsampler.measured(unproject(image, fine, CaptureTime::kRolling));
   CHECK(measured.columns == 1024);
   CHECK(points_of(measured).size() == 16 * 1024);
@@ -89,7 +87,7 @@ TEST_CASE("scans in more columns than the network's are projected into its colum
 }
 
 TEST_CASE("weights for any sensor get 64 rows out of 16 or 32, twice as many out of more") {
-  const std::string file = test::untrained_file("du-mix", "any_beams");
+  const std::string file = untrained_file("du-mix", "any_beams");
   const auto rows_of = [&](const SensorModel& sensor, int rows = 0) {
     return Upsampler(sensor, {.method = file, .rows = rows}).sensor().rows();
   };
@@ -97,18 +95,18 @@ TEST_CASE("weights for any sensor get 64 rows out of 16 or 32, twice as many out
   CHECK(rows_of(sensor_preset("hdl-32e")) == 64);
   CHECK(rows_of(sensor_preset("os1-64")) == 128);
   CHECK(rows_of(sensor_preset("os1-64"), 16) == 64);
-  const SensorModel odd = test::preset_with("vlp-16", 900);
+  const SensorModel odd = preset_with("vlp-16", 900);
   Upsampler upsampler(odd, {.method = file});
   CHECK(upsampler.recorded().columns == 896);
   CHECK_FALSE(upsampler.selected_rows());
   CHECK(select_rows(upsampler.sensor(), {3, 4}).beam_elevation_rad == odd.beam_elevation_rad);
-  const RangeImage image = test::flat_image(16, 900, 10.0F);
+  const RangeImage image = flat_image(16, 900, 10.0F);
   const OrganizedCloud measured = upsampler.measured(unproject(image, odd, CaptureTime::kRolling));
   CHECK(upsampler.upsampled(measured).rows == 64);
 }
 
 TEST_CASE("a spacing gives as many rows as leave no wider gap, with weights for any sensor alone") {
-  const std::string any = test::untrained_file("du-mix", "any_beams");
+  const std::string any = untrained_file("du-mix", "any_beams");
   const SensorModel vlp16 = sensor_preset("vlp-16");  // 2 degrees apart
   const auto upsampler = [&](const std::string& method, double spacing_deg, int rows = 0) {
     return Upsampler(vlp16,
@@ -126,7 +124,7 @@ TEST_CASE("a spacing gives as many rows as leave no wider gap, with weights for 
   CHECK(refused_with([&] { upsampler(any, 2.0); }, "less than", "2.00"));
   CHECK(refused_with([&] { upsampler(any, 0.5, 8); }, "all rows", "leave out the spacing"));
   CHECK(refused_with([&] { upsampler("linear", 0.5); }, "linear", "weights for any sensor"));
-  CHECK(refused_with([&] { upsampler(test::untrained_file(), 0.5); }, "weights for any sensor"));
+  CHECK(refused_with([&] { upsampler(untrained_file(), 0.5); }, "weights for any sensor"));
 }
 
 TEST_CASE("rows that nothing fills are selected, all of them where none are asked for") {
@@ -143,7 +141,7 @@ TEST_CASE("weights that come with hqslam are chosen by name and sensor, the labo
   const std::vector<std::string> names = installed_weights_names();
   for (const char* name : {"du-mix", "du-or"}) CHECK(std::ranges::count(names, name) == 1);
   CHECK(std::ranges::count(names, "srae") == 0);
-  const SensorModel hdl_64e = test::preset_with("hdl-64e", 870);
+  const SensorModel hdl_64e = preset_with("hdl-64e", 870);
   CHECK(weights_file("du-mix", hdl_64e, 16).ends_with("/du-mix_real-scans.npz"));
   CHECK(weights_file("du-mix", hdl_64e, 0).ends_with("/du-mix_any-beams.npz"));
   CHECK(Upsampler(hdl_64e, {.method = "du-mix", .rows = 16}).sensor().rows() == 64);

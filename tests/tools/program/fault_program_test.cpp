@@ -16,8 +16,8 @@ namespace {
 /// Of what gets its name once all of it is there: whether it is. Other files grow scan by scan.
 bool is_whole(const std::string& path) {
   const std::string extension = fs::path(path).extension();
-  if (extension == ".npz") return test::error_message([&] { read_npz(path); }) == "no Error";
-  if (extension == ".pcd") return test::error_message([&] { read_cloud(path); }) == "no Error";
+  if (extension == ".npz") return error_message([&] { read_npz(path); }) == "no Error";
+  if (extension == ".pcd") return error_message([&] { read_cloud(path); }) == "no Error";
   static const std::map<std::string, std::string> ends = {{".html", "</html>\n"}, {".json", "}\n"}};
   const auto end = ends.find(extension);
   return end == ends.end() || file_contents(path).ends_with(end->second);

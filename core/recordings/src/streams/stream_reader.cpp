@@ -134,8 +134,8 @@ std::size_t StreamReader::chosen() const {
   if (candidates.empty()) {
     const std::string complaint = file_->complaint();
     throw Error(
-        "{}: expected packets or point clouds of a LiDAR, found none in these streams: {}{}; give "
-        "a recording of the sensor's data",
+        "{}: expected point clouds or packets of an Ouster, Velodyne, RoboSense, Hesai XT16 or "
+        "XT32, found none in these streams: {}{}; record the point clouds of the sensor's driver",
         path_, listed(streams), complaint.empty() ? "" : " (" + complaint + ")");
   }
   throw Error("{}: has several streams with scans: {}; name one of them with --stream", path_,

@@ -36,7 +36,7 @@ TEST_CASE("stamps of every turn give the rate of turning, those of several turns
     std::string stamps;
     for (int scan = 0; scan < 4; ++scan) stamps += fmt::format("{}\n", scan * step_s);
     const TemporaryDirectory beside;
-    test::write_file(beside.file("stamps.txt"), stamps);
+    write_file(beside.file("stamps.txt"), stamps);
     const auto recording =
         Recording::open(folder.path(), {.files = {.stamps = beside.file("stamps.txt")}});
     CHECK(recording.sensor().scan_period_s == doctest::Approx(period_s));

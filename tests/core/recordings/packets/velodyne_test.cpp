@@ -23,7 +23,7 @@ struct Decoded {
 Decoded decoded(const std::vector<Captured>& packets, const VelodyneStream& stream,
                 const DecoderOptions& options = {}) {
   VelodyneDecoder decoder(stream, sensor_preset(name(stream.model)), options);
-  std::vector<Scan> scans = test::decoded(decoder, packets);
+  std::vector<Scan> scans = decoded(decoder, packets);
   return {std::move(scans), decoder.counts(), decoder.partial_scans(), decoder.lost_scans()};
 }
 

@@ -14,7 +14,7 @@ TEST_CASE("a scan's code has units of 4 bits: gaps, and steps from number to num
   const nlohmann::json scan = drive_json(drive)["scans"][0];
   CHECK(scan["columns"] == 3);
   // Steps 0, -, 3; 0, -, -; 3, 0, -1; -, 65530 = 0o377765 as 1 + 2 n, ...
-  CHECK(test::bytes_of(scan["code"]) ==
+  CHECK(bytes_of(scan["code"]) ==
         std::vector<std::uint8_t>{0x01, 0x17, 0x00, 0x17, 0x02, 0xED, 0xFF, 0x3F, 0, 0, 0, 0});
 }
 

@@ -29,10 +29,10 @@ TEST_CASE("every page has its styles, scripts and data in it, and needs no other
     CHECK_FALSE(std::regex_search(html, std::regex("(src|href)=\"(?!data:)")));
     CHECK_FALSE(std::regex_search(html, std::regex("@import|url\\((?!#)")));
     CHECK(holds(html.substr(0, 4096), "<meta name=\"generator\" content=\"hqslam"));
-    CHECK(test::data_of(html)["title"] == "a title");
-    CHECK_FALSE(test::data_of(html)["version"].get<std::string>().empty());
+    CHECK(data_of(html)["title"] == "a title");
+    CHECK_FALSE(data_of(html)["version"].get<std::string>().empty());
   }
-  CHECK(test::refused_with([] { page_html("no such page", {}); }, "no such page"));
+  CHECK(refused_with([] { page_html("no such page", {}); }, "no such page"));
 }
 
 TEST_CASE("hostile text stays text: it ends no page's script, and what is not UTF-8 is replaced") {
@@ -41,8 +41,8 @@ TEST_CASE("hostile text stays text: it ends no page's script, and what is not UT
     const std::string html = page_html(name, {{"title", hostile}, {"other", "a\xFF"}});
     CHECK_FALSE(holds(html, "alert(1)</script>"));
     CHECK(count(html, "</script>") == count(page_html(name, {}), "</script>"));
-    CHECK(test::data_of(html)["title"] == hostile);
-    CHECK(test::data_of(html)["other"] == "a\xEF\xBF\xBD");
+    CHECK(data_of(html)["title"] == hostile);
+    CHECK(data_of(html)["other"] == "a\xEF\xBF\xBD");
   }
 }
 
@@ -57,17 +57,16 @@ TEST_CASE("base64 is that of RFC 4648") {
 }
 
 TEST_CASE("blocks of numbers keep what they are given, of 16 bits within half a step") {
-  CHECK(test::numbers_of(f32_block(std::vector<double>{0.5, -3.0})) ==
-        std::vector<float>{0.5F, -3.0F});
-  CHECK(std::isnan(test::numbers_of(f32_block(std::vector<float>{std::nanf("")}))[0]));
+  CHECK(numbers_of(f32_block(std::vector<double>{0.5, -3.0})) == std::vector<float>{0.5F, -3.0F});
+  CHECK(std::isnan(numbers_of(f32_block(std::vector<float>{std::nanf("")}))[0]));
   RangeImage image(1, 4);
   image.range_m = {0.0F, 1.234F, 98.765F, std::nanf("")};
-  const std::vector<float> ranges_m = test::numbers_of(range_block(image));
+  const std::vector<float> ranges_m = numbers_of(range_block(image));
   CHECK(ranges_m[0] == 0.0F);  // no return
   CHECK(ranges_m[1] == doctest::Approx(1.234).epsilon(1e-3));
   CHECK(ranges_m[2] == doctest::Approx(98.765).epsilon(1e-5));
   CHECK(ranges_m[3] == 0.0F);
-  CHECK(test::numbers_of(u16_block(std::vector<float>{2.0F}, 2.0F, 2.0F)) ==
+  CHECK(numbers_of(u16_block(std::vector<float>{2.0F}, 2.0F, 2.0F)) ==
         std::vector<float>{2.0F});  // a scale without extent
 }
 

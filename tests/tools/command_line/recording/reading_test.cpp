@@ -8,7 +8,7 @@ namespace hqslam::tools {
 namespace {
 
 /// Scans of which some throw.
-test::MadeScans made(std::vector<std::function<void()>> scans) {
+MadeScans made(std::vector<std::function<void()>> scans) {
   const std::size_t size = scans.size();
   return {size, [scans = std::move(scans)](std::size_t i) {
             scans[i]();
@@ -26,7 +26,7 @@ void unreadable() { throw Error("a.bin: cannot be read"); }
 std::vector<std::int64_t> used_of(
     std::vector<std::function<void()>> scans, Reading& reading, const LookAhead& look_ahead = {},
     const std::function<bool(std::int64_t)>& goes_on = [](std::int64_t) { return true; }) {
-  test::MadeScans source = made(std::move(scans));
+  MadeScans source = made(std::move(scans));
   const InterruptGuard interrupt;
   std::vector<std::int64_t> used;
   const auto use = [&](const ReadScan& read) {
@@ -54,13 +54,13 @@ TEST_CASE("a scan that cannot be read ends the reading, unless it is the first")
   CHECK(reading.end == ReadingEnd::kUnreadableScan);
   CHECK(reading.end_message == "a.bin: cannot be read");
   Reading none;
-  CHECK(test::refused_with([&] { used_of({unreadable}, none); }, "a.bin"));
+  CHECK(refused_with([&] { used_of({unreadable}, none); }, "a.bin"));
 }
 
 TEST_CASE("a recording of which nothing can be used says why") {
   Reading reading;
   const std::vector<std::function<void()>> scans(2, not_understood);
-  CHECK(test::refused_with([&] { used_of(scans, reading); }, "2 scans were left out", "no points"));
+  CHECK(refused_with([&] { used_of(scans, reading); }, "2 scans were left out", "no points"));
 }
 
 TEST_CASE("the user of the scans may leave one out, or stop") {
@@ -75,7 +75,7 @@ TEST_CASE("the user of the scans may leave one out, or stop") {
 }
 
 TEST_CASE("a scan is used when those that it waits for were seen, or none come") {
-  test::MadeScans source = made({good, not_understood, good, good, good, unreadable});
+  MadeScans source = made({good, not_understood, good, good, good, unreadable});
   const InterruptGuard interrupt;
   Reading reading;
   std::vector<std::int64_t> order;  // seen: negative, from -1

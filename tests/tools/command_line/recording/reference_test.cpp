@@ -12,7 +12,7 @@ TEST_CASE("poses without stamps are those of the other file, one by one") {
   other[2].stamp_s = 77.0;
   CHECK(with_stamps_of(file, other)[2].stamp_s == 77.0);
   other.resize(3);
-  CHECK(test::refused_with([&] { with_stamps_of(file, other); }, "poses.txt", "5 poses", "3;"));
+  CHECK(refused_with([&] { with_stamps_of(file, other); }, "poses.txt", "5 poses", "3;"));
   file.has_stamps = true;
   CHECK(with_stamps_of(file, other).size() == 5);
 }

@@ -19,8 +19,8 @@ nn::TracedTensor tensor(const std::string& name, const std::string& unit,
 LayersReport example_report(const std::string& change = "q=h") {
   LayersReport report;
   report.recording = "</script>";
-  const SensorModel sensor = test::preset_with("os1-64", 64);
-  report.network = what_if(test::untrained_weights(sensor, "du-or"), change).description;
+  const SensorModel sensor = preset_with("os1-64", 64);
+  report.network = what_if(untrained_weights(sensor, "du-or"), change).description;
   report.network.measured_rows = RowSelection{1, 2};
   report.network.sensor.beam_elevation_rad = {0.1, 0.0};
   report.network.sensor.min_range_m = 0.5;
@@ -86,7 +86,7 @@ TEST_CASE("pixels without a return in the mask are those of the image that is fi
     CHECK(data["network"]["filtered_iterate"] == std::string(change).substr(2));
     const auto is_mask = [](const auto& image) { return image["what"] == "rejected"; };
     const auto mask = std::ranges::find_if(data["images"], is_mask);
-    CHECK(test::numbers_of((*mask)["values"]) == std::vector<float>{first, 1.0F, 1.0F, 2.0F});
+    CHECK(numbers_of((*mask)["values"]) == std::vector<float>{first, 1.0F, 1.0F, 2.0F});
   }
 }
 
@@ -121,7 +121,7 @@ TEST_CASE("a tensor that was asked for is shown channel by channel, each on its 
   LayersReport report = example_report();
   report.trace.add(tensor("a", "", {2, 1, 2}, {-0.0F, -0.0F, -0.5F, 1.5F}));
   report.tensors = {"a"};
-  const nlohmann::json data = test::data_of(layers_html(report));
+  const nlohmann::json data = data_of(layers_html(report));
   const auto& images = data["images"];
   const auto& first = images[images.size() - 2];
   CHECK(first["group"] == "a");
@@ -131,7 +131,7 @@ TEST_CASE("a tensor that was asked for is shown channel by channel, each on its 
   CHECK(images.back()["columns"] == 2);
   CHECK(images.back()["low"] == -0.5);
   CHECK(images.back()["high"] == 1.5);
-  CHECK(test::numbers_of(images.back()["values"])[1] == doctest::Approx(1.5));
+  CHECK(numbers_of(images.back()["values"])[1] == doctest::Approx(1.5));
   CHECK(holds(data["subtitle"].get<std::string>(), "</script>"));
 }
 

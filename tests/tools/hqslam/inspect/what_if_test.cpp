@@ -8,7 +8,7 @@ namespace hqslam::tools {
 namespace {
 
 nn::Weights untrained(const std::string& kind) {
-  return test::untrained_weights(test::preset_with("os1-64", 64), kind);
+  return untrained_weights(preset_with("os1-64", 64), kind);
 }
 
 /// DU-OR of three layers for a small sensor; each parameter has a value of its own.

@@ -221,9 +221,9 @@ TEST_CASE("a port in use and an invalid address are refused in one line") {
   const ViewServer server("127.0.0.1", 0, nothing);
   const std::string url = server.url();
   const auto port = static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)));
-  CHECK(test::refused_with([&] { ViewServer("127.0.0.1", port, nothing); }, std::to_string(port),
-                           "--view"));
-  CHECK(test::refused_with([&] { ViewServer("localhost", 0, nothing); }, "localhost", "127.0.0.1"));
+  CHECK(refused_with([&] { ViewServer("127.0.0.1", port, nothing); }, std::to_string(port),
+                     "--view"));
+  CHECK(refused_with([&] { ViewServer("localhost", 0, nothing); }, "localhost", "127.0.0.1"));
 }
 
 TEST_CASE("the line of a second has pose, rate, latency and losses, and more only if there is") {

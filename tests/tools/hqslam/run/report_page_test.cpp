@@ -10,8 +10,6 @@
 namespace hqslam::tools {
 namespace {
 
-using test::numbers_of;
-
 /// The value of a headline number.
 std::string headline(const nlohmann::json& data, const std::string& label) {
   for (const auto& number : data["numbers"]) {
@@ -78,11 +76,11 @@ TEST_CASE("a run that ended early gives the reason, one without a single scan st
   SlamRun run = example_run(3);
   run.end = ReadingEnd::kUnreadableScan;
   run.end_message = "<000003.bin>: truncated";
-  const nlohmann::json early = test::data_of(report_html(run));
+  const nlohmann::json early = data_of(report_html(run));
   CHECK(holds(early["notices"][0].get<std::string>(), "<000003.bin>: truncated"));
   run = example_run(0);
   run.end = ReadingEnd::kInterrupted;
-  const nlohmann::json empty = test::data_of(report_html(run));
+  const nlohmann::json empty = data_of(report_html(run));
   CHECK(empty["trajectory"]["scan"].empty());
   CHECK_FALSE(empty.contains("error"));
 }

@@ -8,7 +8,7 @@ namespace {
 
 /// The options that a file with this text and these --set give.
 slam::SlamOptions options_of(const std::string& json, std::vector<std::string> set = {}) {
-  return test::from_file("slam.json", json, [&](const auto& path) {
+  return from_file("slam.json", json, [&](const auto& path) {
     return slam_options({"hqslam", path, std::move(set), false});
   });
 }

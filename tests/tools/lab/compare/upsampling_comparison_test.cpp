@@ -6,9 +6,9 @@
 namespace hqslam::tools {
 
 TEST_CASE("what is said of computed pixels does not count measured rows") {
-  SensorModel sensor = test::beams_at({0.3, 0.1, -0.1, -0.3}, 4);
+  SensorModel sensor = beams_at({0.3, 0.1, -0.1, -0.3}, 4);
   sensor.measured_rows = {1, 2};  // rows 1 and 3
-  RangeImage image = test::flat_image(4, 4, 10.0F);
+  RangeImage image = flat_image(4, 4, 10.0F);
   const OrganizedCloud truth = unproject(image, sensor, CaptureTime::kMotionCorrected);
   image.at(0, 0) = 12.0F;   // wrong
   image.at(0, 1) = 10.01F;  // right, and in a voxel of 0.1 m with the truth

@@ -1,6 +1,7 @@
 #include "simulate/simulate_command.h"
 
-#include "testing.h"
+#include "laboratory.h"
+#include "tools/command_line/parsed_options.h"
 
 namespace hqslam::tools {
 
@@ -16,14 +17,28 @@ TEST_CASE("anything else is refused with the list in one line") {
   for (const char* list : {"", "a", "1..", "..3", "3..1", "1,,2", "1,", "-1", "1..20000", "1.5",
                            "1 2", "1..3,2", "18446744073709551616", "0..18446744073709551615"}) {
     CAPTURE(list);
-    const std::string message = test::error_message([&] { seeds_from(list); });
-    CHECK(test::one_line_with(message, "--seeds", fmt::format("'{}'", list)));
+    const std::string message = error_message([&] { seeds_from(list); });
+    CHECK(one_line_with(message, "--seeds", fmt::format("'{}'", list)));
+  }
+}
+
+TEST_CASE("a seed is a whole number from 0 to 2^64 - 1, and no drive has -3 scans") {
+  const auto seed = [](const std::string& text, const std::string& scans = "1") {
+    return parsed_options<SimulateOptions>({"simulate", "--drive", "town", "--sensor", "vlp-16",
+                                            "--out", "x", "--seed", text, "--scans", scans})
+        .seed;
+  };
+  CHECK(seed("0") == 0);
+  CHECK(seed("18446744073709551615") == 18446744073709551615ULL);
+  CHECK_THROWS_AS(seed("0", "-3"), CLI::ParseError);
+  for (const char* wrong :
+       {"-1", "99999999999999999999", "18446744073709551616", "1.5", "0x10", "one", ""}) {
+    CAPTURE(wrong);
+    CHECK_THROWS_AS(seed(wrong), CLI::ParseError);
   }
 }
 
 namespace {
-
-using test::TemporaryDirectory;
 
 void simulate(const TemporaryDirectory& folder, const std::vector<double>& mount_deg,
               std::int64_t scans = 1) {
@@ -42,14 +57,14 @@ TEST_CASE("a mount is refused in the degrees in which it was given, and a drive 
   const TemporaryDirectory folder;
   for (const std::vector<double>& mount_deg :
        {std::vector{200.0, 0.0}, {-180.1, 0.0}, {0.0, 45.1}, {0.0, -46.0}, {std::nan(""), 0.0}}) {
-    CHECK(test::refused_with([&] { simulate(folder, mount_deg); }, "--mount ", "-180 to 180",
-                             "-45 to 45 degrees", "give "));
+    CHECK(refused_with([&] { simulate(folder, mount_deg); }, "--mount ", "-180 to 180",
+                       "-45 to 45 degrees", "give "));
   }
   CHECK_FALSE(std::filesystem::exists(folder.file("drive")));
   simulate(folder, {180.0, -45.0});
   simulate(folder, {-180.0, 45.0});
-  CHECK(test::refused_with([&] { simulate(folder, {}, 1'000'001); }, "scans is 1000001",
-                           "1 to 1000000; give "));
+  CHECK(refused_with([&] { simulate(folder, {}, 1'000'001); }, "scans is 1000001",
+                     "1 to 1000000; give "));
 }
 
 }  // namespace hqslam::tools

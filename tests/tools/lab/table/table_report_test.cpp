@@ -14,7 +14,7 @@ std::vector<PartReport> reports_of(const TablePlan& plan,
 }
 
 std::vector<PartReport> example_reports() {
-  return reports_of(test::example_plan(true), test::example_drives());
+  return reports_of(example_plan(true), example_drives());
 }
 
 }  // namespace
@@ -48,8 +48,8 @@ TEST_CASE("the page's data have tables and paired drifts, and maps of drives tha
   CHECK(part["paired_drifts"][1]["dots"].size() == 2);
   CHECK(part["paired_drifts"][1]["mean"].get<double>() == doctest::Approx(-0.75));
   CHECK(part["error_map"]["paths"].empty());
-  const auto alone = page_data(
-      reports_of(test::example_plan(false), {test::example_drives().front()}))["parts"][1];
+  const auto alone =
+      page_data(reports_of(example_plan(false), {example_drives().front()}))["parts"][1];
   CHECK(alone["error_map"]["reference"]["name"] == "LiDAR-64");
   CHECK(alone["error_map"]["paths"][1]["error_m"].size() == 300);
 }

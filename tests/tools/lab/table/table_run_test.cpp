@@ -7,7 +7,7 @@ namespace {
 
 /// A stack of two images of an os1-16, of which the second has this range.
 std::string stack(float range_m, const std::string& path) {
-  test::write_stack(path, {RangeImage(16, 1024), test::flat_image(16, 1024, range_m)});
+  write_stack(path, {RangeImage(16, 1024), flat_image(16, 1024, range_m)});
   return path;
 }
 
@@ -26,7 +26,7 @@ TablePlan plan_of(const std::string& recording) {
 }  // namespace
 
 TEST_CASE("a run is the same wherever its scans are, and another one with other scans") {
-  const test::TemporaryDirectory folder;
+  const TemporaryDirectory folder;
   const std::string name = run_name(plan_of(stack(2.0F, folder.file("a.npy"))));
   CHECK(name.starts_with("a-"));
   CHECK(run_name(plan_of(stack(2.0F, folder.file("b.npy")))) == name);
@@ -34,11 +34,11 @@ TEST_CASE("a run is the same wherever its scans are, and another one with other 
 }
 
 TEST_CASE("whatever changes a run's result changes its name") {
-  const test::TemporaryDirectory folder;
+  const TemporaryDirectory folder;
   const std::string recording = stack(2.0F, folder.file("a.npy"));
-  test::write_file(folder.file("one.npz"), "one");
-  test::write_file(folder.file("two.npz"), "two");
-  test::write_file(folder.file("stamps.txt"), "1\n2\n");
+  write_file(folder.file("one.npz"), "one");
+  write_file(folder.file("two.npz"), "two");
+  write_file(folder.file("stamps.txt"), "1\n2\n");
   SensorModel sensor = sensor_preset("os1-16");
   sensor.beam_elevation_rad.back() -= 0.01;
   write_sensor_json(sensor, folder.file("sensor.json"));
@@ -55,7 +55,7 @@ TEST_CASE("whatever changes a run's result changes its name") {
       [&](TablePlan& p) { reading(p).sensor = folder.file("sensor.json"); },
       [&](TablePlan& p) { reading(p).stamps = folder.file("stamps.txt"); },
       [&](TablePlan& p) {
-        test::write_file(folder.file("stamps.txt"), "1\n3\n");
+        write_file(folder.file("stamps.txt"), "1\n3\n");
         reading(p).stamps = folder.file("stamps.txt");
       },
   };

@@ -11,7 +11,7 @@ namespace {
 namespace fs = std::filesystem;
 
 StoredDrive block(std::uint64_t seed, std::int64_t scans, std::int64_t every) {
-  return {{"block", seed, scans, {}, {}}, test::preset_with("os1-16", 64), every};
+  return {{"block", seed, scans, {}, {}}, preset_with("os1-16", 64), every};
 }
 
 bool store(const std::string& folder, const std::vector<StoredDrive>& drives, int threads) {
@@ -115,9 +115,9 @@ TEST_CASE("what a killed program left is removed, what another program is at or 
 
 TEST_CASE("a drive that cannot be, and a folder that cannot be, are one line") {
   const TemporaryDirectory folder;
-  CHECK(test::refused_with([&] { store(folder.path(), {block(1, 0, 1)}, 1); }, "scans is 0"));
+  CHECK(refused_with([&] { store(folder.path(), {block(1, 0, 1)}, 1); }, "scans is 0"));
   write_file(folder.file("file"), "x");
-  CHECK(test::refused_with([&] { store(folder.file("file"), {block(1, 1, 1)}, 1); }, "file"));
+  CHECK(refused_with([&] { store(folder.file("file"), {block(1, 1, 1)}, 1); }, "file"));
 }
 
 }  // namespace hqslam::tools
