@@ -82,6 +82,8 @@ SavedMap Slam::saved_map() const {
               std::move(places),     map.edges.intensity(), map.posts.intensity(),
               map.planes.intensity()};
   }
+  const int scans = implementation_->registered_scans;
+  if (scans > 0) result.close_ratio = implementation_->close_ratio_sum / scans;
   return result;
 }
 

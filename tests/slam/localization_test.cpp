@@ -58,6 +58,20 @@ TEST_CASE("a drive is located in an earlier one's map from any start, and leaves
   }
 }
 
+TEST_CASE("scans that fit a map half as well as those of its drive did are not located") {
+  const Village village = street(31);
+  slam::SavedMap map = driven(village);
+  for (auto* points_m : {&map.edges_m, &map.posts_m, &map.planes_m}) {
+    std::erase_if(*points_m, [](const Eigen::Vector3f& p_m) { return p_m.y() > 0.0F; });
+  }
+  const auto status = [&] {
+    return located_in(map).process(village.scan(street_pose(43.0)), 0.0).mapping_status;
+  };
+  CHECK(status() == Status::kNotRecognized);
+  map.close_ratio = 0.0;  // unknown
+  CHECK(status() == Status::kOk);
+}
+
 TEST_CASE("a place outside of the map is not recognized, and one inside is after it") {
   const slam::SavedMap map = driven(street(31));
   slam::Slam slam = located_in(map);

@@ -100,6 +100,16 @@ class MapFile {
     return values;
   }
 
+  double close_ratio() const {
+    constexpr const char* kName = "close_ratio";
+    if (!arrays_.contains(kName)) return 0.0;
+    const std::vector<double> values = double_values(at(kName, {}), path_ + ": " + kName);
+    if (values.size() != 1 || !(values.front() > 0.0 && values.front() <= 1.0)) {
+      refuse(fmt::format("array {}: expected one number from 0 to 1", kName));
+    }
+    return values.front();
+  }
+
   std::vector<SavedPlace> places() const {
     const std::vector<double> poses =
         double_values(at("T_map_place", {3, 4}), path_ + ": T_map_place");
@@ -175,6 +185,9 @@ void write_saved_map(const std::string& path, const SavedMap& map) {
   add_intensity("edges_intensity", map.edges_intensity);
   add_intensity("posts_intensity", map.posts_intensity);
   add_intensity("planes_intensity", map.planes_intensity);
+  if (map.close_ratio > 0.0) {
+    arrays.emplace("close_ratio", npz_array(std::vector{map.close_ratio}, {1}));
+  }
   write_npz(path, arrays);
 }
 
@@ -185,6 +198,7 @@ SavedMap read_saved_map(const std::string& path) {
   map.edges_intensity = file.intensity("edges_intensity", map.edges_m.size());
   map.posts_intensity = file.intensity("posts_intensity", map.posts_m.size());
   map.planes_intensity = file.intensity("planes_intensity", map.planes_m.size());
+  map.close_ratio = file.close_ratio();
   return map;
 }
 

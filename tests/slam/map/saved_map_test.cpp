@@ -28,9 +28,12 @@ TEST_CASE("a saved map is read back unchanged, with intensities or of before the
   slam::write_saved_map(folder.file("map.npz"), map);
   CHECK_FALSE(read_npz(folder.file("map.npz")).contains("edges_intensity"));
   CHECK(slam::read_saved_map(folder.file("map.npz")).edges_intensity.empty());
+  CHECK(slam::read_saved_map(folder.file("map.npz")).close_ratio == 0.0);
+  map.close_ratio = 0.4;
   map.edges_intensity = {12.0F, std::numeric_limits<float>::quiet_NaN()};
   slam::write_saved_map(folder.file("map.npz"), map);
   const slam::SavedMap read = slam::read_saved_map(folder.file("map.npz"));
+  CHECK(read.close_ratio == map.close_ratio);
   CHECK(read.edges_m == map.edges_m);
   CHECK(read.posts_m.empty());
   CHECK(read.planes_m == map.planes_m);
@@ -61,6 +64,7 @@ TEST_CASE("a file that is no saved map is refused in one line") {
        "posts_m: expected coordinates up to 1000000 m, found -10000000000 m"},
       {"edges_intensity", npz_array(Floats(3), {3}),
        "edges_intensity: expected one number for each of 2 points, found 3"},
+      {"close_ratio", npz_array(Doubles{1.5}, {1}), "close_ratio: expected one number from 0 to 1"},
       {"T_map_place", npz_array(Doubles{1, 0, 0, 1e10, 0, 1, 0, 0, 0, 0, 1, 0}, {1, 3, 4}),
        "T_map_place: expected coordinates"},
       {"T_map_place", npz_array(Doubles(24), {2, 3, 4}), "expected rotations"},

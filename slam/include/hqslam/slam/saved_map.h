@@ -26,11 +26,15 @@ struct SavedMap {
   std::vector<float> edges_intensity = {};
   std::vector<float> posts_intensity = {};
   std::vector<float> planes_intensity = {};
+  /// The share of a scan's features other than ground that were within 0.1 m of the map, mean over
+  /// the scans of its drive; 0: unknown.
+  double close_ratio = 0.0;
 };
 
 /// An .npz file, also for numpy: edges_m, posts_m and planes_m (N x 3, float32, metres),
 /// T_map_place (M x 3 x 4, float64) and place_contexts (M x 20 x 60, float32; ScanContext's unit
-/// sectors, ring after ring), and edges_intensity and so on (N, float32) where they are not empty.
+/// sectors, ring after ring), edges_intensity and so on (N, float32) where they are not empty, and
+/// close_ratio (1, float64) where it is known.
 /// Throws Error; an existing file is replaced once the new one is complete.
 void write_saved_map(const std::string& path, const SavedMap& map);
 /// Throws Error if the file is not a saved map or has impossible values (shapes, numbers that are
