@@ -123,7 +123,7 @@ Registered Slam::Implementation::judged(const Tracking& last, const Scan& scan,
   Registered found;
   found.is_registered =
       matched.status != Status::kTooFewFeatures && !is_elsewhere &&
-      (!place_recognition || (is_in_given_map(scan.map_features, matched) &&
+      (!place_recognition || (is_in_given_map(scan.map_features, matched.state) &&
                               !may_be_elsewhere(last, expected, matched, kLeastShareInGivenMap)));
   found.has_ground = matched.has_ground;
   found.inlier_ratio = matched.inlier_ratio;

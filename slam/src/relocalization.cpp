@@ -1,6 +1,5 @@
 // The state Searching: relocalization in a given map.
 
-#include <algorithm>
 #include <optional>
 
 #include "loops/loop_verification.h"
@@ -57,8 +56,7 @@ State Slam::Implementation::next(Searching now, const Scan& scan, Notes& notes) 
                               *T_map_sensor, SearchFrom::kRecognizedPlace);
   }
   const bool is_found =
-      matched && matched->close_ratio >=
-                     std::max(least_close_ratio, kLeastShareInGivenMap * now.usual_close_ratio);
+      matched && matched->close_ratio >= kLeastShareInGivenMap * now.usual_close_ratio;
   MotionState found = unknown_motion(is_found ? *T_map_sensor : now.T_map_last);
   found.velocity = searched.velocity;
   report.T_map_sensor = found.T_map_sensor;
@@ -83,9 +81,8 @@ State Slam::Implementation::next(Searching now, const Scan& scan, Notes& notes) 
 }
 
 bool Slam::Implementation::is_in_given_map(const MapFeatures& features,
-                                           const MappingResult& found) const {
-  return found.close_ratio >= least_close_ratio &&
-         fit_of(features, mapping.map(), found.state).overlap >= kMinOverlapInGivenMap;
+                                           const MotionState& found) const {
+  return fit_of(features, mapping.map(), found).overlap >= kMinOverlapInGivenMap;
 }
 
 }  // namespace hqslam::slam

@@ -9,7 +9,6 @@
 #include "front_end/scattered_returns.h"
 #include "hqslam/core/error.h"
 #include "hqslam/slam/saved_map.h"
-#include "map/choice_of_start.h"
 #include "map/registration_trace.h"
 #include "slam_implementation.h"
 #include "thread_limit.h"
@@ -58,8 +57,8 @@ Slam::Implementation::Implementation(const SensorModel& sensor_, const SlamOptio
     loop_closing.emplace(options.mapping, options.loop_closing.enabled);
   } else {
     place_recognition.emplace(options.mapping, given_map->places, T_map_level_start);
-    state = Searching{Pose::Identity(), Pose::Identity(), std::nullopt, given_map->close_ratio};
-    least_close_ratio = kLeastShareOfUsualFit * given_map->close_ratio;
+    state = Searching{};
+    given_close_ratio = given_map->close_ratio;
   }
 }
 

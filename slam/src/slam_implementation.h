@@ -80,7 +80,7 @@ struct Slam::Implementation {
   /// Of the scans that were registered: SavedMap::close_ratio.
   double close_ratio_sum = 0.0;
   int registered_scans = 0;
-  double least_close_ratio = 0.0;  ///< of a scan in a given map
+  double given_close_ratio = 0.0;  ///< that of a given map
 
   Implementation(const SensorModel& sensor, const SlamOptions& options, const SavedMap* given_map,
                  const std::optional<Pose>& T_map_level_start);
@@ -132,7 +132,7 @@ struct Slam::Implementation {
   Features put_first_keyframe(const FirstKeyframe& first, const Twist& velocity);
   void correct_first_keyframe(Tracking& last, Twist velocity);
   void add_keyframe(const Scan& scan, const ScanMotion& motion, bool begins_segment, Notes& notes);
-  bool is_in_given_map(const MapFeatures& features, const MappingResult& found) const;
+  bool is_in_given_map(const MapFeatures& features, const MotionState& found) const;
 };
 
 /// A reference made of a scan. inertial: nothing if it begins with this scan or no data cover it.

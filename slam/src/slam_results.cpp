@@ -1,5 +1,7 @@
 // The results of SLAM for the scans so far.
 
+#include <fmt/format.h>
+
 #include <limits>
 #include <utility>
 
@@ -57,6 +59,21 @@ std::vector<Eigen::Vector3f> Slam::map_points_m(std::optional<std::size_t> subma
   }
   if (intensity != nullptr && !intensity->empty()) append_known(*intensity, {}, result.size());
   return result;
+}
+
+std::string Slam::map_complaint() const {
+  // Of simulated drives: 0.7 and more in the same rooms, 0.3 to 0.6 in others of the same style;
+  // outdoors more than 1, and no other place is recognized.
+  constexpr double kLeastShare = 0.6;
+  constexpr int kFewestScans = 20;
+  const int scans = implementation_->registered_scans;
+  const double expected = implementation_->given_close_ratio * scans;
+  const double sum = implementation_->close_ratio_sum;
+  if (scans < kFewestScans || sum >= kLeastShare * expected) return "";
+  return fmt::format(
+      "scans fit it {:.2f} times as well as those of its own drive did: it is of another place, or "
+      "much has changed",
+      sum / expected);
 }
 
 SavedMap Slam::saved_map() const {

@@ -144,8 +144,10 @@ std::string run_summary(const SlamRun& run) {
                                : "corrected");
   }
   if (!run.located_in.empty()) {
+    const std::string& complaint = run.map_complaint;
     summary += is_located(run)
-                   ? fmt::format("located in the map of {}\n", run.located_in)
+                   ? fmt::format("located in the map of {}{}\n", run.located_in,
+                                 complaint.empty() ? "" : ", in doubt: " + complaint)
                    : fmt::format("not located: no place of the map of {} was recognized\n",
                                  run.located_in);
   }
