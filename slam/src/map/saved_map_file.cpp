@@ -104,8 +104,11 @@ class MapFile {
     constexpr const char* kName = "close_ratio";
     if (!arrays_.contains(kName)) return 0.0;
     const std::vector<double> values = double_values(at(kName, {}), path_ + ": " + kName);
-    if (values.size() != 1 || !(values.front() > 0.0 && values.front() <= 1.0)) {
-      refuse(fmt::format("array {}: expected one number from 0 to 1", kName));
+    if (values.size() != 1) {
+      refuse(fmt::format("array {}: expected one number, found {}", kName, values.size()));
+    }
+    if (!(values.front() > 0.0 && values.front() <= 1.0)) {
+      refuse(fmt::format("array {}: expected a share of 1, found {}", kName, values.front()));
     }
     return values.front();
   }

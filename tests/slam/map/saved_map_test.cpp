@@ -64,7 +64,7 @@ TEST_CASE("a file that is no saved map is refused in one line") {
        "posts_m: expected coordinates up to 1000000 m, found -10000000000 m"},
       {"edges_intensity", npz_array(Floats(3), {3}),
        "edges_intensity: expected one number for each of 2 points, found 3"},
-      {"close_ratio", npz_array(Doubles{1.5}, {1}), "close_ratio: expected one number from 0 to 1"},
+      {"close_ratio", npz_array(Doubles{2}, {1}), "close_ratio: expected a share of 1, found 2"},
       {"T_map_place", npz_array(Doubles{1, 0, 0, 1e10, 0, 1, 0, 0, 0, 0, 1, 0}, {1, 3, 4}),
        "T_map_place: expected coordinates"},
       {"T_map_place", npz_array(Doubles(24), {2, 3, 4}), "expected rotations"},

@@ -55,7 +55,7 @@ bool is_named_after(const fs::path& capture, const std::string& metadata) {
   return name.starts_with(stem + '_') || name.starts_with(stem + '.');
 }
 
-/// Keeps the candidates of a property, if any has it.
+/// Keeps the candidates with a property, if any has it.
 void prefer(std::vector<Candidate>& candidates, const std::function<bool(const Candidate&)>& has) {
   if (candidates.size() > 1 && std::ranges::any_of(candidates, has)) {
     std::erase_if(candidates, [&](const Candidate& candidate) { return !has(candidate); });
