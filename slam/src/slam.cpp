@@ -58,7 +58,7 @@ Slam::Implementation::Implementation(const SensorModel& sensor_, const SlamOptio
   } else {
     place_recognition.emplace(options.mapping, given_map->places, T_map_level_start);
     state = Searching{};
-    given_close_ratio = given_map->close_ratio;
+    map_fit = MapFit(given_map->close_ratio);
   }
 }
 
@@ -74,6 +74,9 @@ Notes Slam::Implementation::process_level(const OrganizedCloud& cloud, double st
   Scan scan = front_end(clear ? *clear : cloud, stamp_s, notes);
   const std::string_view state_before = name(state);
   state = std::visit([&](auto& now) { return next(std::move(now), scan, notes); }, state);
+  if (is_registered(notes.report.mapping_status) && map_fit.is_doubtful()) {
+    notes.report.mapping_status = Status::kMapInDoubt;
+  }
   if (trace != nullptr) {
     trace->state_before = state_before;
     trace->state = name(state);

@@ -15,6 +15,7 @@
 #include "imu/inertial_check.h"
 #include "loops/background_loop_closing.h"
 #include "loops/place_recognition.h"
+#include "map/map_fit.h"
 #include "map/rooms.h"
 #include "segmented_trajectory.h"
 #include "states.h"
@@ -77,10 +78,7 @@ struct Slam::Implementation {
   // Exactly one of the two:
   std::optional<BackgroundLoopClosing> loop_closing;  ///< without a given map
   std::optional<PlaceRecognition> place_recognition;  ///< in a given map
-  /// Of the scans that were registered: SavedMap::close_ratio.
-  double close_ratio_sum = 0.0;
-  int registered_scans = 0;
-  double given_close_ratio = 0.0;  ///< that of a given map
+  MapFit map_fit;
 
   Implementation(const SensorModel& sensor, const SlamOptions& options, const SavedMap* given_map,
                  const std::optional<Pose>& T_map_level_start);

@@ -1,7 +1,5 @@
 // The results of SLAM for the scans so far.
 
-#include <fmt/format.h>
-
 #include <limits>
 #include <utility>
 
@@ -61,20 +59,7 @@ std::vector<Eigen::Vector3f> Slam::map_points_m(std::optional<std::size_t> subma
   return result;
 }
 
-std::string Slam::map_complaint() const {
-  // Of simulated drives: 0.79 and more in the same rooms, 0.31 to 0.62 in others of the same style;
-  // outdoors about 1 and more, and no other place is recognized.
-  constexpr double kLeastShare = 0.65;
-  constexpr int kFewestScans = 20;
-  const int scans = implementation_->registered_scans;
-  const double expected = implementation_->given_close_ratio * scans;
-  const double sum = implementation_->close_ratio_sum;
-  if (scans < kFewestScans || sum >= kLeastShare * expected) return "";
-  return fmt::format(
-      "scans fit it {:.2f} times as well as those of its own drive did: it is of another place, or "
-      "much has changed",
-      sum / expected);
-}
+std::string Slam::map_complaint() const { return implementation_->map_fit.complaint(); }
 
 SavedMap Slam::saved_map() const {
   const ThreadLimit limit(implementation_->options.threads);
@@ -99,8 +84,7 @@ SavedMap Slam::saved_map() const {
               std::move(places),     map.edges.intensity(), map.posts.intensity(),
               map.planes.intensity()};
   }
-  const int scans = implementation_->registered_scans;
-  if (scans > 0) result.close_ratio = implementation_->close_ratio_sum / scans;
+  result.close_ratio = implementation_->map_fit.mean_close_ratio();
   return result;
 }
 

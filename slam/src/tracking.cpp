@@ -166,8 +166,7 @@ State Slam::Implementation::tracked(Tracking last, const Registered& found, cons
   if (!inertial_check.agrees()) gravity_window = {};
   last.inlier_ratio = found.inlier_ratio;
   last.close_ratio = found.close_ratio;
-  close_ratio_sum += found.close_ratio;
-  ++registered_scans;
+  map_fit.add(found.close_ratio);
   last.usual_close_ratio =
       std::max(last.close_ratio,
                last.usual_close_ratio + kForgotten * (last.close_ratio - last.usual_close_ratio));

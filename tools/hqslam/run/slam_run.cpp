@@ -41,7 +41,8 @@ std::vector<std::pair<slam::Status, std::int64_t>> status_counts(
   std::vector<std::pair<slam::Status, std::int64_t>> counts;
   for (const slam::Status kind :
        {slam::Status::kOk, slam::Status::kTooFewFeatures, slam::Status::kDegenerate,
-        slam::Status::kNotConverged, slam::Status::kAfterGap, slam::Status::kNotRecognized}) {
+        slam::Status::kNotConverged, slam::Status::kAfterGap, slam::Status::kMapInDoubt,
+        slam::Status::kNotRecognized}) {
     counts.emplace_back(kind, std::ranges::count(run.scans, kind, [&](const ScanRecord& scan) {
                           return scan.report.*status;
                         }));

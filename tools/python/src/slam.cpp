@@ -53,7 +53,7 @@ void add_reports(nb::module_& module) {
           "ok, too few features, degenerate or not converged.")
       .def_prop_ro(
           "mapping_status", [](const ScanReport& r) { return std::string(name(r.mapping_status)); },
-          "As odometry_status, or after a gap, or not recognized.")
+          "As odometry_status, or after a gap, map in doubt or not recognized.")
       .def_prop_ro(
           "is_registered", [](const ScanReport& r) { return is_registered(r.mapping_status); },
           "Whether the pose was measured against the map.")
