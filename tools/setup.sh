@@ -21,7 +21,7 @@ if [[ "${1:-}" != light ]]; then
   packages+=(libpcl-dev libembree-dev) # LeGO-LOAM; the simulated city
 fi
 if [[ "${1:-}" == checks ]]; then
-  packages+=(clang-format clang-tidy)
+  packages+=(clang-format clang-tidy ccache)
 elif [[ "${1:-}" == fuzz ]]; then
   packages+=(clang lld libclang-rt-dev libomp-dev)
 elif [[ "${1:-}" == arm64 ]]; then

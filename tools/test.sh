@@ -27,6 +27,11 @@ sources() {
 
 step "Packages"
 tools/setup.sh checks
+# The preset light shares nearly all objects with the preset release.
+if command -v ccache >/dev/null; then
+  export CMAKE_CXX_COMPILER_LAUNCHER=ccache CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
+  export CCACHE_SLOPPINESS=time_macros,include_file_mtime,include_file_ctime,pch_defines
+fi
 
 step "Build"
 cmake --preset release -Wno-dev >/dev/null
@@ -36,7 +41,9 @@ step "Tests"
 ctest --preset release -j "$jobs"
 
 # Who includes whom is a test, and so is what links with a part alone (tests/install).
-step "core alone, core and nn alone"
+step "Without PCL and Embree; core alone; core and nn alone"
+cmake --preset light -Wno-dev -DHQSLAM_BUILD_TESTS=OFF >/dev/null
+cmake --build --preset light -j "$jobs"
 cmake --preset core-only -Wno-dev >/dev/null
 cmake --preset nn-only -Wno-dev -DCMAKE_BUILD_TYPE= -DHQSLAM_BUILD_TESTS=OFF >/dev/null
 cmake --build --preset nn-only -j "$jobs"

@@ -61,6 +61,7 @@ State Slam::Implementation::next(Searching now, const Scan& scan, Notes& notes) 
   found.velocity = searched.velocity;
   report.T_map_sensor = found.T_map_sensor;
   if (is_found) {
+    map_fit.add(matched->close_ratio);
     found.covariance = matched->state.covariance;
     const Matrix6 against_map = drift.against_map(found);
     report.covariance = drift.covariance(Pose::Identity(), against_map);

@@ -53,6 +53,16 @@ TEST_CASE("what keeps its range while the sensor moves and ends there is a part 
   CHECK(scan.range_m[scan.index(9, 100)] == doctest::Approx(moving_room(41, 9, 100)));
 }
 
+TEST_CASE("an edge of a part from which few echoes return does not delay it") {
+  const auto with_edge = [](int i, int row, int column) {
+    if (row == 9 && is_rack(10, column)) return (i + column) % 3 == 0 ? 1.2 : 0.0;
+    return with_rack(i, row, column);
+  };
+  OwnParts parts(kCarried);
+  left_out(parts, with_edge, 40);
+  CHECK(parts.text() == "300 of 16384 pixels, 1.2 to 1.2 m away");
+}
+
 TEST_CASE("what is near a sensor that stands is seen") {
   OwnParts parts(kCarried);
   CHECK(left_out(parts, with_rack_standing, 60) == 0);

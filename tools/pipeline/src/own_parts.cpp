@@ -92,7 +92,7 @@ void OwnParts::observe(const std::vector<float>& range_m) {
       ++pixel.different;
       continue;
     } else {
-      pixel = {.range_m = range_m[i]};
+      pixel = {.range_m = range_m[i], .has_changed = pixel.range_m > 0.0F};
     }
     if (pixel.constant == kConstantScans) continue;
     ++pixel.constant;
@@ -133,6 +133,9 @@ std::vector<bool> OwnParts::end_there(const RangeImage& candidates,
   std::vector<Border> borders(found.components.size());
   const auto compare = [&](std::size_t pixel, std::size_t other, double alpha_rad) {
     if (candidates.range_m[other] > 0.0F || !(range_m[other] > 0.0F)) return;
+    // What only sometimes returns an echo, as at the least range, takes longer to become a
+    // candidate.
+    if (range_m[other] < kNear_m && !pixels_[other].has_changed) return;
     Border& border = borders[static_cast<std::size_t>(found.label[pixel])];
     ++border.pixels;
     border.continued += ComponentLabeler::connected(

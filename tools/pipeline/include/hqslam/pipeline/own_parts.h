@@ -39,6 +39,7 @@ class OwnParts {
     std::uint8_t constant = 0;      ///< scans, counted up to 10
     std::uint8_t while_moving = 0;  ///< scans, counted up to 20
     std::uint8_t different = 0;     ///< successive scans in which something else was seen
+    bool has_changed = false;       ///< something else was seen before
     bool is_own = false;
   };
 
