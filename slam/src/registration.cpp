@@ -125,7 +125,7 @@ Registered Slam::Implementation::judged(const Tracking& last, const Scan& scan,
       matched.status != Status::kTooFewFeatures && !is_elsewhere &&
       (!place_recognition || (is_in_given_map(scan.map_features, matched.state) &&
                               !may_be_elsewhere(last, expected, matched, kLeastShareInGivenMap)));
-  found.has_ground = matched.has_ground;
+  found.has_near_ground = matched.has_near_ground;
   found.inlier_ratio = matched.inlier_ratio;
   found.close_ratio = matched.close_ratio;
   found.state = matched.state;

@@ -52,7 +52,7 @@ struct Registered {
   bool by_odometry = false;          ///< the motion since the reference is known
   bool is_motion_plausible = false;  ///< known, and possible unless the sensor is carried
   bool is_contradiction = false;     ///< of a state that was well known before the scan
-  bool has_ground = false;           ///< MappingResult::has_ground
+  bool has_near_ground = false;      ///< MappingResult::has_near_ground
   double inlier_ratio = 0.0;
   double close_ratio = 0.0;
   std::optional<InertialState> inertial;

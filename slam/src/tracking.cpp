@@ -146,7 +146,7 @@ State Slam::Implementation::tracked(Tracking last, const Registered& found, cons
     drift.move(motion);
   } else {
     const bool is_by_gravity = found.inertial && inertial_check.can_level();
-    const bool is_held = found.has_ground || rooms.is_in_room();
+    const bool is_held = found.has_near_ground || rooms.is_in_room();
     drift.grow(motion, found.state,
                is_by_gravity ? Drift::Level::kByGravity
                : is_held     ? Drift::Level::kByGround

@@ -47,6 +47,16 @@ int close_planes(const ConstraintList& found) {
                     [](const PlaneConstraint& plane) { return distance_m(plane) < kClose_m; }));
 }
 
+/// MappingResult::has_near_ground.
+bool has_near_ground(const ConstraintList& found) {
+  constexpr double kSine = 0.09;  // 5 degrees down; 20 m from a sensor at 1.8 m
+  const auto is_near = [](const PlaneConstraint& plane) {
+    return -plane.point_m.z() > kSine * plane.point_m.norm();
+  };
+  const auto ground = found.all.begin();
+  return std::count_if(ground, ground + found.ground, is_near) >= kMinGroundConstraints;
+}
+
 /// MappingResult::close_ratio.
 double close_share(int close, const MapFeatures& features) {
   const std::size_t sought = features.surfaces_to_register.size() +
@@ -78,6 +88,7 @@ void put_matches(const ConstraintList& found, const MapFeatures& features, Mappi
   result.edge_correspondences = found.edges;
   result.planar_correspondences = found.planes;
   result.has_ground = found.ground >= kMinGroundConstraints;
+  result.has_near_ground = has_near_ground(found);
   result.close_planes = close_planes(found);
   result.close_ratio = close_share(result.close_planes, features);
   if (!result.is_close_search) result.inlier_ratio = inlier_share(found, features);

@@ -36,6 +36,9 @@ struct MappingResult {
   int edge_correspondences = 0;
   int planar_correspondences = 0;
   bool has_ground = false;  ///< kMinGroundConstraints were found
+  /// As many were found that are not far: far ones alone, as beyond a vehicle's deck, do not tell
+  /// height from pitch, and an error of the pitch grows with the path.
+  bool has_near_ground = false;
   /// Share of the features other than ground that found a line or plane in the last wide search:
   /// how well the place fits. The ground fits everywhere, and more is found within 1 m than within
   /// 0.6 m.

@@ -2,20 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <functional>
 #include <iterator>
 #include <utility>
 
 #include "hqslam/core/error.h"
 #include "pages/open_page.h"
-#include "recording/capture_check.h"
 #include "recording/recording_choice.h"
-#include "run/beam_correction.h"
 #include "run/run_output.h"
+#include "run/run_passes.h"
 #include "run/run_summary.h"
-#include "run/slam_session.h"
 #include "terminal/command_options.h"
-#include "terminal/progress.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {
@@ -113,58 +109,11 @@ std::optional<ReferenceComparison> comparison_of(const SlamRun& run,
   return comparison;
 }
 
-/// SLAM over the recording, with intermediate results now and then, until `is_enough`.
-void process_all(ScanSource& source, SlamSession& session, RunOutput& output,
-                 const InterruptGuard& interrupt,
-                 const std::function<bool(const ReadScan&)>& is_enough) {
-  SlamRun& run = session.run();
-  run.scans_in_recording = source.size();
-  Progress progress(fmt::format("slam {}x{}", run.sensor.rows(), run.sensor.columns),
-                    run.wanted.count_of(source.size()));
-  read_scans(source, interrupt, run, [&](const ReadScan& read) {
-    session.process(read.scan, read.index, read.reading_s);
-    if (output.checkpoint_due()) output.write_checkpoint(session.run_so_far());
-    progress.update(std::ssize(run.scans), source.read_share());
-    return !is_enough(read);
-  });
-  progress.update(std::ssize(run.scans), source.read_share());
-  progress.finish();
-  if (run.end == ReadingEnd::kComplete) {
-    run.scans_in_recording = std::ssize(run.scans) + run.left_out.scans;
-  }
-}
-
 void check_idle_options(const RunOptions& options) {
   if (options.slam.kind == "lego-loam" && !options.imu.empty() &&
       options.imu != recordings::kNoInertialData) {
     throw Error("--slam lego-loam: uses no inertial data; leave --imu out");
   }
-}
-
-/// Determines how points without times were captured, and how many turns of the sensor apart: a
-/// wrong assumption costs decimetres. Returns whether it is now stated.
-bool determine_capture(RunOptions& options, const SensorModel& sensor) {
-  const auto check = check_clouds_without_times(options.input, open_options(options));
-  if (!check) return false;
-  const bool is_rolling = check->verdict == CaptureTime::kRolling;
-  if (check->is_of_kitti) {
-    options.capture = "corrected";
-    if (is_rolling) {
-      to_stderr(
-          "hqslam: points have no times: {}; read as corrected, as files of KITTI usually are; "
-          "--capture rolling reads them as captured while the sensor turned\n",
-          fit_text(*check));
-    }
-    return true;
-  }
-  options.capture = is_rolling ? "rolling" : "corrected";
-  std::string found = "--capture " + options.capture;
-  if (check->turns > 1) {
-    options.stamps = stamps_text(check->turns, sensor);
-    found += " --stamps " + options.stamps;
-  }
-  to_stderr("hqslam: points have no times: {}: read as with {}\n", fit_text(*check), found);
-  return true;
 }
 
 /// Files that are read; the recording too, where it is one.
@@ -221,48 +170,6 @@ void declare(CLI::App& app, RunOptions& options) {
   declare_maps(command, options);
 }
 
-namespace {
-
-/// The recording and SLAM over it. Nothing where it is to be read anew: with the capture of its
-/// points, which `options` then has, or because its beams have errors, which are then `corrected`.
-std::optional<SlamRun> followed(RunOptions& options, RunOutput& output,
-                                const InterruptGuard& interrupt, pipeline::UpsampledRecording input,
-                                std::optional<BeamsOfRun>& corrected) {
-  ScanSource& source = input.recording;
-  const std::size_t printed = source.warnings().size();
-  bool may_correct = !options.no_calibration && !corrected &&
-                     !input.upsampler.recorded().measured_rows &&
-                     slam_kind(options.slam) == pipeline::SlamKind::kHqslam;
-  SlamSession session(std::move(input.upsampler), pipeline_options(options.slam, options),
-                      options.input);
-  session.run().located_in = options.map_file;
-  session.run().wanted = wanted_scans(options);
-  if (!options.corrected && determine_capture(options, source.sensor())) return std::nullopt;
-  pipeline::BeamCheck check;
-  const auto have_errors = [&] {
-    may_correct = false;  // asked once
-    const std::optional<BeamEvidence> evidence = evidence_of(check, session.pipeline());
-    if (evidence) corrected = beams_with_errors(*evidence);
-    const std::string complaint = corrected ? pipeline::complaint_about(corrected->sensor) : "";
-    if (complaint.empty()) return corrected.has_value();
-    to_stderr("hqslam: {}; the beams are kept\n", complaint);
-    corrected.reset();
-    return false;
-  };
-  process_all(source, session, output, interrupt, [&](const ReadScan& read) {
-    if (may_correct) check.add(read.scan.cloud, session.report(), session.pipeline());
-    return may_correct && check.is_complete() && have_errors();
-  });
-  const bool was_corrected = options.corrected.has_value();
-  if (may_correct && !interrupt.stop_requested()) have_errors();
-  if (corrected && !was_corrected) return std::nullopt;
-  print_later_warnings(source, printed);
-  session.run().found_beams = corrected;
-  return session.finished(options.save_map);
-}
-
-}  // namespace
-
 SlamRun run_and_write(RunOptions options, const InterruptGuard& interrupt) {
   use_threads(options.threads);
   refuse_to_write_into_recording(options.input, options.out);
@@ -271,18 +178,7 @@ SlamRun run_and_write(RunOptions options, const InterruptGuard& interrupt) {
   const std::optional<TrajectoryFile> reference = reference_of(options, input.recording);
   RunOutput output(options.out, inputs_of(options));
 
-  std::optional<BeamsOfRun> corrected;
-  std::optional<SlamRun> followed_run =
-      followed(options, output, interrupt, std::move(input), corrected);
-  while (!followed_run) {
-    if (corrected) {
-      to_stderr("hqslam: beams: {}; the run begins anew with these\n", beams_text(*corrected));
-      options.corrected = corrected->sensor;
-    }
-    followed_run =
-        followed(options, output, interrupt, upsampled_recording(options, options), corrected);
-  }
-  SlamRun run = std::move(*followed_run);
+  SlamRun run = slam_over(options, output, interrupt, std::move(input));
   if (run.scans.empty()) return run;  // interrupted at once: an earlier run's results stay
   if (reference) {
     run.comparison = comparison_of(run, *reference);

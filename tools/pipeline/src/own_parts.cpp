@@ -59,6 +59,11 @@ OrganizedCloud OwnParts::without(OrganizedCloud scan) {
   return scan;
 }
 
+double OwnParts::share() const {
+  return static_cast<double>(std::ranges::count(pixels_, true, &Pixel::is_own)) /
+         static_cast<double>(pixels_.size());
+}
+
 std::string OwnParts::text() const {
   std::size_t count = 0;
   float nearest_m = kNear_m;

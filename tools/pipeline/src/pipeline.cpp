@@ -20,7 +20,7 @@ double seconds_since(Clock::time_point start) {
 struct Pipeline::Implementation {
   Upsampler upsampler;
   DriveMemory memory{upsampler.method()};
-  OwnParts own_parts{upsampler.measured_sensor()};
+  OwnParts own_parts;
   std::unique_ptr<SlamSystem> slam;
 };
 
@@ -30,8 +30,10 @@ Pipeline::Pipeline(const SensorModel& recorded, const PipelineOptions& options)
 Pipeline::Pipeline(Upsampler upsampler, const PipelineOptions& options) {
   const auto make_slam = options.slam == SlamKind::kLegoLoam ? lego_loam_system : hqslam_system;
   std::unique_ptr<SlamSystem> slam = make_slam(upsampler.sensor(), options);
-  implementation_.reset(
-      new Implementation{.upsampler = std::move(upsampler), .slam = std::move(slam)});
+  OwnParts own_parts = options.own_parts.value_or(OwnParts(upsampler.measured_sensor()));
+  implementation_.reset(new Implementation{.upsampler = std::move(upsampler),
+                                           .own_parts = std::move(own_parts),
+                                           .slam = std::move(slam)});
 }
 
 Pipeline::~Pipeline() = default;

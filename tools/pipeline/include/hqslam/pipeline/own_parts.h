@@ -30,6 +30,7 @@ class OwnParts {
   /// The scan, with no return where it sees own parts. In: the scans of a drive in their order, of
   /// the sensor's rows and columns; throws Error for others.
   OrganizedCloud without(OrganizedCloud scan);
+  double share() const;  ///< of all pixels
   /// "812 of 28800 pixels, 0.4 to 1.5 m away", of the last scan; empty if there are none.
   std::string text() const;
 

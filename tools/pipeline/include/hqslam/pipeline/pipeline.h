@@ -33,6 +33,8 @@ struct PipelineOptions {
   std::optional<slam::SavedMap> map = {};
   /// The sensor's first pose in that map, turned level; nothing: it is searched in all of the map.
   std::optional<Pose> T_map_level_start = {};
+  /// What an earlier pass over the scans found; nothing: they are found on the way.
+  std::optional<OwnParts> own_parts = {};
 };
 
 /// One scan after upsampling and SLAM.
