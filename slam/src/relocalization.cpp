@@ -11,7 +11,7 @@ namespace hqslam::slam {
 
 namespace {
 
-/// Smallest overlap of a scan with a given map; measured: 0.15 and more at the edge of the map,
+/// Smallest overlap of a scan with a given map; simulated: 0.15 and more at the edge of the map,
 /// 0.06 at a wrong place.
 constexpr double kMinOverlapInGivenMap = 0.1;
 

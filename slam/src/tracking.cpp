@@ -14,14 +14,14 @@ namespace {
 /// Consecutive scans that may miss the map.
 constexpr std::size_t kMaxMissedScans = 5;
 /// The place has changed if less than this share of what matched is close to the map: a lorry
-/// stopped beside the sensor, a crowd arrived (simulated scenes).
+/// stopped beside the sensor, a crowd arrived (simulated scenes; no real recording changes).
 constexpr double kChangedShare = 0.8;
 /// Between a scan and the one with the best fit since the last keyframe, if the sensor stands.
 constexpr double kStands_m = 0.05;
 constexpr double kStands_rad = 0.02;
-/// Decay of Tracking::usual_close_ratio with each scan that fits less well.
+/// Decay of Tracking::usual_close_ratio with each scan that fits less well (a real OS0 in a hand).
 constexpr double kForgotten = 0.1;
-/// Of the first keyframe, for motion.
+/// Of the first keyframe, for motion: simulated starts need 1 to 8.
 constexpr int kMostCorrections = 10;
 /// Share of the change of velocity that the next correction follows. Full steps swing about the
 /// result: a keyframe that was corrected for too large a velocity makes the next one too small.

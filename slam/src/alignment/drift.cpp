@@ -9,7 +9,8 @@ namespace hqslam::slam {
 
 namespace {
 
-/// Factors of variances.
+/// Factors of variances. These, those that follow, shares and start: fitted to simulated drives
+/// alone (drift.h).
 constexpr double kAlongGround = 23.0;
 constexpr double kHeight = 1.35;
 constexpr double kRollAndPitch = 5.9;
@@ -30,7 +31,7 @@ constexpr double kUnevenShare = 0.5;
 /// Simulated vehicles have at most 0.005 rad, robots in rooms 0.012 to 0.026, hands 0.035 to 0.07;
 /// a VLP-16 on a car 0.002.
 constexpr double kUneven_rad = 0.01;
-constexpr int kFewJolts = 5;
+constexpr int kFewJolts = 5;  // with fewer a climb of simulated stairs fails
 /// One such turn: above those that 16 rows of a raw HDL-64E on a car pretend
 /// (weights/NOTEBOOK.md, "Acceleration within a scan").
 constexpr double kUnevenOnce_rad = 0.015;

@@ -63,7 +63,8 @@ enum class FreeParameters { kInPlane, kOutOfPlane, kAll };
 MotionParameters align(const std::vector<PlaneConstraint>& constraints,
                        const MotionParameters& start, FreeParameters free, int max_steps);
 
-/// Smallest observable share; measured: 0.008 and more in streets, 0.001 along an endless corridor.
+/// Smallest observable share; simulated: 0.008 and more in streets, 0.001 along an endless
+/// corridor.
 inline constexpr double kMinObservableShare = 0.003;
 
 /// Lever arm that converts angles to lengths where directions of motion are compared.

@@ -44,7 +44,8 @@ inline void weigh(EdgeConstraints& edge, double factor) {
 template <typename Constraints>
 void weigh_by_noise(std::vector<std::optional<Constraints>>& found, double trusted_m,
                     bool trust_near) {
-  constexpr double kScalePerMedian = 3.0;
+  constexpr double kScalePerMedian = 3.0;  // chosen on simulated hills alone
+  // Chosen on simulated hills, checked on KITTI drive 0005.
   constexpr double kLeastSigma_m = 0.02;
   constexpr double kSigmaPerMedian = 2.0;
   std::vector<double> distances_m;

@@ -15,7 +15,7 @@ namespace {
 /// with it), with half as much again the covariance of meadows is far too large (simulated tunnels
 /// of 5 m, meadows, streets).
 constexpr double kMismatchedShare = 0.002;
-/// Information of six times b and more (known_information) is known in full.
+/// Information of six times b and more (known_information) is known in full (the same tunnels).
 constexpr double kKnownPerExcess = 0.2;
 
 /// Scales that make lengths of all parameters.

@@ -13,8 +13,9 @@ namespace hqslam::slam {
 
 namespace {
 
-constexpr int kMaxColumnGap = 10;  // between neighbours, and between a jump's two sides
-constexpr int kSlopeRows = 3;      // largest distance of the row above or below, in rows
+/// Between neighbours, and between a jump's two sides, as in LeGO-LOAM.
+constexpr int kMaxColumnGap = 10;
+constexpr int kSlopeRows = 3;  // largest distance of the row above or below, in rows
 /// Sine of the angle with the level plane from which on a surface stands: 30 degrees.
 constexpr float kMinSteepness = 0.5F;
 /// Returns in a row on one surface, from which on it need not stand: floors and ceilings have such
@@ -25,7 +26,7 @@ constexpr int kSections = 6;
 constexpr int kSharpEdges = 2;
 constexpr int kEdges = 20;
 constexpr int kFlatPoints = 4;
-/// Smoothness above which a point can be an edge, below which it can be flat.
+/// Smoothness above which a point can be an edge, below which it can be flat: LeGO-LOAM's 0.1 m^2.
 constexpr double kEdgeSmoothness_m = 0.31622776601683794;
 /// Smallest smoothness of an edge as a share of its range; LeGO-LOAM: 0.
 constexpr double kEdgeSmoothnessPerRange = 0.02;
@@ -35,7 +36,7 @@ float most_apart_m(float range_m) { return 0.5F + 0.03F * range_m; }
 
 /// The sequence of returns of one row with their properties.
 struct Row {
-  static constexpr int kHalfWindow = 5;  ///< neighbours on each side
+  static constexpr int kHalfWindow = 5;  ///< neighbours on each side, as in LOAM
 
   std::vector<FeaturePoint> points;
   std::vector<float> range_m;
@@ -68,6 +69,7 @@ struct Row {
 
   /// Takes the far side of depth jumps and surfaces along the beam.
   void take_unreliable() {
+    // As in LeGO-LOAM.
     constexpr float kDepthJump_m = 0.3F;    // occludes what is behind
     constexpr float kParallelJump = 0.02F;  // share of the range, on both sides: along the beam
     for (int i = kHalfWindow; i + kHalfWindow + 1 < size(); ++i) {

@@ -15,10 +15,11 @@ namespace hqslam::slam {
 
 namespace {
 
+/// Checked on simulated sensors alone, which lean by up to 30 degrees.
 constexpr double kMostCorrected_rad = std::numbers::pi / 6.0;
 constexpr double kSteepest_rad = kMostCorrected_rad + GroundOptions().max_slope_rad;
 /// Where the ground leans by more, the stated mounting is wrong: the ground leans by up to 3.4
-/// degrees in the frame of a vehicle (simulated hills).
+/// degrees in the frame of a vehicle (simulated hills), 3 in real recordings.
 constexpr double kMostUnstated_rad = std::numbers::pi / 36.0;
 /// Then it has this many times the points of any plane that is level to half of that: a bank beside
 /// a road has not.

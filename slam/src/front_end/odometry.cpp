@@ -14,7 +14,7 @@ constexpr int kSearches = 8;
 constexpr int kRobustFromIteration = 2;
 constexpr double kWideSearch_m = 5.0;  // as in LeGO-LOAM
 constexpr double kNarrowSearch_m = 1.5;
-constexpr double kMinWeight = 0.1;
+constexpr double kMinWeight = 0.1;  // as in LeGO-LOAM
 constexpr int kStepsPerSearch = 3;
 constexpr int kFewestCorrespondences = 10;  // of a step, as in LeGO-LOAM
 // A step that changes the motion by less ends the odometry; LeGO-LOAM: 0.1 degrees, 0.001 m.

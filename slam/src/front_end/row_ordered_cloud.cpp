@@ -9,7 +9,7 @@ namespace hqslam::slam {
 
 namespace {
 
-constexpr int kRowReach = 2;
+constexpr int kRowReach = 2;   // as in LeGO-LOAM
 constexpr int kSectors = 128;  // of a row; about as many as it has points
 
 float azimuth_of(const Eigen::Vector3f& point_m) { return std::atan2(point_m.y(), point_m.x()); }

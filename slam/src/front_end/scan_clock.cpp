@@ -4,6 +4,7 @@ namespace hqslam::slam {
 
 namespace {
 
+/// Checked on a real VLP-16 drive with altered stamps.
 constexpr double kMinStep_periods = 0.25;
 constexpr double kMaxStep_periods = 100.0;
 

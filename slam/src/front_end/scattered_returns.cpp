@@ -21,8 +21,9 @@ struct Neighbourhood {
 /// That of clear air, which edges, posts and leaves meet.
 constexpr Neighbourhood kOfClearAir = {3, 1, 0.3F, 0.1F, 2};
 /// That of scans with scattered returns: 0.3 to 2 % of the echoes meet it by chance, and 80 % of
-/// the returns of surfaces do.
+/// the returns of surfaces do (a street of a raw HDL-64E in made fog).
 constexpr Neighbourhood kOfFog = {6, 2, 0.15F, 0.05F, 3};
+/// At most 0.02 stand alone in clear air, real recordings included; 0.23 to 0.62 in made fog.
 constexpr double kShareInClearAir = 0.1;
 /// The share of holes in surfaces above which returns fail: 0.04 at most in 15 real recordings of
 /// eleven sensors and on simulated drives of seven kinds, 0.16 to 0.24 in made fog with a

@@ -7,7 +7,8 @@
 namespace hqslam::slam {
 
 /// Echoes of droplets and flakes are nearer. What stands alone farther away is kept: fog thins
-/// surfaces, too, and along a street those that are far away carry the motion.
+/// surfaces, too, and along a street those that are far away carry the motion (a raw HDL-64E in
+/// made fog).
 inline constexpr float kFarthestEcho_m = 10.0F;
 
 /// A scan through fog, dust or snow without the echoes of droplets and flakes, which would travel

@@ -37,7 +37,8 @@ constexpr double kTurning_rad_per_s = 0.02;
 constexpr double kProvingTurning_rad_per_s = 0.008;
 /// A sensor that is later (or earlier) than this beyond four standard deviations is left out; one
 /// that is within this and two is on time. Right data: up to 0.004 s, with a standard deviation of
-/// 0.001 to 0.02 (simulated streets).
+/// 0.001 to 0.02 (simulated streets). Checked on the unit of KITTI drive 0005, which is 0.07
+/// to 0.08 s late.
 constexpr double kLate_s = 0.02;
 constexpr double kOnTime_s = 0.04;
 /// The share of the turns that may remain unexplained while the sensor is used, and the one below

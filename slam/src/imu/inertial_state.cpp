@@ -36,7 +36,8 @@ constexpr double kGyroscopeWalk = 1e-4;       // rad/s^2/rtHz
 constexpr double kAccelerometerWalk = 3e-3;   // m/s^3/rtHz
 /// Standard deviations of a registration's errors beyond its own estimate: errors of neighbours and
 /// of the map are correlated. They make biases and gravity change slowly: the first scans of a
-/// drive, in a map of few, are often wrong with a small covariance.
+/// drive, in a map of few, are often wrong with a small covariance. Chosen on simulated drives
+/// alone.
 constexpr double kRegistration_m = 0.02;
 constexpr double kRegistration_rad = 4e-3;
 

@@ -19,13 +19,14 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// Standard deviations; of random walks per root of a second.
+// Standard deviations; of random walks per root of a second. Twice or half the walks changes the
+// drift of simulated drives by a tenth.
 constexpr double kBiasWalk_mps2 = 3e-3;
 constexpr double kFirstBias_mps2 = 0.2;
 constexpr double kGravityNorm_mps2 = 0.02;
 constexpr double kLeanWalk_rad = 3.5e-4;
 constexpr double kLean_rad_per_m = 1.7e-4;
-/// ImuErrors of a carefully mounted sensor.
+/// ImuErrors of a carefully mounted sensor, checked on simulated drives alone.
 constexpr std::array<double, 8> kImuErrors = {0.015, 0.015, 0.015, 0.01, 0.15, 0.15, 0.15, 0.005};
 /// Factor of the sigmas about the vertical, which keeps the yaw.
 constexpr double kAboutVertical = 0.01;

@@ -19,7 +19,7 @@ constexpr double kSearchAfterImplausible_m = 50.0;
 constexpr double kAgreeing_m = 0.15;
 constexpr double kAgreeing_rad = 0.01;
 
-/// Accuracy with which scans are matched with the map.
+/// Accuracy with which scans are matched with the map (simulated drives alone).
 constexpr double kAligned_m = 0.01;
 constexpr double kAligned_rad = 0.001;
 

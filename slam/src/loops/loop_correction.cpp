@@ -16,9 +16,10 @@ constexpr double kMaxOdometryStrain_m = 0.05;
 constexpr double kMaxOdometryStrain_rad = 0.02;
 constexpr double kStrainPerDrift = 2.0;
 
-// Smaller motions of a keyframe are left out, and remain as steps to its neighbours.
+// Smaller motions of a keyframe are left out, and remain as steps to its neighbours: with
+// 1 cm simulated drives are less accurate over ten metres.
 constexpr double kLeastMove_m = 0.001;
-constexpr double kLeastTurn_rad = 0.00003;
+constexpr double kLeastTurn_rad = 0.00003;  // 1.5 mm in 50 m
 
 }  // namespace
 

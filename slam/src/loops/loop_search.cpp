@@ -12,9 +12,10 @@ namespace {
 constexpr std::size_t kMaxCandidates = 3;
 constexpr double kNearNode_m = 10.0;
 constexpr double kOtherPlace_m = 2.0;
-/// Smallest ratio of a placement's share of points to the best one's.
+/// Smallest ratio of a placement's share of points to the best one's. Chosen in simulation alone.
 constexpr double kWorthVerifying = 0.9;
 /// Ratio of the overlaps of the second-best and the best place from which on they are ambiguous.
+/// Chosen in simulation alone.
 constexpr double kAmbiguousShare = 0.8;
 
 Mapping map_about(const LoopSearchSpace& space, const Pose& T_map_place) {

@@ -39,6 +39,7 @@ class PlaceRecognition {
   void forget();
 
  private:
+  /// Chosen in simulation and on real recordings (weights/NOTEBOOK.md, "What the odometry is for").
   static constexpr std::size_t kRecentScans = 5;
 
   MappingOptions options_;

@@ -13,7 +13,7 @@ constexpr double kSector_rad = 2.0 * std::numbers::pi / ScanContext::kSectors;
 /// Origin of the heights, so that the ground below a car has a height of about zero.
 constexpr float kLowest_m = -2.0F;
 
-constexpr float kLane_m = 4.0F;
+constexpr float kLane_m = 4.0F;  // simulated streets alone
 
 int wrapped(int sector) {
   return (sector % ScanContext::kSectors + ScanContext::kSectors) % ScanContext::kSectors;

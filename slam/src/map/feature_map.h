@@ -14,7 +14,7 @@ namespace hqslam::slam {
 
 /// The points of a map nearest to a place.
 struct Neighbours {
-  static constexpr int kWanted = 5;
+  static constexpr int kWanted = 5;  ///< as in LOAM
   int count = 0;
   std::array<Eigen::Vector3f, kWanted> points_m;  ///< nearest first
   std::array<float, kWanted> squared_distance_m2{};

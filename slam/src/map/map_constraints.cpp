@@ -12,8 +12,9 @@ namespace hqslam::slam {
 
 namespace {
 
-constexpr double kMinMapWeight = 0.1;
-/// Cosine of the steepest ground's angle with the sensor's.
+constexpr double kMinMapWeight = 0.1;  // as in LeGO-LOAM
+/// Cosine of the steepest ground's angle with the sensor's: 12 degrees and less do not help
+/// (simulated drives alone).
 constexpr double kMinGroundUprightness = 0.9;
 constexpr double kMinSine = 0.5;  // of the angle between two directions that make a plane
 

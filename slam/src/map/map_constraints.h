@@ -12,7 +12,7 @@
 namespace hqslam::slam {
 
 /// Points of the ground from which on it determines height, roll and pitch, and surfaces do not
-/// contribute to the height.
+/// contribute to the height. Chosen on simulated alleys alone.
 inline constexpr int kMinGroundConstraints = 25;
 
 /// The features of a kind with the fits to their neighbours in the map.

@@ -15,22 +15,24 @@ namespace hqslam::slam {
 
 namespace {
 
-/// Maximum number of wide searches before the narrow ones begin.
+/// Maximum number of wide searches before the narrow ones begin. Chosen in simulation alone.
 constexpr int kWideSearches = 2;
 /// A step of a wide search that moves no point up to kLever_m away by more leaves a pose that is
 /// good enough, too. With 0.05 a real drive is less accurate (weights/NOTEBOOK.md, "Speed").
 constexpr double kGoodEnough_m = 0.03;
-/// A step that changes the pose by less is the last: 0.05 degrees.
+/// A step that changes the pose by less is the last: 0.05 degrees, as in LeGO-LOAM.
 constexpr double kConverged_rad = 0.0008726646259971648;
 constexpr double kConverged_m = 0.0005;
 /// Most scans need fewer iterations. After these some oscillate between the same neighbours: then
-/// steps of kLateTolerance times the tolerance count as converged.
+/// steps of kLateTolerance times the tolerance count as converged: without it the real handheld OS0
+/// is less accurate.
 constexpr int kUsualIterations = 10;
 constexpr double kLateTolerance = 4.0;
-/// Smallest share of features that match the map in a registered scan: in streets 0.47 and more do,
-/// of noise 0.2. LeGO-LOAM: 0.
+/// Smallest share of features that match the map in a registered scan: in simulated streets 0.47
+/// and more do, of noise 0.2. LeGO-LOAM: 0.
 constexpr double kLeastMatchedShare = 0.25;
-/// Distance from the line or plane for MappingResult::close_ratio.
+/// Distance from the line or plane for MappingResult::close_ratio: right and wrong places of the
+/// real handheld OS0 have 0.5 and 0.2.
 constexpr double kClose_m = 0.1;
 
 RegisteredScan searched(const MapFeatures& features) {
@@ -149,7 +151,7 @@ MapFeatures map_features(const Features& features, const MappingOptions& options
       result.posts_to_register = thin(result.posts, options.located_planar_leaf_m);
     }
   }
-  // Where everything is near, as in a room, too few would be left.
+  // Where everything is near, as in a room, too few would be left (simulated rooms, the real OS0).
   constexpr std::size_t kFew = 300;
   if (result.ground_to_register.size() < kFew) {
     result.ground_to_register = result.ground;

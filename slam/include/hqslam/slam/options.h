@@ -28,17 +28,17 @@ struct FeatureOptions {
 };
 
 struct MappingOptions {
-  int max_iterations = 40;
+  int max_iterations = 40;  ///< chosen on a real handheld OS0
   int min_correspondences = 50;
   double edge_leaf_m = 0.2;
   double planar_leaf_m = 0.4;
-  double located_planar_leaf_m = 0.8;
+  double located_planar_leaf_m = 0.8;  ///< chosen in simulation alone
   double max_neighbour_distance_m = 1.0;
-  double close_neighbour_distance_m = 0.6;
-  double trusted_residual_m = 0.05;
+  double close_neighbour_distance_m = 0.6;  ///< chosen in simulation alone
+  double trusted_residual_m = 0.05;         ///< chosen in simulation alone
   double max_plane_residual_m = 0.2;
-  double max_ground_residual_m = 0.05;
-  double recent_path_m = 200.0;
+  double max_ground_residual_m = 0.05;  ///< chosen in simulation alone
+  double recent_path_m = 200.0;         ///< chosen in simulation alone
   double keyframe_translation_m = 0.3;
   double keyframe_rotation_rad = 0.2;
 };

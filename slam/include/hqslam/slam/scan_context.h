@@ -14,6 +14,7 @@ namespace hqslam::slam {
 /// highest point, 0 if it has none. A rotation of the sensor shifts the columns. Source: Kim & Kim,
 /// Scan Context, IROS 2018.
 struct ScanContext {
+  // As in the paper.
   static constexpr int kRings = 20;
   static constexpr int kSectors = 60;
   static constexpr double kMaxRange_m = 80.0;
