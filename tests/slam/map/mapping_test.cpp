@@ -170,6 +170,19 @@ TEST_CASE("ground that fits badly on one side hardly tilts the scan") {
   CHECK(std::abs(roll_rad(slam::MappingOptions{}.trusted_residual_m)) < 0.1 * std::abs(plain_rad));
 }
 
+TEST_CASE("flat views of the ground alone are no near ground") {
+  const auto found = [](double rise_m) {
+    slam::Mapping mapping{slam::MappingOptions{}};
+    const auto risen_m = [=](double) { return rise_m; };
+    mapping.insert(road_with(0.1, 0.4, risen_m), Pose::Identity(), {});
+    return mapping.register_scan(road_with(0.0, 0.4, risen_m), expected_at(Pose::Identity()),
+                                 Pose::Identity());
+  };
+  CHECK(found(0.0).has_near_ground);
+  CHECK(found(1.65).has_ground);
+  CHECK_FALSE(found(1.65).has_near_ground);
+}
+
 TEST_CASE("a strip of ground determines the height, inclined surfaces beside it do not") {
   slam::Mapping mapping{slam::MappingOptions{}};
   mapping.insert(between_banks(0.2, 0.0), Pose::Identity(), {});

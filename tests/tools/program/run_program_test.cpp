@@ -157,6 +157,23 @@ TEST_CASE("run --scans uses these scans alone, with their own stamps and their o
   }
 }
 
+TEST_CASE("run begins anew without parts of the vehicle that hide half of the view") {
+  const TemporaryDirectory folder;
+  const std::string drive = simulated_drive("--sensor os1-16 --scans 110");
+  NpyStackReader reader(drive + "/scans.npy");
+  NpyStackWriter writer(folder.file("cab.npy"), 16, 1024);
+  for (std::int64_t i = 0; i < reader.images(); ++i) {
+    RangeImage image = reader.read(i);
+    for (int row = 0; row < 16; ++row) std::fill_n(&image.at(row, 0), 512, 1.2F);
+    writer.append(image);
+  }
+  const ProgramResult result = succeeds("run '{}' --sensor '{}' --out '{}'", folder.file("cab.npy"),
+                                        drive + "/sensor.json", folder.file("out"));
+  CHECK(holds(result.error, "parts of the vehicle hide 50 % of the view; the run begins anew"));
+  CHECK(holds(result.out, "110 scans"));
+  CHECK(holds(result.out, "8192 of 16384 pixels, 1.2 to 1.2 m away; left out"));
+}
+
 TEST_CASE("--upsample without a value takes du-mix weights of the sensor") {
   const TemporaryDirectory folder;
   const std::string drive = simulated_drive("--sensor os1-16 --scans 3");
