@@ -148,7 +148,8 @@ void declare(CLI::App& app, RunOptions& options) {
       "The first scan replaces the results of an earlier run in --out. Ctrl-C stops the\n"
       "run; the results up to then are valid. The status of mapping is ok, degenerate (a\n"
       "direction of motion is not determined), too few features, not converged, after a\n"
-      "gap, or, with --map, not recognized, with the last known pose.");
+      "gap, or, with --map, map in doubt (scans fit it far less than its own drive's\n"
+      "did) or not recognized, with the last known pose.");
   declare_input(command, options);
   declare_scans(command, options);
   declare_imu(command, options);
