@@ -1,8 +1,5 @@
 #include "hqslam/pipeline/own_parts.h"
 
-#include "hqslam/pipeline/pipeline.h"
-#include "slam/yard_drive.h"
-
 namespace hqslam::pipeline {
 namespace {
 
@@ -106,26 +103,6 @@ TEST_CASE("scans of another sensor are refused") {
   OwnParts parts(kCarried);
   CHECK_THROWS_WITH_AS(parts.without(OrganizedCloud(16, 512)),
                        "own parts: scan is 16x512, expected 16x1024", Error);
-}
-
-TEST_CASE("SLAM and the scans that it is given have no part of the vehicle") {
-  Pipeline pipeline(kCarried);
-  LocatedScan located;
-  for (int i = 0; i < 45; ++i) {
-    RecordedScan scan;
-    scan.stamp_s = kDrivePeriod_s * i;
-    scan.cloud = drive_scan(kCarried, i);
-    for (int row = 10; row < 16; ++row) {
-      for (int column = 100; column < 150; ++column) {
-        const std::size_t pixel = scan.cloud.index(row, column);
-        scan.cloud.range_m[pixel] = 1.2F;
-        scan.cloud.points_m[pixel] = {-1.2F, 0.0F, 0.0F};
-      }
-    }
-    located = pipeline.process(scan);
-  }
-  CHECK(pipeline.own_parts().text() == "300 of 16384 pixels, 1.2 to 1.2 m away");
-  CHECK(located.cloud.range_m[located.cloud.index(12, 120)] == 0.0F);
 }
 
 }  // namespace hqslam::pipeline

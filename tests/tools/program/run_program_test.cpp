@@ -172,6 +172,7 @@ TEST_CASE("run begins anew without parts of the vehicle that hide half of the vi
   CHECK(holds(result.error, "parts of the vehicle hide 50 % of the view; the run begins anew"));
   CHECK(holds(result.out, "110 scans"));
   CHECK(holds(result.out, "8192 of 16384 pixels, 1.2 to 1.2 m away; left out"));
+  CHECK(end_error_m(folder.file("out"), drive) < 0.3);
 }
 
 TEST_CASE("--upsample without a value takes du-mix weights of the sensor") {
