@@ -51,7 +51,7 @@ int close_planes(const ConstraintList& found) {
 
 /// MappingResult::has_near_ground.
 bool has_near_ground(const ConstraintList& found) {
-  constexpr double kSine = 0.09;  // 5 degrees down; 20 m from a sensor at 1.8 m
+  constexpr double kSine = 0.09;  // 5 degrees down; 20 m from a sensor at 1.8 m (simulated decks)
   const auto is_near = [](const PlaneConstraint& plane) {
     return -plane.point_m.z() > kSine * plane.point_m.norm();
   };
