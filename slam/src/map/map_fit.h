@@ -17,7 +17,7 @@ class MapFit {
   void add(double close_ratio);
   double mean_close_ratio() const;  ///< 0 without a scan
 
-  bool is_doubtful() const;       ///< by the last two seconds or so
+  bool is_doubtful() const;       ///< by the last twenty scans or so
   std::string complaint() const;  ///< Slam::map_complaint(), by all scans
 
  private:

@@ -15,7 +15,7 @@ enum class Status {
   /// Mapping: registered, but after a gap of more than ten periods: the search began at a guess and
   /// may have found a similar place.
   kAfterGap,
-  /// Mapping in a saved map: registered, but for some seconds scans have fitted the map far less
+  /// Mapping in a saved map: registered, but the last twenty scans or so fitted the map far less
   /// than those of its own drive did: it may be of another place that looks alike, or have changed.
   kMapInDoubt,
   /// Mapping in a saved map: no place in the map was recognized, the pose is unknown.

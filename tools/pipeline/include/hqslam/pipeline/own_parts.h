@@ -19,7 +19,8 @@ namespace hqslam::pipeline {
 /// - The sensor moves where fewer than half of the pixels beyond 3 m are constant.
 /// - Nearer pixels that were constant in 20 scans of a moving sensor are candidates. So is a wall
 ///   or floor beside a straight way; but that goes on beyond the candidates, while own parts end:
-///   of the pixels around a component of candidates at most a fifth are on the same surface.
+///   of the pixels around a component of candidates at most a fifth are on the same surface. Near
+///   ones that never changed do not count: they only take longer, as their echoes are few.
 ///
 /// A pixel that sees something else for more than 10 scans is no own part any more.
 class OwnParts {
