@@ -20,15 +20,14 @@ struct Bounds {
 
 constexpr Bounds kPositive{[](double value) { return value > 0.0 && std::isfinite(value); },
                            "a positive number"};
-constexpr Bounds kNotNegative{[](double value) { return value >= 0.0 && std::isfinite(value); },
-                              "0 or a positive number"};
-constexpr Bounds kAcute{[](double value) { return value > 0.0 && value < std::numbers::pi / 2.0; },
-                        "an angle between 0 and pi/2"};
 constexpr Bounds kTurn{[](double value) { return std::abs(value) <= std::numbers::pi + 1e-3; },
                        "an angle between -pi and pi"};
 constexpr Bounds kTilt{[](double value) { return std::abs(value) < std::numbers::pi / 2.0; },
                        "an angle between -pi/2 and pi/2"};
 constexpr Bounds kSwitch{[](double value) { return value == 0.0 || value == 1.0; }, "0 or 1"};
+/// A cube of the map numbers its voxels with 16 bits; in rooms they are half as large.
+constexpr Bounds kMapLeaf{[](double value) { return value >= 0.1 && std::isfinite(value); },
+                          "0.1 or more"};
 /// Thinning covers a million voxels, so at least 1 km.
 constexpr Bounds kLeaf{[](double value) { return value >= 0.001 && std::isfinite(value); },
                        "0.001 or more"};
@@ -62,25 +61,16 @@ constexpr std::array kOptions = {
         "1: correct roll and pitch by up to 30 degrees from the ground of the first scan; "
         "0: only where they are off by more than 5",
         kSwitch),
-    HQSLAM_OPTION(ground, max_slope_rad, "Steepest rise from row to row on the ground", kAcute),
-    HQSLAM_OPTION(features, planar_leaf_m, "Voxel size to which surface points are thinned", kLeaf),
     HQSLAM_OPTION(mapping, max_iterations, "Searches in the map per scan; LeGO-LOAM: 10",
                   kPositive),
     HQSLAM_OPTION(mapping, min_correspondences,
                   "Smallest number of correspondences of a registered scan", kPositive),
-    HQSLAM_OPTION(mapping, edge_leaf_m, "Voxel size of edges in the map", kLeaf),
     HQSLAM_OPTION(mapping, planar_leaf_m,
-                  "Voxel size of ground and surfaces in the map; in rooms half of it", kLeaf),
+                  "Voxel size of ground and surfaces in the map; in rooms half of it", kMapLeaf),
     HQSLAM_OPTION(mapping, located_planar_leaf_m,
                   "Voxel size of ground and surfaces in a scan that is registered, in rooms half "
                   "of it; LeGO-LOAM: as in the map",
                   kLeaf),
-    HQSLAM_OPTION(mapping, max_neighbour_distance_m,
-                  "Largest distance of neighbours in the first searches of the map", kPositive),
-    HQSLAM_OPTION(
-        mapping, close_neighbour_distance_m,
-        "Largest distance of neighbours in later searches of the map; LeGO-LOAM: 1 m in all",
-        kPositive),
     HQSLAM_OPTION(
         mapping, trusted_residual_m,
         "Distance of a feature from its line or plane at which its weight falls, in later "
@@ -96,10 +86,7 @@ constexpr std::array kOptions = {
     HQSLAM_OPTION(
         mapping, recent_path_m,
         "Length of path whose observations stay in the sliding window; LeGO-LOAM: all of it",
-        kPositive),
-    HQSLAM_OPTION(mapping, keyframe_translation_m, "Distance between keyframes", kNotNegative),
-    HQSLAM_OPTION(mapping, keyframe_rotation_rad,
-                  "Rotation between keyframes, as in LIO-SAM; LeGO-LOAM has none", kNotNegative)};
+        kPositive)};
 
 #undef HQSLAM_OPTION
 
@@ -129,7 +116,6 @@ void set_option(SlamOptions& options, std::string_view name, double value) {
 }
 
 void validate(const SlamOptions& options) {
-  const MappingOptions& mapping = options.mapping;
   require(options.threads >= 0 && options.threads <= kMostThreads, "threads", options.threads,
           "0 to 256");
   for (const NamedOption& option : kOptions) {
@@ -140,14 +126,6 @@ void validate(const SlamOptions& options) {
   require(std::abs(std::cos(mounting.roll_rad) * std::cos(mounting.pitch_rad)) >= 0.5,
           "mounting.pitch_rad", mounting.pitch_rad,
           "a sensor within 60 degrees of upright or upside down");
-  require(mapping.close_neighbour_distance_m <= mapping.max_neighbour_distance_m,
-          "mapping.close_neighbour_distance_m", mapping.close_neighbour_distance_m,
-          "at most mapping.max_neighbour_distance_m");
-  // A cube of the map numbers its voxels with 16 bits; in rooms those of planes are half as large.
-  require(mapping.edge_leaf_m >= mapping.max_neighbour_distance_m / 20.0, "mapping.edge_leaf_m",
-          mapping.edge_leaf_m, "at least a twentieth of mapping.max_neighbour_distance_m");
-  require(mapping.planar_leaf_m >= mapping.max_neighbour_distance_m / 10.0, "mapping.planar_leaf_m",
-          mapping.planar_leaf_m, "at least a tenth of mapping.max_neighbour_distance_m");
 }
 
 }  // namespace hqslam::slam

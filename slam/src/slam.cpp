@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "check_option.h"
+#include "front_end/ground.h"
 #include "front_end/scan_check.h"
 #include "front_end/scattered_returns.h"
 #include "hqslam/core/error.h"
@@ -148,22 +149,22 @@ Scan Slam::Implementation::front_end(const OrganizedCloud& cloud, double stamp_s
 /// scan. Where the map's vertical and that of the level frame differ by more than the steepest
 /// ground, that which shows more ground is right: the map's for hands, the other on a slope.
 Segmentation Slam::Implementation::segmented(const OrganizedCloud& cloud, double time_s) {
-  Segmentation by_sensor = segment(cloud, sensor, options.ground, mounting.up_of_upright_sensor());
+  Segmentation by_sensor = segment(cloud, sensor, mounting.up_of_upright_sensor());
   const Reference* reference = reference_of(state);
   if (!mounting.mounted().estimated || reference == nullptr) return by_sensor;
   const Eigen::Vector3d turn_rad = (time_s - reference->time_s) * reference->state.velocity.angular;
   const Eigen::Vector3d up = exponential({Eigen::Vector3d::Zero(), turn_rad}).linear().transpose() *
                              reference->state.T_map_sensor.linear().row(2).transpose();
-  if (up.z() > std::cos(options.ground.max_slope_rad)) return by_sensor;
+  if (up.z() > std::cos(kMaxGroundSlope_rad)) return by_sensor;
   const OrganizedCloud level = turned_level(cloud, up);
-  Segmentation by_map = segment(level, sensor, options.ground, mounting.up_of_upright_sensor(up));
+  Segmentation by_map = segment(level, sensor, mounting.up_of_upright_sensor(up));
   by_map.up = up;
   if (by_map.ground_points > by_sensor.ground_points) return by_map;
   return by_sensor;
 }
 
 Features Slam::Implementation::measured_features(const Scan& scan) const {
-  return extract_features(scan.cloud, scan.segmentation, options.features, sensor.measured_rows);
+  return extract_features(scan.cloud, scan.segmentation, sensor.measured_rows);
 }
 
 /// Applies EvenTurning to a scan that inertial data cover, of a sensor that agrees with the scans.

@@ -21,9 +21,9 @@ std::string complaint_about(std::string_view name, double value) {
 
 TEST_CASE("an invalid or unknown option is named with its value and the constraint") {
   SlamOptions options;
-  options.ground.max_slope_rad = 2.0;
+  options.mounting.pitch_rad = 2.0;
   CHECK(complaint(options) ==
-        "SLAM option ground.max_slope_rad is 2, expected an angle between 0 and pi/2");
+        "SLAM option mounting.pitch_rad is 2, expected an angle between -pi/2 and pi/2");
   // All of the map may be matched with, and every residual trusted.
   options = {};
   options.mapping.recent_path_m = std::numeric_limits<double>::max();
@@ -78,18 +78,13 @@ TEST_CASE("the table leaves no number of a stage out") {
   }
   const auto whole_doubles = [&](const char* stage) { return (bytes[stage] + 7) / 8 * 8; };
   CHECK(whole_doubles("mounting") == sizeof(SlamOptions::mounting));
-  CHECK(whole_doubles("ground") == sizeof(SlamOptions::ground));
-  CHECK(whole_doubles("features") == sizeof(SlamOptions::features));
   CHECK(whole_doubles("mapping") == sizeof(SlamOptions::mapping));
 }
 
 TEST_CASE("options that do not go together, or ask for too much, are refused") {
   const std::pair<void (*)(SlamOptions&), const char*> cases[] = {
-      {[](SlamOptions& o) { o.mapping.close_neighbour_distance_m = 1.1; },
-       "at most mapping.max_neighbour_distance_m"},
-      {[](SlamOptions& o) { o.mapping.edge_leaf_m = 0.04; }, "at least a twentieth"},
-      {[](SlamOptions& o) { o.mapping.planar_leaf_m = 0.09; }, "at least a tenth"},
-      {[](SlamOptions& o) { o.features.planar_leaf_m = 0.0005; }, "0.001 or more"},
+      {[](SlamOptions& o) { o.mapping.planar_leaf_m = 0.09; }, "0.1 or more"},
+      {[](SlamOptions& o) { o.mapping.located_planar_leaf_m = 0.0005; }, "0.001 or more"},
       {[](SlamOptions& o) { o.threads = -1; }, "threads is -1, expected 0 to 256"},
       {[](SlamOptions& o) { o.threads = 257; }, "threads is 257"},
   };

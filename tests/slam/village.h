@@ -156,7 +156,7 @@ inline double closing_error_m(const std::vector<Pose>& estimate, const std::vect
 
 /// What the front end finds in a scan, and the same as mapping takes it.
 inline slam::Features scan_features(const OrganizedCloud& cloud, const SensorModel& sensor) {
-  return slam::extract_features(cloud, slam::segment(cloud, sensor, {}), {}, sensor.measured_rows);
+  return slam::extract_features(cloud, slam::segment(cloud, sensor), sensor.measured_rows);
 }
 inline slam::MapFeatures features_of(const OrganizedCloud& cloud, const SensorModel& sensor) {
   return slam::map_features(scan_features(cloud, sensor), {});

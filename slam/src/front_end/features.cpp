@@ -22,6 +22,9 @@ constexpr float kMinSteepness = 0.5F;
 /// runs. With 30 to 40 the real handheld OS0 is less accurate with 16 rows (weights/NOTEBOOK.md).
 constexpr int kLongRun = 45;
 // Of each of the sections into which a row is cut, as in LeGO-LOAM.
+/// Voxel size to which the points of a row are thinned.
+constexpr double kRowLeaf_m = 0.2;
+
 constexpr int kSections = 6;
 constexpr int kSharpEdges = 2;
 constexpr int kEdges = 20;
@@ -259,8 +262,7 @@ void choose_flat_points(Row& row, int first, int last, Features& features) {
 }
 
 Features features_of_row(const OrganizedCloud& cloud, const Segmentation& segmentation,
-                         const std::vector<int>& rows, std::size_t row_index,
-                         const FeatureOptions& options, bool returns_fail) {
+                         const std::vector<int>& rows, std::size_t row_index, bool returns_fail) {
   Row row = gather_row(cloud, segmentation, rows[row_index]);
   row.smoothness_m.assign(row.points.size(), 0.0F);
   row.taken.assign(row.points.size(), 1);
@@ -290,22 +292,21 @@ Features features_of_row(const OrganizedCloud& cloud, const Segmentation& segmen
     if (row.is_edge[i] != 0 || row.is_ring[i] != 0) continue;
     (row.ground[i] != 0 ? ground : surfaces).push_back(row.points[i]);
   }
-  features.ground = thin(ground, options.planar_leaf_m);
-  features.surfaces = thin(surfaces, options.planar_leaf_m);
+  features.ground = thin(ground, kRowLeaf_m);
+  features.surfaces = thin(surfaces, kRowLeaf_m);
   return features;
 }
 
 }  // namespace
 
 Features extract_features(const OrganizedCloud& cloud, const Segmentation& segmentation,
-                          const FeatureOptions& options,
                           const std::optional<RowSelection>& measured_rows) {
   const std::vector<int> rows = selected_rows(cloud.rows, measured_rows.value_or(RowSelection{}));
   std::vector<Features> of_row(rows.size());
   const bool returns_fail = has_failing_returns(cloud);
 #pragma omp parallel for schedule(dynamic)
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    of_row[i] = features_of_row(cloud, segmentation, rows, i, options, returns_fail);
+    of_row[i] = features_of_row(cloud, segmentation, rows, i, returns_fail);
   }
   Features all;
   all.up = segmentation.up;

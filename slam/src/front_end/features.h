@@ -7,7 +7,6 @@
 
 #include "front_end/segmentation.h"
 #include "hqslam/core/organized_cloud.h"
-#include "hqslam/slam/options.h"
 
 namespace hqslam::slam {
 
@@ -56,7 +55,6 @@ struct Features {
 /// with points of the same row and scan; all flat points, the fourth of a section too, suppress
 /// their neighbours; rings are left out; there are posts, and edges on them are their centres.
 Features extract_features(const OrganizedCloud& cloud, const Segmentation& segmentation,
-                          const FeatureOptions& options,
                           const std::optional<RowSelection>& measured_rows = {});
 
 }  // namespace hqslam::slam

@@ -64,11 +64,10 @@ void mark_column(const OrganizedCloud& cloud, int highest_row, int column, float
 }  // namespace
 
 std::vector<std::uint8_t> mark_ground(const OrganizedCloud& cloud, const SensorModel& sensor,
-                                      const GroundOptions& options,
-                                      const Eigen::Vector3d& up_of_sensor) {
+                                      const Eigen::Vector3d& up_of_sensor, double max_slope_rad) {
   std::vector<std::uint8_t> ground(cloud.range_m.size(), 0);
   const Beams beams = beams_of(sensor);
-  const auto max_slope = static_cast<float>(std::tan(options.max_slope_rad));
+  const auto max_slope = static_cast<float>(std::tan(max_slope_rad));
 #pragma omp parallel for schedule(static)
   for (int column = 0; column < cloud.columns; ++column) {
     const double azimuth_rad = sensor.azimuth_rad(0, column) - sensor.residual_azimuth_rad(0);

@@ -4,9 +4,12 @@
 #include <vector>
 
 #include "hqslam/core/organized_cloud.h"
-#include "hqslam/slam/options.h"
+#include "hqslam/core/sensor_model.h"
 
 namespace hqslam::slam {
+
+/// Steepest rise from row to row on the ground: 10 degrees, as in LeGO-LOAM.
+inline constexpr double kMaxGroundSlope_rad = 0.17453292519943295;
 
 /// Marks the pixels on the ground.
 ///
@@ -19,7 +22,8 @@ namespace hqslam::slam {
 /// any sensor and mounting, not a fixed number of rows; one or two beams without a return do not
 /// end the ground, the next return above them is compared.
 std::vector<std::uint8_t> mark_ground(
-    const OrganizedCloud& cloud, const SensorModel& sensor, const GroundOptions& options,
-    const Eigen::Vector3d& up_of_sensor = Eigen::Vector3d::UnitZ());
+    const OrganizedCloud& cloud, const SensorModel& sensor,
+    const Eigen::Vector3d& up_of_sensor = Eigen::Vector3d::UnitZ(),
+    double max_slope_rad = kMaxGroundSlope_rad);
 
 }  // namespace hqslam::slam

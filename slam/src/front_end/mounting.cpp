@@ -17,7 +17,7 @@ namespace {
 
 /// Checked on simulated sensors alone, which lean by up to 30 degrees.
 constexpr double kMostCorrected_rad = std::numbers::pi / 6.0;
-constexpr double kSteepest_rad = kMostCorrected_rad + GroundOptions().max_slope_rad;
+constexpr double kSteepest_rad = kMostCorrected_rad + kMaxGroundSlope_rad;
 /// Where the ground leans by more, the stated mounting is wrong: the ground leans by up to 3.4
 /// degrees in the frame of a vehicle (simulated hills), 3 in real recordings.
 constexpr double kMostUnstated_rad = std::numbers::pi / 36.0;
@@ -53,7 +53,7 @@ SensorModel upside_down(const SensorModel& sensor) {
 Eigen::Matrix3Xf ground_points_m(const OrganizedCloud& level, const SensorModel& upright_sensor,
                                  const Eigen::Vector3d& up_of_sensor) {
   const std::vector<std::uint8_t> is_ground =
-      mark_ground(level, upright_sensor, {kSteepest_rad}, up_of_sensor);
+      mark_ground(level, upright_sensor, up_of_sensor, kSteepest_rad);
   std::vector<FeaturePoint> points;
   for (std::size_t pixel = 0; pixel < is_ground.size(); ++pixel) {
     if (is_ground[pixel] != 0 && level.range_m[pixel] <= kGroundReach_m) {
@@ -205,7 +205,7 @@ std::vector<std::uint8_t> mark_ground_of(const OrganizedCloud& cloud, const Sens
   const Mounting mounting(leaning(up_of_sensor), sensor);
   const std::optional<OrganizedCloud> level = mounting.level(cloud);
   std::vector<std::uint8_t> ground = mark_ground(level ? *level : cloud, mounting.upright_sensor(),
-                                                 {}, mounting.up_of_upright_sensor());
+                                                 mounting.up_of_upright_sensor());
   if (up_of_sensor.z() < 0.0) std::ranges::reverse(ground);
   return ground;
 }

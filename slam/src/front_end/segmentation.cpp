@@ -5,8 +5,8 @@
 namespace hqslam::slam {
 
 Segmentation segment(const OrganizedCloud& cloud, const SensorModel& sensor,
-                     const GroundOptions& options, const Eigen::Vector3d& up_of_sensor) {
-  const std::vector<std::uint8_t> ground = mark_ground(cloud, sensor, options, up_of_sensor);
+                     const Eigen::Vector3d& up_of_sensor) {
+  const std::vector<std::uint8_t> ground = mark_ground(cloud, sensor, up_of_sensor);
   Segmentation result;
   result.pixel_class.assign(cloud.range_m.size(), PixelClass::kNoReturn);
   for (std::size_t i = 0; i < cloud.range_m.size(); ++i) {

@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "hqslam/core/organized_cloud.h"
-#include "hqslam/slam/options.h"
 #include "hqslam/slam/scan_trace.h"
 
 namespace hqslam::slam {
@@ -22,7 +21,6 @@ struct Segmentation {
 /// (features.cpp). Most of what small components have is no noise, and without it registration is
 /// less accurate.
 Segmentation segment(const OrganizedCloud& cloud, const SensorModel& sensor,
-                     const GroundOptions& options,
                      const Eigen::Vector3d& up_of_sensor = Eigen::Vector3d::UnitZ());
 
 }  // namespace hqslam::slam

@@ -20,9 +20,9 @@ constexpr std::array<Kind, 3> kKinds = {{{&MapPoints::planes, &FeatureMaps::plan
 }  // namespace
 
 FeatureMaps::FeatureMaps(const MappingOptions& options)
-    : edges(options.edge_leaf_m, options.max_neighbour_distance_m),
-      posts(options.edge_leaf_m, options.max_neighbour_distance_m),
-      planes(options.planar_leaf_m, options.max_neighbour_distance_m) {}
+    : edges(kMapEdgeLeaf_m, kMapReach_m),
+      posts(kMapEdgeLeaf_m, kMapReach_m),
+      planes(options.planar_leaf_m, kMapReach_m) {}
 
 FeatureMaps::FeatureMaps(const MappingOptions& options, const SavedMap& map)
     : FeatureMaps(options) {

@@ -10,6 +10,11 @@
 
 namespace hqslam::slam {
 
+/// Largest distance of a feature from its neighbours in the map.
+inline constexpr double kMapReach_m = 1.0;
+/// Voxel size of edges and posts in the map.
+inline constexpr double kMapEdgeLeaf_m = 0.2;
+
 /// Points of the three kinds that a map is made of.
 struct MapPoints {
   std::vector<MapPoint> edges;

@@ -15,6 +15,11 @@ namespace hqslam::slam {
 
 namespace {
 
+/// Largest distance of neighbours in narrow searches. Chosen in simulation alone. LeGO-LOAM: 1 m.
+constexpr double kNarrowReach_m = 0.6;
+/// Motion from one keyframe to the next; the rotation is LIO-SAM's, LeGO-LOAM has none.
+constexpr double kKeyframe_m = 0.3;
+constexpr double kKeyframe_rad = 0.2;
 /// Maximum number of wide searches before the narrow ones begin. Chosen in simulation alone.
 constexpr int kWideSearches = 2;
 /// A step of a wide search that moves no point up to kLever_m away by more leaves a pose that is
@@ -119,12 +124,10 @@ double enough_in_plane_per_m2(SearchFrom from) {
   return from == SearchFrom::kRecognizedPlace ? std::numeric_limits<double>::infinity() : 250.0;
 }
 
-MapSearch search_at(const MappingResult& at, const MappingOptions& options, SearchFrom from) {
-  const double reach_m =
-      at.is_close_search ? options.close_neighbour_distance_m : options.max_neighbour_distance_m;
+MapSearch search_at(const MappingResult& at, SearchFrom from) {
+  const double reach_m = at.is_close_search ? kNarrowReach_m : kMapReach_m;
   return {at.state.T_map_sensor, at.state.within_scan(), reach_m,
-          from == SearchFrom::kRecognizedPlace ? reach_m : options.max_neighbour_distance_m,
-          at.is_close_search};
+          from == SearchFrom::kRecognizedPlace ? reach_m : kMapReach_m, at.is_close_search};
 }
 
 }  // namespace
@@ -146,7 +149,7 @@ MapFeatures map_features(const Features& features, const MappingOptions& options
     }
 #pragma omp section
     {
-      result.edges = thin(features.edges, options.edge_leaf_m);
+      result.edges = thin(features.edges, kMapEdgeLeaf_m);
       result.posts = features.posts;
       result.posts_to_register = thin(result.posts, options.located_planar_leaf_m);
     }
@@ -181,7 +184,7 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
     const bool narrow = (is_near || iteration >= kWideSearches) && narrow_suffices;
     result.is_close_search = narrow;
     ConstraintList constraints =
-        match_with_map(scan, search_at(result, options_, from), map_, options_).constraints();
+        match_with_map(scan, search_at(result, from), map_, options_).constraints();
     // Not of a narrow search, which would then end too soon: between long walls a drive was lost.
     const bool is_map_of_one_scan = !narrow && recent_path_m_.size() == 1;
     const bool enough =
@@ -230,15 +233,13 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
 
 MapMatches Mapping::matches(const MapFeatures& features, const MappingResult& found) const {
   RegisteredScan scan = searched(features);
-  return match_with_map(scan, search_at(found, options_, SearchFrom::kExpectedPose), map_,
-                        options_);
+  return match_with_map(scan, search_at(found, SearchFrom::kExpectedPose), map_, options_);
 }
 
 bool Mapping::is_keyframe(const Pose& T_map_sensor) const {
   if (keyframes_ == 0) return true;
   const Pose motion = T_map_last_keyframe_.inverse() * T_map_sensor;
-  return motion.translation().norm() >= options_.keyframe_translation_m ||
-         rotation_angle_rad(motion) >= options_.keyframe_rotation_rad;
+  return motion.translation().norm() >= kKeyframe_m || rotation_angle_rad(motion) >= kKeyframe_rad;
 }
 
 void Mapping::insert(const MapFeatures& features, const Pose& T_map_sensor,

@@ -20,7 +20,7 @@ struct OneRow {
                                                       : slam::PixelClass::kNoReturn);
     }
   }
-  slam::Features features() const { return slam::extract_features(cloud, segmentation, {}); }
+  slam::Features features() const { return slam::extract_features(cloud, segmentation); }
 };
 
 slam::Features yard_features(const SensorModel& sensor, const Yard& yard) {
@@ -54,7 +54,7 @@ TEST_CASE("a short run of one row that no other row shows to stand is no feature
     RangeImage with_run = image;
     for (int column = 100; column < 100 + run; ++column) with_run.at(8, column) = 10.0F;
     const auto cloud = unproject(with_run, sensor, CaptureTime::kMotionCorrected);
-    const auto features = slam::extract_features(cloud, objects, {});
+    const auto features = slam::extract_features(cloud, objects);
     const auto is_near = [](const auto& point) { return point.point_m.norm() < 15.0F; };
     return std::ranges::count_if(features.surfaces, is_near) +
            std::ranges::count_if(features.edges, is_near);
@@ -66,9 +66,9 @@ TEST_CASE("a short run of one row that no other row shows to stand is no feature
 TEST_CASE("in a scan with computed rows the measured ones have features, the same as alone") {
   const SensorModel sensor = small_sensor(32, 512);
   const OrganizedCloud cloud = Yard().scan(sensor, yard_pose(0, 0, 0));
-  const slam::Segmentation segmentation = slam::segment(cloud, sensor, {});
-  const slam::Features of_all = slam::extract_features(cloud, segmentation, {});
-  const auto features = slam::extract_features(cloud, segmentation, {}, RowSelection{3, 4});
+  const slam::Segmentation segmentation = slam::segment(cloud, sensor);
+  const slam::Features of_all = slam::extract_features(cloud, segmentation);
+  const auto features = slam::extract_features(cloud, segmentation, RowSelection{3, 4});
   for (const auto kind :
        {&slam::Features::sharp_edges, &slam::Features::edges, &slam::Features::flat_points,
         &slam::Features::ground, &slam::Features::surfaces, &slam::Features::posts}) {
@@ -117,7 +117,7 @@ TEST_CASE("an edge on a post is the post's centre") {
   for (int row = 0; row < 3; ++row) std::fill_n(image.range_m.begin() + 360 * row + 100, 6, 5.0F);
   const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kMotionCorrected);
   const slam::Segmentation objects{std::vector(image.range_m.size(), slam::PixelClass::kObject)};
-  const auto features = slam::extract_features(cloud, objects, {});
+  const auto features = slam::extract_features(cloud, objects);
   REQUIRE(features.posts.size() == 3);
   CHECK(features.posts[0].point_m.norm() > 5.1F);
   REQUIRE(features.edges.size() == 3);

@@ -19,7 +19,7 @@ SensorModel downward_sensor() { return beams_at({-0.05, -0.1, -0.15, -0.2}, 16);
 
 std::vector<int> marked_rows(const std::vector<Eigen::Vector3f>& points) {
   const SensorModel sensor = downward_sensor();
-  const auto ground = slam::mark_ground(column_cloud(sensor, points), sensor, {});
+  const auto ground = slam::mark_ground(column_cloud(sensor, points), sensor);
   std::vector<int> rows;
   for (int row = 0; row < 4; ++row) {
     if (ground[row * 16 + 5] != 0) rows.push_back(row);
@@ -51,7 +51,7 @@ TEST_CASE("one beam without a return or two do not end the ground, three do") {
   OrganizedCloud cloud = column_cloud(five, {{12, 0, -1.7F}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}});
   cloud.points_m[cloud.index(4, 5)] = {5.0F, 0.0F, -1.7F};
   cloud.range_m[cloud.index(4, 5)] = 5.3F;
-  CHECK(slam::mark_ground(cloud, five, {}) == std::vector<std::uint8_t>(5 * 16, 0));
+  CHECK(slam::mark_ground(cloud, five) == std::vector<std::uint8_t>(5 * 16, 0));
 }
 
 TEST_CASE("points of beams above the horizon are no ground, however level they are") {
@@ -59,7 +59,7 @@ TEST_CASE("points of beams above the horizon are no ground, however level they a
   sensor.beam_elevation_rad = {0.04, 0.03, 0.02, -0.05};
   // A ceiling 1 m above the sensor.
   CHECK(slam::mark_ground(column_cloud(sensor, {{25, 0, 1}, {33, 0, 1}, {50, 0, 1}, {0, 0, 0}}),
-                          sensor, {}) == std::vector<std::uint8_t>(4 * 16, 0));
+                          sensor) == std::vector<std::uint8_t>(4 * 16, 0));
 }
 
 TEST_CASE("the floor of a yard is ground and its walls are not, for 16, 32, 64 and 128 rows") {
@@ -67,7 +67,7 @@ TEST_CASE("the floor of a yard is ground and its walls are not, for 16, 32, 64 a
     SensorModel sensor = sensor_preset(name);
     const Yard yard;
     const OrganizedCloud cloud = yard.scan(sensor, yard_pose(1, 2, 0.3));
-    const auto ground = slam::mark_ground(cloud, sensor, {});
+    const auto ground = slam::mark_ground(cloud, sensor);
     int floor = 0;
     int floor_marked = 0;
     int other = 0;

@@ -53,6 +53,5 @@ TEST_CASE("in rooms voxels are half as large and planes flat to a quarter of the
   CHECK(room.planar_leaf_m == 0.5 * street.planar_leaf_m);
   CHECK(room.located_planar_leaf_m == 0.5 * street.located_planar_leaf_m);
   CHECK(room.max_plane_residual_m == 0.25 * street.max_plane_residual_m);
-  CHECK(room.edge_leaf_m == street.edge_leaf_m);
-  CHECK(room.max_neighbour_distance_m == street.max_neighbour_distance_m);
+  CHECK(room.max_iterations == street.max_iterations);
 }

@@ -87,8 +87,7 @@ inline const std::vector<Command>& commands() {
   static const std::vector<Command> table = {
       {"run {drive} --out {out}",
        {"run {npy} --sensor os1-16 --out {out}", "run {pcap} --out {out}",
-        "run {drive} --map {npz} --out {out}", "run {drive} --reference {tum} --out {out}",
-        "run {drive} --slam-options {json} --out {out}"},
+        "run {drive} --map {npz} --out {out}", "run {drive} --reference {tum} --out {out}"},
        of_run,
        true},
       {"run {drive} --dense-map --map-voxel 0.5 --out {out}", {}, of_map, true},

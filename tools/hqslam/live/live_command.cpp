@@ -173,8 +173,7 @@ int run(const LiveOptions& options) {
   std::optional<InterruptGuard> interrupt(std::in_place);
   use_threads(options.threads);
   const pipeline::PipelineOptions pipeline = pipeline_options(options.slam, options);
-  RunOutput output(options.out,
-                   {options.sensor, options.upsample, options.map_file, options.slam.file});
+  RunOutput output(options.out, {options.sensor, options.upsample, options.map_file});
   require_possible(options);
   std::optional<live::LiveSensor> sensor(std::in_place, sensor_options(options));
   output.prepare();  // a disk that takes nothing is better known before the drive

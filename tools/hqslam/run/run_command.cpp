@@ -118,8 +118,8 @@ void check_idle_options(const RunOptions& options) {
 
 /// Files that are read; the recording too, where it is one.
 Paths inputs_of(const RunOptions& options) {
-  return {options.input,    options.sensor,    options.stamps,   options.imu,
-          options.upsample, options.reference, options.map_file, options.slam.file};
+  return {options.input,    options.sensor,    options.stamps,  options.imu,
+          options.upsample, options.reference, options.map_file};
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 
@@ -12,32 +11,12 @@
 namespace hqslam::tools {
 namespace {
 
-struct SlamOptionsCommand {
-  bool json = false;
-};
+struct SlamOptionsCommand {};
 
-using Json = nlohmann::ordered_json;
-
-std::string json_of_defaults() {
-  const slam::SlamOptions defaults;
-  Json json;
-  for (const slam::NamedOption& option : slam::option_table()) {
-    const std::size_t point = option.name.find('.');
-    const std::string part(option.name.substr(0, point));
-    const std::string field(option.name.substr(point + 1));
-    const double value = option.get(defaults);
-    json[part][field] = option.is_whole ? Json(static_cast<int>(value)) : Json(value);
-  }
-  return json.dump(2) + "\n";
-}
-
-void declare(CLI::App& app, SlamOptionsCommand& options) {
+void declare(CLI::App& app, SlamOptionsCommand&) {
   add_command(app, "slam-options", "List the options of SLAM: names, defaults, bounds and meanings",
-              "Lengths in metres, angles in radians. Given to run and live by --slam-options "
-              "FILE.json\n"
-              "and --set NAME=NUMBER. LeGO-LOAM's values are given where they differ.")
-      .option("--json", &options.json,
-              "Print JSON; >options.json makes a file of it for run --slam-options");
+              "Lengths in metres, angles in radians. Given to run and live by --set NAME=NUMBER.\n"
+              "LeGO-LOAM's values are given where they differ.");
 }
 
 /// Lines of at most 80 columns, indented by four.
@@ -56,11 +35,7 @@ std::string wrapped(const std::string& text) {
   return lines + line;
 }
 
-int run(const SlamOptionsCommand& options) {
-  if (options.json) {
-    to_stdout("{}", json_of_defaults());
-    return kOk;
-  }
+int run(const SlamOptionsCommand&) {
   const slam::SlamOptions defaults;
   to_stdout("{:<42} {}\n", "option", "default");
   for (const slam::NamedOption& option : slam::option_table()) {

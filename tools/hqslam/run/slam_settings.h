@@ -13,13 +13,12 @@ namespace hqslam::tools {
 /// What a user asks of SLAM.
 struct SlamSettings {
   std::string kind = "hqslam";   ///< or "lego-loam"
-  std::string file;              ///< JSON: {"mapping": {"max_iterations": 12}}; empty: none
-  std::vector<std::string> set;  ///< "mapping.max_iterations=12", after the file
+  std::vector<std::string> set;  ///< "mapping.max_iterations=12"
   bool loop_closing = true;
 };
 /// --slam.
 void declare_slam_kind(Command& command, SlamSettings& settings);
-/// --slam-options, --set and --no-loop-closing.
+/// --set and --no-loop-closing.
 void declare_slam_settings(Command& command, SlamSettings& settings);
 
 /// Throws Error for options that LeGO-LOAM does not have.

@@ -19,28 +19,15 @@ struct MountingOptions {
 /// The rotation from the sensor's frame to the level one, z up.
 Eigen::Matrix3d R_level_sensor(const MountingOptions& mounted);
 
-struct GroundOptions {
-  double max_slope_rad = 0.17453292519943295;  ///< 10 degrees
-};
-
-struct FeatureOptions {
-  double planar_leaf_m = 0.2;
-};
-
 struct MappingOptions {
   int max_iterations = 40;  ///< chosen on a real handheld OS0
   int min_correspondences = 50;
-  double edge_leaf_m = 0.2;
   double planar_leaf_m = 0.4;
   double located_planar_leaf_m = 0.8;  ///< chosen in simulation alone
-  double max_neighbour_distance_m = 1.0;
-  double close_neighbour_distance_m = 0.6;  ///< chosen in simulation alone
-  double trusted_residual_m = 0.05;         ///< chosen in simulation alone
+  double trusted_residual_m = 0.05;    ///< chosen in simulation alone
   double max_plane_residual_m = 0.2;
   double max_ground_residual_m = 0.05;  ///< chosen in simulation alone
   double recent_path_m = 200.0;         ///< chosen in simulation alone
-  double keyframe_translation_m = 0.3;
-  double keyframe_rotation_rad = 0.2;
 };
 
 struct LoopClosingOptions {
@@ -50,8 +37,6 @@ struct LoopClosingOptions {
 struct SlamOptions {
   int threads = 0;  ///< 0: the default of OpenMP
   MountingOptions mounting;
-  GroundOptions ground;
-  FeatureOptions features;
   MappingOptions mapping;
   LoopClosingOptions loop_closing;
 };

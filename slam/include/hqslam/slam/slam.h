@@ -145,7 +145,7 @@ class Slam {
 
   /// The map: planar features of all keyframes, one per voxel of
   /// MappingOptions::planar_leaf_m (half of it in rooms), then edge features, one per voxel of
-  /// edge_leaf_m, in the map's frame; of one submap (a number of
+  /// 0.2 m, in the map's frame; of one submap (a number of
   /// submap_of_scan()), or of all, one after the other, although their relative poses are unknown.
   /// intensity: receives one per point, the mean of those of its features in the unit of the
   /// recording, NaN where none is known; empty if none is.
