@@ -59,8 +59,6 @@ std::vector<Eigen::Vector3f> Slam::map_points_m(std::optional<std::size_t> subma
   return result;
 }
 
-std::string Slam::map_complaint() const { return implementation_->map_fit.complaint(); }
-
 SavedMap Slam::saved_map() const {
   const ThreadLimit limit(implementation_->options.threads);
   const auto& loop_closing = implementation_->loop_closing;

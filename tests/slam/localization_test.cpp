@@ -61,7 +61,7 @@ TEST_CASE("a drive is located in an earlier one's map from any start, and leaves
 TEST_CASE("a map that scans fit half as well as those of its own drive did is in doubt") {
   const Village village = street(31);
   slam::SavedMap map = driven(village);
-  const auto complaint = [&](Status expected) {
+  const auto check = [&](Status expected) {
     slam::Slam slam = located_in(map);
     for (int i = 0; i < 25; ++i) {
       const auto report = slam.process(village.scan(street_pose(43.0 + 0.2 * i)), 0.1 * i);
@@ -69,15 +69,14 @@ TEST_CASE("a map that scans fit half as well as those of its own drive did is in
       CHECK(is_registered(report.mapping_status));
       CHECK(report.mapping_status == expected);
     }
-    return slam.map_complaint();
   };
-  CHECK(complaint(Status::kOk).empty());
+  check(Status::kOk);
   for (auto* points_m : {&map.edges_m, &map.posts_m, &map.planes_m}) {
     std::erase_if(*points_m, [](const Eigen::Vector3f& p_m) { return p_m.y() > -1.0F; });
   }
-  CHECK(one_line_with(complaint(Status::kMapInDoubt), "times as well", "another place"));
+  check(Status::kMapInDoubt);
   map.close_ratio = 0.0;  // unknown
-  CHECK(complaint(Status::kOk).empty());
+  check(Status::kOk);
 }
 
 TEST_CASE("a place outside of the map is not recognized, and one inside is after it") {

@@ -77,12 +77,14 @@ std::vector<const VoxelBlock*> DenseMap::Implementation::sorted_blocks() const {
 
 std::vector<DenseMapPoint> DenseMap::Implementation::points_of(
     const VoxelBlock& block, std::vector<float>& intensity) const {
-  const BlockSurroundings surroundings(grid, block);
   std::vector<DenseMapPoint> points;
   block.for_each([&](const Eigen::Vector3i& index, const Voxel& voxel) {
-    double support = 0.0;
-    surroundings.for_each_neighbour(
-        index, [&](const Voxel& neighbour) { support += support_of(neighbour); });
+    double support = 0.0;  // of the 26 neighbours
+    for (int k = 0; k < 27; ++k) {
+      const Eigen::Vector3i offset(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+      const Voxel* const neighbour = offset.isZero() ? nullptr : grid.find(index + offset);
+      if (neighbour != nullptr) support += support_of(*neighbour);
+    }
     const double confidence = confidence_of(voxel, support);
     if (confidence < options.least_confidence) return;
     if (has_intensities) intensity.push_back(mean_intensity(voxel));

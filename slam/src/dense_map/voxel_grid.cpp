@@ -1,5 +1,7 @@
 #include "dense_map/voxel_grid.h"
 
+#include <utility>
+
 namespace hqslam::slam {
 
 namespace {
@@ -23,11 +25,14 @@ const VoxelBlock* VoxelGrid::find_block(const Eigen::Vector3i& block) const {
   return found == CellIndex::kNone ? nullptr : &blocks_[found];
 }
 
-Voxel* VoxelGrid::find(const Eigen::Vector3i& voxel) {
-  const std::uint32_t found = index_.find(block_of(voxel));
+const Voxel* VoxelGrid::find(const Eigen::Vector3i& voxel) const {
+  const VoxelBlock* const block = find_block(block_of(voxel));
   const int local = local_of(voxel);
-  if (found == CellIndex::kNone || !blocks_[found].has(local)) return nullptr;
-  return &blocks_[found].at(local);
+  return block != nullptr && block->has(local) ? &block->at(local) : nullptr;
+}
+
+Voxel* VoxelGrid::find(const Eigen::Vector3i& voxel) {
+  return const_cast<Voxel*>(std::as_const(*this).find(voxel));
 }
 
 Voxel& VoxelGrid::find_or_add(const Eigen::Vector3i& voxel) {
@@ -38,25 +43,6 @@ Voxel& VoxelGrid::find_or_add(const Eigen::Vector3i& voxel) {
   if (block.has(local)) return block.at(local);
   ++size_;
   return block.add(local);
-}
-
-BlockSurroundings::BlockSurroundings(const VoxelGrid& grid, const VoxelBlock& block)
-    : index_(block.index()) {
-  for (int dz = -1; dz <= 1; ++dz) {
-    for (int dy = -1; dy <= 1; ++dy) {
-      for (int dx = -1; dx <= 1; ++dx) {
-        const Eigen::Vector3i offset(dx, dy, dz);
-        blocks_[static_cast<std::size_t>(place_of(offset))] = grid.find_block(index_ + offset);
-      }
-    }
-  }
-}
-
-const Voxel* BlockSurroundings::find(const Eigen::Vector3i& voxel) const {
-  const int place = place_of(VoxelGrid::block_of(voxel) - index_);
-  const VoxelBlock* const block = blocks_[static_cast<std::size_t>(place)];
-  const int local = VoxelGrid::local_of(voxel);
-  return block != nullptr && block->has(local) ? &block->at(local) : nullptr;
 }
 
 }  // namespace hqslam::slam

@@ -91,6 +91,7 @@ class VoxelGrid {
   VoxelBlock& block(std::size_t number) { return blocks_[number]; }
   const VoxelBlock* find_block(const Eigen::Vector3i& block) const;
   /// nullptr where no scan had a point.
+  const Voxel* find(const Eigen::Vector3i& voxel) const;
   Voxel* find(const Eigen::Vector3i& voxel);
   /// voxel: of voxel_of. Invalidates what find and find_or_add returned before.
   Voxel& find_or_add(const Eigen::Vector3i& voxel);
@@ -111,35 +112,6 @@ class VoxelGrid {
   std::size_t size_ = 0;
   std::vector<VoxelBlock> blocks_;
   CellIndex index_;  ///< of blocks_
-};
-
-/// A block and the 26 that touch it: finds the neighbours of its voxels without the hash.
-class BlockSurroundings {
- public:
-  BlockSurroundings(const VoxelGrid& grid, const VoxelBlock& block);
-
-  /// nullptr where no scan had a point; voxel: in the block, or adjacent to it.
-  const Voxel* find(const Eigen::Vector3i& voxel) const;
-  /// Calls visit(neighbour) for each of the at most 26 neighbours of a voxel of the block.
-  template <typename Visit>
-  void for_each_neighbour(const Eigen::Vector3i& voxel, const Visit& visit) const {
-    for (int dz = -1; dz <= 1; ++dz) {
-      for (int dy = -1; dy <= 1; ++dy) {
-        for (int dx = -1; dx <= 1; ++dx) {
-          if (dx == 0 && dy == 0 && dz == 0) continue;
-          const Voxel* const neighbour = find(voxel + Eigen::Vector3i(dx, dy, dz));
-          if (neighbour != nullptr) visit(*neighbour);
-        }
-      }
-    }
-  }
-
- private:
-  static int place_of(const Eigen::Vector3i& offset) {
-    return (offset.x() + 1) + 3 * (offset.y() + 1) + 9 * (offset.z() + 1);
-  }
-  Eigen::Vector3i index_;
-  std::array<const VoxelBlock*, 27> blocks_{};
 };
 
 }  // namespace hqslam::slam

@@ -1,6 +1,4 @@
-#include "map_fit.h"
-
-#include <fmt/format.h>
+#include "map/map_fit.h"
 
 #include <algorithm>
 
@@ -12,7 +10,7 @@ namespace {
 /// of the same style 0.20 to 0.62 but for two of 39 pairs (0.73 and 0.77), outdoors about 1 and
 /// more. Five real recordings, each in a map of its own, are not doubted.
 constexpr double kLeastShare = 0.65;
-constexpr int kScans = 20;  // for a judgement of the last ones, and at least for one of all
+constexpr int kScans = 20;
 
 }  // namespace
 
@@ -25,14 +23,5 @@ void MapFit::add(double close_ratio) {
 double MapFit::mean_close_ratio() const { return scans_ == 0 ? 0.0 : sum_ / scans_; }
 
 bool MapFit::is_doubtful() const { return scans_ > 0 && recent_ < kLeastShare * given_; }
-
-std::string MapFit::complaint() const {
-  const double expected = given_ * scans_;
-  if (scans_ < kScans || sum_ >= kLeastShare * expected) return "";
-  return fmt::format(
-      "scans fit it {:.2f} times as well as those of its own drive did: it is of another place, or "
-      "much has changed",
-      sum_ / expected);
-}
 
 }  // namespace hqslam::slam

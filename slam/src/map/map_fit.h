@@ -1,7 +1,5 @@
 #pragma once
 
-#include <string>
-
 namespace hqslam::slam {
 
 /// How well the scans of a drive fit the map in which they are registered, beside how well those
@@ -17,8 +15,7 @@ class MapFit {
   void add(double close_ratio);
   double mean_close_ratio() const;  ///< 0 without a scan
 
-  bool is_doubtful() const;       ///< by the last twenty scans or so
-  std::string complaint() const;  ///< Slam::map_complaint(), by all scans
+  bool is_doubtful() const;  ///< by the last twenty scans or so
 
  private:
   double given_ = 0.0;

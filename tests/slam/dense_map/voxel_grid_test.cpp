@@ -48,19 +48,3 @@ TEST_CASE("a block hands out its voxels with their indices, in the order of thei
       [&](const Eigen::Vector3i& voxel, const Voxel&) { seen.push_back(voxel); });
   CHECK(seen == std::vector<Eigen::Vector3i>{{-1, -8, -8}, {-8, -2, -3}, {-1, -2, -3}});
 }
-
-TEST_CASE("a voxel at the corner of its block has neighbours in seven others") {
-  VoxelGrid grid(0.1);
-  const Eigen::Vector3i corner(7, 7, 7);
-  grid.find_or_add(corner);
-  for (int k = 0; k < 27; ++k) {
-    grid.find_or_add(corner + Eigen::Vector3i(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
-  }
-  grid.find_or_add(corner + Eigen::Vector3i(2, 0, 0));  // not a neighbour
-  CHECK(grid.blocks().size() == 8);
-  int neighbours = 0;
-  BlockSurroundings(grid, grid.blocks().front()).for_each_neighbour(corner, [&](const Voxel&) {
-    ++neighbours;
-  });
-  CHECK(neighbours == 26);
-}

@@ -147,7 +147,6 @@ std::string timings_json(const SlamRun& run) {
       {"columns", run.sensor.columns},
       {"upsampled_by", run.upsampled_by.empty() ? Json() : Json(run.upsampled_by)},
       {"located_in", run.located_in.empty() ? Json() : Json(run.located_in)},
-      {"map_complaint", run.map_complaint.empty() ? Json() : Json(run.map_complaint)},
       {"slam_options", std::move(slam_options)},
       {"threads", run.threads},
       {"end", name(run.end)},

@@ -108,6 +108,25 @@ std::string map_summary(const SlamRun& run) {
 /// stated; rooms 5 %.
 constexpr double kLittleGround = 0.18;
 
+/// Of a drive in a saved map: whether it was located there, and whether scans fit the map.
+std::string location_summary(const SlamRun& run) {
+  if (run.located_in.empty()) return "";
+  if (!is_located(run)) {
+    return fmt::format("not located: no place of the map of {} was recognized\n", run.located_in);
+  }
+  const std::int64_t doubted = std::ranges::count_if(run.scans, [](const ScanRecord& scan) {
+    return scan.report.mapping_status == slam::Status::kMapInDoubt;
+  });
+  std::string doubt;
+  if (2 * doubted > std::ssize(run.scans)) {
+    doubt = fmt::format(
+        ", in doubt: {} of {} scans fit it far less than those of its own drive did; it is of "
+        "another place, or much has changed",
+        doubted, run.scans.size());
+  }
+  return fmt::format("located in the map of {}{}\n", run.located_in, doubt);
+}
+
 }  // namespace
 
 double share_on_ground(const slam::ScanReport& report) {
@@ -143,14 +162,7 @@ std::string run_summary(const SlamRun& run) {
                                ? "not corrected here: give corrected_sensor.json as --sensor"
                                : "corrected");
   }
-  if (!run.located_in.empty()) {
-    const std::string& complaint = run.map_complaint;
-    summary += is_located(run)
-                   ? fmt::format("located in the map of {}{}\n", run.located_in,
-                                 complaint.empty() ? "" : ", in doubt: " + complaint)
-                   : fmt::format("not located: no place of the map of {} was recognized\n",
-                                 run.located_in);
-  }
+  summary += location_summary(run);
   if (!run.upsampled_by.empty()) {
     summary +=
         fmt::format("upsampled to {} rows by {}: {:.1f} ms a scan (median)\n", run.sensor.rows(),

@@ -55,7 +55,6 @@ struct SlamRun : Reading {
   std::vector<ScanRecord> scans;
   std::size_t imu_samples = 0;               ///< that SLAM was given
   std::string imu_complaint;                 ///< slam::Slam::imu_complaint()
-  std::string map_complaint;                 ///< slam::Slam::map_complaint()
   std::string own_parts;                     ///< pipeline::OwnParts::text()
   std::vector<slam::LoopReport> loops;       ///< places that were recognized, and are right now
   std::vector<std::size_t> submap_of_scan;   ///< slam::Slam::submap_of_scan()

@@ -70,7 +70,6 @@ SlamRun SlamSession::finished(bool save_map) {
   for (const slam::LoopReport& loop : pipeline_.finish()) keep(loop);
   run_.mounting = pipeline_.mounting();
   run_.imu_complaint = pipeline_.imu_complaint();
-  run_.map_complaint = pipeline_.map_complaint();
   run_.own_parts = pipeline_.own_parts().text();
   run_.submap_of_scan = pipeline_.submap_of_scan();
   run_.wall_s = seconds_since(start_);

@@ -20,7 +20,6 @@ class HqslamSystem : public SlamSystem {
   }
   void add_imu(const std::vector<ImuSample>& samples) override { slam_.add_imu(samples); }
   std::string imu_complaint() const override { return slam_.imu_complaint(); }
-  std::string map_complaint() const override { return slam_.map_complaint(); }
   std::vector<slam::LoopReport> finish() override { return slam_.finish(); }
   const Trajectory& trajectory() const override { return slam_.trajectory(); }
   slam::MountingOptions mounting() const override { return slam_.mounting(); }

@@ -49,7 +49,6 @@ void Pipeline::add_imu(const std::vector<ImuSample>& samples) {
 }
 
 std::string Pipeline::imu_complaint() const { return implementation_->slam->imu_complaint(); }
-std::string Pipeline::map_complaint() const { return implementation_->slam->map_complaint(); }
 
 LocatedScan Pipeline::process(const RecordedScan& scan, slam::ScanTrace* trace) {
   add_imu(scan.imu);

@@ -24,7 +24,6 @@ class SlamSystem {
   virtual std::vector<std::size_t> submap_of_scan() const { return segment_of_scan(); }
   virtual void add_imu(const std::vector<ImuSample>&) {}
   virtual std::string imu_complaint() const { return ""; }
-  virtual std::string map_complaint() const { return ""; }
   virtual std::vector<slam::LoopReport> finish() { return {}; }
   virtual slam::MountingOptions mounting() const { return {}; }
   virtual std::vector<std::pair<std::size_t, slam::Covariance>> corrected_covariances() const {

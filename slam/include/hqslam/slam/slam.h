@@ -107,10 +107,6 @@ class Slam {
   /// second?"; empty as long as nothing did.
   const std::string& imu_complaint() const;
 
-  /// Of a given map that located scans fit far less than those of its own drive did: "scans fit it
-  /// 0.47 times as well as ..."; empty otherwise, and where SavedMap::close_ratio is unknown.
-  std::string map_complaint() const;
-
   /// Throws Error if the cloud's shape is not the sensor's, if a pixel lacks a point, a range or
   /// (if others have them) a capture time, confidence or intensity, or if the stamp is no time in
   /// seconds; ScanError if the capture times are no offsets from the middle of the scan in seconds.

@@ -69,8 +69,6 @@ class Pipeline {
   void add_imu(const std::vector<ImuSample>& samples);
   /// slam::Slam::imu_complaint.
   std::string imu_complaint() const;
-  /// slam::Slam::map_complaint.
-  std::string map_complaint() const;
   /// A scan of a recording, after its inertial samples. trace: filled by slam::Slam::process; only
   /// of kHqslam. Throws Error; ScanError for a scan to be left out.
   LocatedScan process(const RecordedScan& scan, slam::ScanTrace* trace = nullptr);
