@@ -9,7 +9,6 @@
 
 #include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
-#include "hqslam/evaluation/drift.h"
 
 namespace hqslam {
 

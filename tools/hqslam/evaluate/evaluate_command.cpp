@@ -13,7 +13,6 @@
 #include "hqslam/core/point_fields.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/evaluation/cloud_error.h"
-#include "hqslam/evaluation/drift.h"
 #include "hqslam/evaluation/image_error.h"
 #include "hqslam/evaluation/trajectory_error.h"
 #include "product.h"

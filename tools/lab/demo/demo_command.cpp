@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "compare/upsampling_comparison.h"
-#include "files/installed_weights.h"
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
@@ -19,7 +18,7 @@
 #include "laboratory.h"
 #include "pages/open_page.h"
 #include "pages/page.h"
-#include "pages/printed_table.h"
+#include "pages/text_table.h"
 #include "pages/turning_view.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
@@ -218,7 +217,7 @@ int run(const DemoOptions& options) {
   simulate.out = (out / "drive").string();
   if (simulate_drive(simulate, interrupt) == kInterrupted) return interrupted();
 
-  const std::optional<std::string> weights = installed_weights(kWeights);
+  const std::optional<std::string> weights = pipeline::installed_weights(kWeights);
   std::vector<DemoRow> rows;
   for (const DemoInput& input : inputs_with(weights)) {
     RunOptions run;

@@ -1,7 +1,6 @@
 #include <nanobind/stl/string.h>
 
 #include "arrays.h"
-#include "hqslam/evaluation/drift.h"
 #include "hqslam/evaluation/trajectory_error.h"
 #include "parts.h"
 
