@@ -1,4 +1,4 @@
-#include "files/pcd_header.h"
+#include "files/point_files.h"
 #include "hqslam/core/cloud_file.h"
 #include "testing.h"
 
