@@ -15,6 +15,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/point_fields.h"
+#include "hqslam/evaluation/trajectory_error.h"
 #include "laboratory.h"
 #include "pages/open_page.h"
 #include "pages/page.h"
@@ -28,7 +29,6 @@
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
-#include "timing/timing.h"
 
 namespace hqslam::tools {
 namespace {
@@ -116,7 +116,7 @@ TextTable table_of(const std::vector<DemoRow>& rows) {
     std::vector<std::string>& cells = table.rows.emplace_back();
     cells = {row.input.name, fmt::format("{}", run.scans.size()), ape_text(run)};
     std::ranges::copy(score_cells(row.score), std::back_inserter(cells));
-    cells.push_back(fmt::format("{:.1f}", distribution_of(slam_times(run).times_ms).median));
+    cells.push_back(fmt::format("{:.1f}", statistics_of(slam_times(run).times_ms).median));
     cells.push_back(fmt::format("{:.1f}", scans_per_second(run)));
     table.links.push_back(row.input.folder + "/report.html");
   }

@@ -17,13 +17,15 @@ enum class Alignment {
 std::string_view name(Alignment alignment);  ///< "none", "first", "se3"
 Alignment alignment_from_name(std::string_view name);
 
-struct ErrorStatistics {
+/// Of a list of values (errors, durations), in their unit; all 0 for an empty list.
+struct Statistics {
   double rmse = 0.0;
   double mean = 0.0;
   double median = 0.0;
+  double p95 = 0.0;  ///< the smallest value that at least 95 % of the list do not exceed
   double max = 0.0;
 };
-ErrorStatistics statistics_of(std::vector<double> values);
+Statistics statistics_of(std::vector<double> values);
 
 /// Pairs of poses with equal stamps, as indices into the two trajectories.
 struct PosePairs {
@@ -38,11 +40,11 @@ PosePairs associate(const Trajectory& estimate, const Trajectory& reference,
 struct AbsolutePoseError {
   Alignment alignment = Alignment::kSe3;
   PosePairs pairs;
-  Trajectory aligned_estimate;             ///< the whole estimate, in the reference's frame
-  std::vector<double> translation_m;       ///< per pair
-  std::vector<double> rotation_rad;        ///< per pair
-  ErrorStatistics translation_statistics;  ///< metres
-  ErrorStatistics rotation_statistics;     ///< radians
+  Trajectory aligned_estimate;        ///< the whole estimate, in the reference's frame
+  std::vector<double> translation_m;  ///< per pair
+  std::vector<double> rotation_rad;   ///< per pair
+  Statistics translation_statistics;  ///< metres
+  Statistics rotation_statistics;     ///< radians
   /// False: the path is so straight that kSe3 turns the estimate about it by errors of positions
   /// (by more than a degree, one standard deviation); rotation_rad then has that turn.
   bool is_rotation_known = true;
@@ -58,8 +60,8 @@ struct RelativePoseError {
   std::vector<std::size_t> last;      ///< per stretch, where it ends: index into the reference
   std::vector<double> translation_m;  ///< per stretch, not divided by its length
   std::vector<double> rotation_rad;
-  ErrorStatistics translation_statistics;
-  ErrorStatistics rotation_statistics;
+  Statistics translation_statistics;
+  Statistics rotation_statistics;
 };
 /// Stretches start at every pair from which the path is long enough; none gives empty statistics.
 RelativePoseError relative_pose_error(const Trajectory& estimate, const Trajectory& reference,
