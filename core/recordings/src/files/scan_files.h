@@ -20,8 +20,8 @@ inline constexpr const char* kTestedByInfo =
 /// they do not.
 using ChooseSensor = std::function<FoundSensor(const std::function<FoundSensor()>& find)>;
 
-/// Opens a recording of `sensor`; without one, of that of its sensor.json or that which its points
-/// determine, with a warning:
+/// Opens a recording; `choose` chooses the sensor of points, `sensor` is that of images, without
+/// one that of their sensor.json:
 /// - a folder of KITTI .bin files (motion-corrected; rows from the rings where the points are
 ///   stored ring after ring, from the elevation otherwise), or a KITTI drive with them in
 ///   `velodyne` or `velodyne_points/data`;
@@ -41,11 +41,6 @@ using ChooseSensor = std::function<FoundSensor(const std::function<FoundSensor()
 /// drive, the middle of each scan. Pixels of images that are not finite or negative count as
 /// invalid points. Throws Error: which file, what was expected, what was found, what to do; also
 /// for scans that cannot be the sensor's.
-std::unique_ptr<ScanSource> open_scan_files(const std::string& path,
-                                            const std::optional<SensorModel>& sensor,
-                                            const RecordingOptions& options = {});
-
-/// open_scan_files that chooses the sensor of points by `choose`; `sensor`: that of images.
 std::unique_ptr<ScanSource> open_scan_files(const std::string& path,
                                             const std::optional<SensorModel>& sensor,
                                             const ChooseSensor& choose,
