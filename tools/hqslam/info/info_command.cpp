@@ -102,7 +102,7 @@ FirstScans followed(const InfoOptions& options, const recordings::RecordingInfo&
   open.sensor = options.sensor;
   open.stream = info.stream;
   if (open.sensor.empty()) open.all_rows = info.sensor;
-  if (captured) state_capture(options.input, *captured, open.files);
+  open.files.capture = captured;
   auto source = recordings::Recording::open(options.input, open);
   pipeline::PipelineOptions without_loops;
   without_loops.slam_options.loop_closing.enabled = false;
@@ -136,8 +136,7 @@ FirstScans followed(const InfoOptions& options, const recordings::RecordingInfo&
 std::string capture_options(const CaptureCheck& check, const SensorModel& sensor, bool is_stack,
                             bool has_times) {
   const bool is_corrected = check.verdict == CaptureTime::kMotionCorrected;
-  if (is_corrected && is_stack) return " --motion-corrected";
-  if (is_corrected && has_times) return " --capture corrected";
+  if (is_corrected && (is_stack || has_times)) return " --capture corrected";
   std::string options;
   if (check.verdict == CaptureTime::kRolling && !is_stack && !has_times) {
     options = " --capture rolling";

@@ -35,8 +35,8 @@ using ChooseSensor = std::function<FoundSensor(const std::function<FoundSensor()
 /// Files are taken in the natural order of their names. The stamp of a scan is that of
 /// options.stamps, else that of a timestamps.txt in the folder or, beside files, the one above it
 /// (KITTI's drives), else the middle of its points' times where those are a clock's or of its
-/// azimuths by options.without_times, else its index times sensor.scan_period_s, where scans that
-/// are missing between numbered files count. In a folder of images with truth.tum and no
+/// azimuths by options.capture, else its index times sensor.scan_period_s, where scans that are
+/// missing between numbered files count. In a folder of images with truth.tum and no
 /// timestamps.txt the stamps are those of truth.tum: (index + 1/2) times the period for a simulated
 /// drive, the middle of each scan. Pixels of images that are not finite or negative count as
 /// invalid points. Throws Error: which file, what was expected, what was found, what to do; also
