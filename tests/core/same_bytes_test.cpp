@@ -23,7 +23,7 @@ TEST_CASE("points, images, components and trajectories have the same bytes on ev
   scan.points_m = points_of(cloud);
   CHECK(hash_of(project(scan, sensor).cloud.range_m) == 3701233445619095456U);
 
-  ComponentLabeler labeler(sensor, {});
+  ComponentLabeler labeler(sensor, 10 * kDegree_rad);
   CHECK(hash_of(labeler.label(scene).label) == 10878368666235277583U);
 
   Trajectory trajectory{{0.0, Pose::Identity()}};

@@ -1,6 +1,6 @@
-#include "files/scan_files.h"
 #include "input_file.h"
 #include "made_images.h"
+#include "opened_files.h"
 
 namespace hqslam::fuzz {
 namespace {
@@ -8,7 +8,7 @@ namespace {
 /// To images, as hqslam run reads a recording.
 void read_scans(const std::string& path) {
   // Few columns: the readers are to be fed, not the projection.
-  const auto source = recordings::open_scan_files(path, test::preset_with("vlp-16", 32));
+  const auto source = test::open_scan_files(path, test::preset_with("vlp-16", 32));
   while (source->next()) continue;
 }
 

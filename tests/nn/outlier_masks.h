@@ -30,7 +30,7 @@ inline bool is_measured(int row, RowSelection rows) {
 /// From the breadth-first search of core, which takes whole scans only.
 inline Mask from_component_labeler(const RangeImage& image, const SensorModel& sensor,
                                    RowSelection rows, const OutlierRemovalOptions& options) {
-  ComponentLabeler labeler(sensor, {.min_angle_rad = options.min_angle_rad});
+  ComponentLabeler labeler(sensor, options.min_angle_rad);
   const ConnectedComponents& result = labeler.label(image);
   Mask rejected(image.range_m.size(), 0);
   for (int row = 0; row < image.rows; ++row) {

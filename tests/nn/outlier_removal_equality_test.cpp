@@ -20,7 +20,7 @@ Mask from_flood_fill(const RangeImage& image, const SensorModel& sensor, RowSele
       const int c = static_cast<int>(pixels[next]) % image.columns;
       const auto visit = [&](int to_row, int to_column, double alpha_rad) {
         const std::size_t to = image.index(to_row, to_column);
-        if (visited[to] != 0 || !image.has_return(to_row, to_column)) return;
+        if (visited[to] != 0 || image.at(to_row, to_column) == 0.0F) return;
         if (!ComponentLabeler::connected(image.at(r, c), image.range_m[to],
                                          static_cast<float>(std::sin(alpha_rad)),
                                          static_cast<float>(std::cos(alpha_rad)), tan)) {

@@ -43,7 +43,8 @@ class Yard {
  private:
   RangeImage image(const SensorModel& sensor, const auto& T_yard_sensor_at) const {
     return made_image(sensor, [&](int row, int column, const Eigen::Vector3d& direction) {
-      const Pose T_yard_beam = T_yard_sensor_at(sensor.time_offset_s(row, column));
+      const double turned = (sensor.firing_column(row, column) + 0.5) / sensor.columns;
+      const Pose T_yard_beam = T_yard_sensor_at((turned - 0.5) * sensor.scan_period_s);
       const double range_m = cast(T_yard_beam.translation(), T_yard_beam.linear() * direction);
       return range_m < sensor.max_range_m ? range_m : 0.0;
     });

@@ -9,7 +9,6 @@
 
 #include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
-#include "hqslam/evaluation/drift.h"
 
 namespace hqslam {
 
@@ -131,8 +130,8 @@ Alignment alignment_from_name(std::string_view name) {
   throw Error("alignment: expected none, first or se3, found '{}'", name);
 }
 
-ErrorStatistics statistics_of(std::vector<double> values) {
-  ErrorStatistics statistics;
+Statistics statistics_of(std::vector<double> values) {
+  Statistics statistics;
   if (values.empty()) return statistics;
   const double n = static_cast<double>(values.size());
   for (const double value : values) {
@@ -144,6 +143,7 @@ ErrorStatistics statistics_of(std::vector<double> values) {
   const std::size_t middle = values.size() / 2;
   statistics.median =
       values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2.0;
+  statistics.p95 = values[static_cast<std::size_t>(std::ceil(0.95 * n)) - 1];
   statistics.max = values.back();
   return statistics;
 }

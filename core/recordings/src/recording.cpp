@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 std::unique_ptr<StreamScans> open_stream(const std::string& path, const OpenOptions& options,
                                          bool with_points) {
   StreamReader reader(path, options.stream);
-  if (options.files.without_times && reader.stream().kind != StreamKind::kPointClouds) {
+  if (options.files.capture && reader.stream().kind != StreamKind::kPointClouds) {
     throw Error("{}: --capture does not apply to packets, which have times; leave --capture out",
                 path);
   }
@@ -200,8 +200,7 @@ void refuse_idle_options(const std::string& path, const OpenOptions& options) {
            {"--stream", options.stream != usual.stream, is_stream},
            {"--return", options.kept_return != usual.kept_return, is_stream},
            {"--row-order", files.row_order != usual.files.row_order, is_stack},
-           {"--motion-corrected", files.capture_time != usual.files.capture_time, is_stack},
-           {"--capture", files.without_times.has_value(), !is_stack && !is_capture},
+           {"--capture", files.capture.has_value(), !is_capture},
            {"--stamps", !files.stamps.empty(), !is_stream}}) {
     if (!option.is_given || option.applies) continue;
     throw Error("{}: {} does not apply to {}; leave {} out", path, option.name,

@@ -16,18 +16,6 @@ namespace {
 constexpr std::size_t kMaxImuFileBytes = 1U << 30U;  // more than a day at 100 Hz
 constexpr std::size_t kColumns = 7;
 
-/// Whatever a sensor does, in the mean it feels gravity.
-void require_gravity(const std::vector<ImuSample>& samples, const std::string& path) {
-  double sum_mps2 = 0.0;
-  for (const ImuSample& sample : samples) sum_mps2 += sample.specific_force_mps2.norm();
-  const double mean_mps2 = sum_mps2 / static_cast<double>(samples.size());
-  if (std::abs(mean_mps2 - kGravity_mps2) < 0.5 * kGravity_mps2) return;
-  throw Error(
-      "{}: expected specific forces that hold gravity, {} m/s^2, found {:.3g} in the mean; give "
-      "m/s^2, those in g times {}",
-      path, kGravity_mps2, mean_mps2, kGravity_mps2);
-}
-
 }  // namespace
 
 std::vector<ImuSample> read_imu_csv(const std::string& path) {
@@ -59,7 +47,6 @@ std::vector<ImuSample> read_imu_csv(const std::string& path) {
   if (samples.empty()) {
     throw Error("{}: expected lines of 7 numbers, found none; give a file of inertial data", path);
   }
-  require_gravity(samples, path);
   return samples;
 }
 

@@ -142,14 +142,6 @@ std::string JsonFields::dumped(const std::string& field) {
   return get(field, "a value").dump(1, ' ', true, Json::error_handler_t::replace);
 }
 
-void JsonFields::allow_only(const std::vector<std::string>& names) const {
-  for (const auto& item : object_.items()) {
-    if (std::ranges::find(names, item.key()) != names.end()) continue;
-    complain(excerpt(item.key()), fmt::format("one of {}", fmt::join(names, ", ")),
-             "an unknown field");
-  }
-}
-
 void JsonFields::finish() const {
   for (const auto& item : object_.items()) {
     if (!read_.contains(item.key())) {

@@ -28,8 +28,7 @@ std::size_t edits(std::string_view from, std::string_view to) {
   return row.back();
 }
 
-}  // namespace
-
+/// Those that did_you_mean names.
 std::vector<std::string> nearest_names(std::string_view mistyped,
                                        const std::vector<std::string>& names) {
   mistyped = mistyped.substr(0, kLongestName);
@@ -49,6 +48,8 @@ std::vector<std::string> nearest_names(std::string_view mistyped,
   for (auto& [distance, name] : near) nearest.push_back(std::move(name));
   return nearest;
 }
+
+}  // namespace
 
 std::string did_you_mean(std::string_view mistyped, const std::vector<std::string>& names) {
   std::vector<std::string> nearest = nearest_names(mistyped, names);

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "hqslam/core/point_fields.h"
 
@@ -18,5 +21,9 @@ RawPoints read_ply_points(const std::string& path);
 
 /// A .pcd file, as read_cloud describes it. Throws Error.
 RawPoints read_pcd_points(const std::string& path);
+
+/// The bytes of an LZF stream, decompressed; nothing if the stream is damaged or they are not
+/// exactly `size`. Source of the format: liblzf (Marc Lehmann).
+std::optional<std::string> lzf_decompressed(std::string_view stream, std::size_t size);
 
 }  // namespace hqslam

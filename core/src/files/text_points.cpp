@@ -20,7 +20,7 @@ constexpr std::string_view kSeparators = " \t\r,;";
 
 std::optional<double> signed_decimal(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);
-  return decimal_from(word);
+  return number_from<double>(word);
 }
 
 /// The names in a line; where commas separate them they may have blanks: "X (m), Y (m)".

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cstdint>
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
@@ -10,23 +9,6 @@
 namespace hqslam {
 
 namespace {
-
-/// Whether a number that no double holds is too large rather than too small: the decimal place of
-/// its first digit that is not 0, moved by its exponent, is left of the point.
-bool is_too_large(std::string_view word) {
-  const std::size_t e = std::min(word.find_first_of("eE"), word.size());
-  std::int64_t exponent = 0;
-  if (e < word.size()) {
-    const std::string_view text = word.substr(word[e + 1] == '+' ? e + 2 : e + 1);
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), exponent);
-    if (error == std::errc::result_out_of_range) return text[0] != '-';
-  }
-  const std::string_view mantissa = word.substr(0, e);
-  const std::size_t point = std::min(mantissa.find('.'), mantissa.size());
-  const auto first = mantissa.find_first_of("123456789");
-  if (first == std::string_view::npos) return false;
-  return exponent > static_cast<std::int64_t>(first) - static_cast<std::int64_t>(point);
-}
 
 bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 
@@ -61,16 +43,6 @@ std::string_view next_line(std::string_view& rest) {
   return line;
 }
 
-std::optional<double> decimal_from(std::string_view word) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error == std::errc::invalid_argument || end != word.data() + word.size()) return std::nullopt;
-  if (error == std::errc()) return value;
-  if (!is_too_large(word)) return 0.0;
-  return word[0] == '-' ? -std::numeric_limits<double>::infinity()
-                        : std::numeric_limits<double>::infinity();
-}
-
 AsciiPoints::AsciiPoints(std::string_view text, std::size_t points, std::size_t numbers_per_point,
                          const std::string& path)
     : rest_(text), points_(points), path_(path) {
@@ -93,7 +65,7 @@ const std::vector<double>& AsciiPoints::next() {
           path_, points_, numbers_.size(), point_ * numbers_.size() + i);
     }
     const std::string_view word = rest_.substr(0, rest_.find_first_of(kAnySpace));
-    const std::optional<double> value = decimal_from(word);
+    const std::optional<double> value = number_from<double>(word);
     if (!value) {
       throw Error("{}: point {}: expected a number, found '{}'; correct the line", path_, point_,
                   excerpt(word));

@@ -23,14 +23,13 @@ namespace hqslam {
 /// spans are collected during the pass, alpha2 < theta separates as in the paper but d1 is always
 /// the farther point.
 
-ComponentLabeler::ComponentLabeler(const SensorModel& sensor,
-                                   const ConnectedComponentsOptions& options)
+ComponentLabeler::ComponentLabeler(const SensorModel& sensor, double min_angle_rad)
     : rows_(sensor.rows()), columns_(sensor.columns) {
-  if (!(options.min_angle_rad > 0.0 && options.min_angle_rad < std::numbers::pi / 2.0)) {
+  if (!(min_angle_rad > 0.0 && min_angle_rad < std::numbers::pi / 2.0)) {
     throw Error("connected components: min_angle_rad is {}, expected 0 < angle < pi/2",
-                options.min_angle_rad);
+                min_angle_rad);
   }
-  tan_min_angle_ = static_cast<float>(std::tan(options.min_angle_rad));
+  tan_min_angle_ = static_cast<float>(std::tan(min_angle_rad));
   horizontal_sin_ = static_cast<float>(std::sin(sensor.column_step_rad()));
   horizontal_cos_ = static_cast<float>(std::cos(sensor.column_step_rad()));
   for (int row = 0; row + 1 < rows_; ++row) {

@@ -85,7 +85,8 @@ void require_highest_row_first(const Scan& scan, const SensorModel& sensor) {
       correlation, sensor.rows() - 1);
 }
 
-/// When every pixel is measured, relative to the middle of the scan.
+/// When every pixel is measured, relative to the middle of the scan: -period/2 .. +period/2. A head
+/// at `first_column` begins a scan; the scan's stamp is its middle.
 std::vector<float> time_offsets_s(const SensorModel& sensor, int first_column) {
   std::vector<float> of_head_s(sensor.columns);
   for (int i = 0; i < sensor.columns; ++i) {

@@ -34,9 +34,6 @@ RowSelection row_selection(JsonFields& fields, const std::string& field) {
 }
 
 SensorModel sensor_from_own_form(JsonFields fields) {
-  fields.allow_only({"name", "columns", "scan_period_s", "min_range_m", "max_range_m",
-                     "beam_elevation_deg", "beam_azimuth_offset_deg", "elevation_correction_deg",
-                     "range_correction_m", "measured_rows", "motion_corrected"});
   SensorModel sensor;
   sensor.name = fields.text("name");
   sensor.columns = fields.small_integer("columns");
@@ -51,6 +48,7 @@ SensorModel sensor_from_own_form(JsonFields fields) {
   }
   if (fields.has("measured_rows")) sensor.measured_rows = row_selection(fields, "measured_rows");
   fields.optional("motion_corrected", sensor.motion_corrected);
+  fields.finish();
   return sensor;
 }
 

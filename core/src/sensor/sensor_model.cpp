@@ -113,10 +113,6 @@ int SensorModel::firing_column(int row, int column) const {
   return wrapped(column + column_shift(row), columns);
 }
 
-double SensorModel::time_offset_s(int row, int column) const {
-  return ((firing_column(row, column) + 0.5) / columns - 0.5) * scan_period_s;
-}
-
 int SensorModel::column_of(int row, double azimuth_rad) const {
   return column_of_azimuth(azimuth_rad - residual_azimuth_rad(row));
 }

@@ -66,7 +66,7 @@ std::vector<std::uint8_t> ground_of(const OrganizedCloud& cloud, const RangeImag
 Segmentation::Segmentation(const SensorModel& sensor)
     : scan_period_s_(sensor.scan_period_s),
       ground_rows_(ground_rows(sensor.rows())),
-      labeler_(sensor, {radians(kMinClusterAngle_deg)}) {}
+      labeler_(sensor, radians(kMinClusterAngle_deg)) {}
 
 SegmentedScan Segmentation::segment(const OrganizedCloud& cloud) {
   const RangeImage image = usable_ranges(cloud);

@@ -1,6 +1,5 @@
-#include "hqslam/evaluation/drift.h"
-
 #include "hqslam/core/angles.h"
+#include "hqslam/evaluation/trajectory_error.h"
 #include "testing.h"
 
 namespace {

@@ -46,13 +46,18 @@ Trajectory with_stamps(const std::vector<double>& stamps_s) {
 }  // namespace
 
 TEST_CASE("statistics of a few numbers are those done by hand") {
-  const ErrorStatistics odd = statistics_of({3.0, 0.0, 4.0});
+  const Statistics odd = statistics_of({3.0, 0.0, 4.0});
   CHECK(odd.rmse == doctest::Approx(std::sqrt(25.0 / 3.0)));
   CHECK(odd.mean == doctest::Approx(7.0 / 3.0));
   CHECK(odd.median == 3.0);
   CHECK(odd.max == 4.0);
   CHECK(statistics_of({1.0, 2.0, 10.0, 4.0}).median == 3.0);
   CHECK(statistics_of({}).rmse == 0.0);
+  CHECK(statistics_of({}).max == 0.0);
+  CHECK(statistics_of({3.0}).p95 == 3.0);
+  std::vector<double> values;
+  for (int i = 20; i >= 1; --i) values.push_back(i);
+  CHECK(statistics_of(values).p95 == 19.0);
 }
 
 TEST_CASE("stamps are paired with the nearest, each reference once, none too far apart") {

@@ -245,11 +245,6 @@ recordings::Packet as_packet(const Captured& captured) {
   return packet;
 }
 
-std::optional<recordings::Packet> CapturedPackets::next() {
-  if (next_ == packets_.size()) return std::nullopt;
-  return as_packet(packets_[next_++]);
-}
-
 bool same_scans(const std::vector<RecordedScan>& a, const std::vector<RecordedScan>& b) {
   return std::ranges::equal(a, b, [](const RecordedScan& x, const RecordedScan& y) {
     return x.stamp_s == y.stamp_s && x.cloud.range_m == y.cloud.range_m;

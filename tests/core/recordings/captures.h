@@ -133,17 +133,6 @@ std::vector<Captured> ouster_turns(recordings::OusterProfile profile,
 /// second to the left.
 Payload ouster_imu_packet(std::int64_t time_ns);
 
-/// Packets of memory.
-class CapturedPackets : public recordings::PacketSource {
- public:
-  explicit CapturedPackets(std::vector<Captured> packets) : packets_(std::move(packets)) {}
-  std::optional<recordings::Packet> next() override;
-
- private:
-  std::vector<Captured> packets_;
-  std::size_t next_ = 0;
-};
-
 recordings::Packet as_packet(const Captured& captured);
 
 /// The turns that a decoder makes of packets, to the last one.

@@ -1,14 +1,14 @@
 #pragma once
 
 #include "error_message.h"
-#include "files/scan_files.h"
+#include "opened_files.h"
 
 namespace hqslam::test {
 
 /// Whether a recording, read to its end, is refused in one line with these parts.
 bool recording_refused(const std::string& path, const SensorModel& sensor, const auto&... parts) {
   const auto read = [&] {
-    const auto source = recordings::open_scan_files(path, sensor);
+    const auto source = open_scan_files(path, sensor);
     while (source->next()) continue;
   };
   return refused_with(read, parts...);

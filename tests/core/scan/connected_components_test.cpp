@@ -51,7 +51,7 @@ std::vector<int> union_find_labels(const RangeImage& image, const SensorModel& s
 
 ConnectedComponents components_of(const RangeImage& image, const SensorModel& sensor,
                                   double min_angle_rad) {
-  ComponentLabeler labeler(sensor, {min_angle_rad});
+  ComponentLabeler labeler(sensor, min_angle_rad);
   return labeler.label(image);
 }
 
@@ -78,7 +78,7 @@ TEST_CASE("labels equal those of a slow union-find on random images, with and wi
       for (std::size_t i = 0; i < image.range_m.size(); ++i)
         excluded.push_back(generator() % 5 == 0);
     }
-    ComponentLabeler labeler(sensor, {30 * kDegree_rad});
+    ComponentLabeler labeler(sensor, 30 * kDegree_rad);
     const auto& result = labeler.label(image, excluded);
     REQUIRE(result.label == union_find_labels(image, sensor, 30 * kDegree_rad, excluded));
     std::vector<Component> counted(result.components.size(), {0, 1000, -1});
@@ -107,7 +107,7 @@ TEST_CASE("more than 65,536 components are distinguished") {
 
 TEST_CASE("a second image is not affected by the first") {
   const RangeImage full = flat_image(4, 32, 3.0F);
-  ComponentLabeler labeler(degrees_apart(4, 32), {});
+  ComponentLabeler labeler(degrees_apart(4, 32), 10 * kDegree_rad);
   labeler.label(full);
   CHECK(labeler.label(RangeImage(4, 32)).components.empty());
   CHECK(labeler.label(full).components.size() == 1);
@@ -115,9 +115,9 @@ TEST_CASE("a second image is not affected by the first") {
 
 TEST_CASE("wrong shapes and angles are refused") {
   const SensorModel sensor = degrees_apart(4, 32);
-  CHECK_THROWS_AS(ComponentLabeler(sensor, {0.0}), Error);
-  CHECK_THROWS_AS(ComponentLabeler(sensor, {2.0}), Error);
-  ComponentLabeler labeler(sensor, {});
+  CHECK_THROWS_AS(ComponentLabeler(sensor, 0.0), Error);
+  CHECK_THROWS_AS(ComponentLabeler(sensor, 2.0), Error);
+  ComponentLabeler labeler(sensor, 10 * kDegree_rad);
   CHECK_THROWS_AS(labeler.label(RangeImage(4, 33)), Error);
   CHECK_THROWS_AS(labeler.label(RangeImage(4, 32), std::vector<std::uint8_t>(3)), Error);
 }

@@ -90,7 +90,8 @@ TEST_CASE("a sensor file with a wrong field is refused with file, field, expecte
   };
   refuses("\"max_range_m\": 80,", "", "s.json", "'max_range_m'", "expected a number",
           "found nothing");
-  refuses("\"max_range_m\"", "\"max_range\"", "'max_range'", "unknown field", "max_range_m");
+  refuses("\"max_range_m\"", "\"max_range\"", "'max_range_m'", "found nothing");
+  refuses("\"columns\"", "\"max_range\": 80, \"columns\"", "s.json", "unknown field 'max_range'");
   refuses("1024", "\"many\"", "'columns'", "number", "\"many\"");
   refuses("1024", "1024.5", "'columns'", "whole number", "1024.5");
   refuses("1024", "1000001", "'columns'", "at most a million", "1000001");

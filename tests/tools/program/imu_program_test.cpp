@@ -1,3 +1,4 @@
+#include "hqslam/core/imu_sample.h"
 #include "tools/program/program.h"
 
 namespace hqslam::test {
@@ -34,6 +35,20 @@ TEST_CASE("a simulated drive's inertial data are used, or another file of them t
   CHECK(holds(summary,
               "inertial sensor: predicted 0 of 40 scans; it has 10.3 samples a second, SLAM"));
   CHECK(file_contents(unused + "/trajectory.tum") == file_contents(without + "/trajectory.tum"));
+
+  // Forces in g are not used either, which info and run say.
+  std::string in_g;
+  for (const ImuSample& sample : read_imu_csv(folder.file("moved.csv"))) {
+    const Eigen::Vector3d& turn = sample.angular_rate_rad_per_s;
+    const Eigen::Vector3d force = sample.specific_force_mps2 / kGravity_mps2;
+    in_g += fmt::format("{},{},{},{},{},{},{}\n", sample.stamp_s, turn.x(), turn.y(), turn.z(),
+                        force.x(), force.y(), force.z());
+  }
+  write_file(drive + "/imu.csv", in_g);
+  CHECK(holds(succeeds("info '{}'", drive).out, "not gravity's 9.81; in g?"));
+  run("", "in_g");
+  CHECK(holds(summary, "predicted 0 of 40 scans; not used otherwise: its forces of"));
+  CHECK(holds(summary, "not gravity's 9.81; in g?"));
 }
 
 }  // namespace hqslam::test

@@ -51,8 +51,8 @@ TEST_CASE("options that would do nothing, or cannot be, are refused with what th
        {"run '{0}' --out '{1}'", "upsample '{0}' --method linear --out '{1}'", "compare '{0}'",
         "table --drives '{0}' --methods rows-16 --out '{1}'",
         "map '{0}' --poses '{0}/truth.tum' --out '{1}'", "calibrate '{0}' --out '{1}.json'"}) {
-    refusals.emplace_back(command + " --motion-corrected --capture rolling",
-                          "--capture does not apply to a stack of range images");
+    refusals.emplace_back(command + " --capture corrected --stream 7502",
+                          "--stream does not apply to a stack of range images");
   }
   for (const auto& [given, says] : refusals) {
     CHECK(holds(refused(fmt::format(fmt::runtime(given), simulated_drive(), out.file("y"))), says));

@@ -16,10 +16,21 @@ struct TextTable {
   std::vector<std::string> links = {};  ///< per row the page that its name leads to; empty: none
 };
 
+/// For a terminal, without its title: every column is as wide as its widest cell or the longest
+/// word of its name, and long names are wrapped.
+std::string printed_table(const TextTable& table);
 /// As Markdown, without its title.
 std::string markdown_of(const TextTable& table);
 /// As pages take it: {title, columns, rows, links}.
 nlohmann::ordered_json json_of(const TextTable& table);
+
+/// What a column of a table means.
+struct ColumnDefinition {
+  const char* column;
+  const char* text;  ///< one line, with the unit
+};
+/// A line for each, the texts below each other.
+std::string printed_definitions(const std::vector<ColumnDefinition>& definitions);
 
 /// Stands for a figure that is not there.
 inline constexpr const char* kNoFigure = "-";

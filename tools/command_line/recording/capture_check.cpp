@@ -35,7 +35,7 @@ struct ScanFit {
   std::optional<double> distance_m;
 };
 
-/// Whether --motion-corrected, not --capture, states how its scans were captured.
+/// Whether its scans are images, which are taken as rolling where nothing states it.
 bool is_stack(const std::string& input) {
   return input.ends_with(".npy") || !file_of_drive(input, "scans.npy").empty();
 }
@@ -61,7 +61,7 @@ struct Fits {
 Fits fits(const std::string& input, const SensorModel& sensor, recordings::OpenOptions options,
           CaptureTime capture_time, int turns = 1) {
   if (options.sensor.empty()) options.all_rows = sensor;
-  state_capture(input, capture_time, options.files);
+  options.files.capture = capture_time;
   const char* capture = capture_time == CaptureTime::kRolling ? "rolling" : "corrected";
   std::string tested = fmt::format("test of --capture {}", capture);
   if (turns > 1) {
@@ -128,15 +128,6 @@ std::string stamps_text(int turns, const SensorModel& sensor) {
   return fmt::format("{:g}", turns * sensor.scan_period_s);
 }
 
-void state_capture(const std::string& input, CaptureTime capture_time,
-                   recordings::RecordingOptions& files) {
-  if (is_stack(input)) {
-    files.capture_time = capture_time;
-  } else {
-    files.without_times = capture_time;
-  }
-}
-
 CaptureCheck check_capture(const std::string& input, const SensorModel& sensor,
                            const recordings::OpenOptions& options) {
   Fits rolling = fits(input, sensor, options, CaptureTime::kRolling);
@@ -171,7 +162,7 @@ std::optional<CaptureCheck> check_clouds_without_times(const std::string& input,
                                                        const recordings::OpenOptions& options) {
   const bool can_be_read_twice =
       std::filesystem::is_regular_file(input) || std::filesystem::is_directory(input);
-  if (!can_be_read_twice || is_stack(input) || options.files.without_times) return std::nullopt;
+  if (!can_be_read_twice || is_stack(input) || options.files.capture) return std::nullopt;
   try {
     auto source = recordings::Recording::open(input, options);
     LeftOut left_out;

@@ -34,10 +34,6 @@ struct CaptureCheck {
 CaptureCheck check_capture(const std::string& input, const SensorModel& sensor,
                            const recordings::OpenOptions& options = {});
 
-/// Puts how the scans of a recording were captured into the option that states it.
-void state_capture(const std::string& input, CaptureTime capture_time,
-                   recordings::RecordingOptions& files);
-
 /// --stamps of scans without stamps: the seconds of so many turns.
 std::string stamps_text(int turns, const SensorModel& sensor);
 

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "hqslam/core/error.h"
+#include "hqslam/evaluation/trajectory_error.h"
 #include "hqslam/pipeline/pipeline.h"
 #include "recording/reading.h"
 #include "terminal/terminal.h"
-#include "timing/timing.h"
 
 namespace hqslam::tools {
 namespace {
@@ -72,7 +72,7 @@ std::optional<BothPoses> located(const pipeline::ScanPoses& poses, const ReadSca
 double median_difference(const std::vector<BothMotions>& motions) {
   std::vector<double> differences;
   for (const BothMotions& motion : motions) differences.push_back(motion.difference());
-  return distribution_of(differences).median;
+  return statistics_of(differences).median;
 }
 
 }  // namespace

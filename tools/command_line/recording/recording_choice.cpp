@@ -81,12 +81,11 @@ void declare_reading(Command& command, InputChoice& choice) {
   command
       .option("--row-order", &choice.row_order, "Order of the rows of a .npy stack's images",
               {.shows_default = true, .one_of = {"highest-first", "lowest-first"}})
-      .option("--motion-corrected", &choice.motion_corrected,
-              "The scans of a .npy stack are already corrected for the sensor's motion")
       .option("--capture", &choice.capture,
-              "How points were captured: rolling, while the sensor turned (those without times get "
+              "How scans were captured: rolling, while the sensor turned (points without times get "
               "the time of their azimuth), or corrected for motion (times are not used); default "
-              "of points without times: corrected, unless hqslam run finds otherwise",
+              "of points without times: corrected, unless hqslam run finds otherwise, of a .npy "
+              "stack: rolling",
               {.one_of = {"rolling", "corrected"}})
       .option("--stamps", &choice.stamps,
               "File with the stamp of each scan (seconds, or dates as in KITTI's timestamps.txt), "
@@ -198,11 +197,8 @@ recordings::OpenOptions open_options(const InputChoice& choice) {
   options.kept_return = kept_return_named(choice.kept_return);
   if (choice.row_order == "lowest-first")
     options.files.row_order = recordings::RowOrder::kLowestFirst;
-  if (choice.motion_corrected) options.files.capture_time = CaptureTime::kMotionCorrected;
-  if (choice.capture == "rolling") options.files.without_times = CaptureTime::kRolling;
-  if (choice.capture == "corrected") {
-    options.files.without_times = CaptureTime::kMotionCorrected;
-  }
+  if (choice.capture == "rolling") options.files.capture = CaptureTime::kRolling;
+  if (choice.capture == "corrected") options.files.capture = CaptureTime::kMotionCorrected;
   options.files.stamps = choice.stamps;
   options.imu = choice.imu;
   return options;

@@ -19,8 +19,7 @@ struct InputChoice {
   std::string stream = {};  ///< of a capture or a bag; empty: the only one with scans
   std::string kept_return = "strongest";
   std::string row_order = "highest-first";
-  bool motion_corrected = false;
-  std::string capture = {};  ///< "rolling": points without a time have that of their azimuth
+  std::string capture = {};  ///< "rolling" or "corrected"; empty: as RecordingOptions::capture
   std::string stamps = {};   ///< a file, "names" or seconds; empty: the recording's own
   std::string imu = {};      ///< a file of inertial data; empty: what the recording has
   std::string scans = {};    ///< "FROM..TO", indices from 0; empty: all
@@ -29,7 +28,7 @@ struct InputChoice {
 /// the usual ones.
 void declare_input(Command& command, InputChoice& choice, const std::string& what = "",
                    const std::string& sensor = "");
-/// --stream, --return, --row-order, --motion-corrected, --capture and --stamps alone.
+/// --stream, --return, --row-order, --capture and --stamps alone.
 void declare_reading(Command& command, InputChoice& choice);
 /// --imu alone.
 void declare_imu(Command& command, InputChoice& choice);

@@ -3,7 +3,6 @@
 #include <array>
 #include <chrono>
 #include <string_view>
-#include <vector>
 
 #include "hqslam/slam/slam.h"
 
@@ -22,15 +21,6 @@ double seconds_of(const Work& work) {
   work();
   return seconds_since(start);
 }
-
-/// Order statistics of a list of durations, in the list's unit; all 0 for an empty list.
-struct Distribution {
-  double median = 0.0;
-  double p95 = 0.0;  ///< the smallest value that at least 95 % of the list do not exceed
-  double max = 0.0;
-  double mean = 0.0;
-};
-Distribution distribution_of(std::vector<double> values);
 
 /// One stage of SLAM: its name and where its time stands.
 struct Stage {

@@ -11,7 +11,7 @@
 #include "hqslam/pipeline/pipeline.h"
 #include "pages/open_page.h"
 #include "pages/page.h"
-#include "pages/printed_table.h"
+#include "pages/text_table.h"
 #include "product.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"

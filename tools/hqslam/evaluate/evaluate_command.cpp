@@ -13,7 +13,6 @@
 #include "hqslam/core/point_fields.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/evaluation/cloud_error.h"
-#include "hqslam/evaluation/drift.h"
 #include "hqslam/evaluation/image_error.h"
 #include "hqslam/evaluation/trajectory_error.h"
 #include "product.h"
@@ -33,7 +32,7 @@ struct EvaluateOptions {
 
 constexpr std::array<double, 3> kStretches_m = {10.0, 100.0, 800.0};
 
-void print_row(std::string_view label, const ErrorStatistics& statistics, double scale) {
+void print_row(std::string_view label, const Statistics& statistics, double scale) {
   to_stdout("{:<26}{:>10.4f}{:>10.4f}{:>10.4f}{:>10.4f}\n", label, scale * statistics.rmse,
             scale * statistics.mean, scale * statistics.median, scale * statistics.max);
 }

@@ -71,11 +71,12 @@ std::string packets_line(const recordings::RecordingInfo& info) {
                      packets.late, packets.foreign);
 }
 
-std::string imu_line(const recordings::RecordingInfo& info) {
+/// complaint: pipeline::Pipeline::imu_complaint()
+std::string imu_line(const recordings::RecordingInfo& info, const std::string& complaint) {
   if (info.imu_stream.empty() && info.imu.used == 0) return "none in the recording";
-  return fmt::format("{}{} samples, {:.4g} a second",
+  return fmt::format("{}{} samples, {:.4g} a second{}",
                      info.imu_stream.empty() ? "" : info.imu_stream + ", ", info.imu.used,
-                     info.imu_rate_hz);
+                     info.imu_rate_hz, complaint.empty() ? "" : "; not used: " + complaint);
 }
 
 std::string what_is_in(const recordings::Stream& stream) {
@@ -91,6 +92,7 @@ struct FirstScans {
   std::string own_parts;            ///< pipeline::OwnParts::text()
   std::optional<BeamsOfRun> beams;  ///< that have errors
   std::string ground;               ///< complaint_about_ground()
+  std::string imu;                  ///< pipeline::Pipeline::imu_complaint()
 };
 
 FirstScans followed(const InfoOptions& options, const recordings::RecordingInfo& info,
@@ -100,7 +102,7 @@ FirstScans followed(const InfoOptions& options, const recordings::RecordingInfo&
   open.sensor = options.sensor;
   open.stream = info.stream;
   if (open.sensor.empty()) open.all_rows = info.sensor;
-  if (captured) state_capture(options.input, *captured, open.files);
+  open.files.capture = captured;
   auto source = recordings::Recording::open(options.input, open);
   pipeline::PipelineOptions without_loops;
   without_loops.slam_options.loop_closing.enabled = false;
@@ -123,7 +125,7 @@ FirstScans followed(const InfoOptions& options, const recordings::RecordingInfo&
   }
   progress.finish();
   FirstScans result{pipeline.own_parts().text(), std::nullopt,
-                    complaint_about_ground(shares_on_ground)};
+                    complaint_about_ground(shares_on_ground), pipeline.imu_complaint()};
   if (const auto evidence = evidence_of(beams, pipeline)) {
     result.beams = beams_with_errors(*evidence);
   }
@@ -134,8 +136,7 @@ FirstScans followed(const InfoOptions& options, const recordings::RecordingInfo&
 std::string capture_options(const CaptureCheck& check, const SensorModel& sensor, bool is_stack,
                             bool has_times) {
   const bool is_corrected = check.verdict == CaptureTime::kMotionCorrected;
-  if (is_corrected && is_stack) return " --motion-corrected";
-  if (is_corrected && has_times) return " --capture corrected";
+  if (is_corrected && (is_stack || has_times)) return " --capture corrected";
   std::string options;
   if (check.verdict == CaptureTime::kRolling && !is_stack && !has_times) {
     options = " --capture rolling";
@@ -210,6 +211,7 @@ int run(const InfoOptions& options) {
     captured = check.verdict;
     capture = capture_options(check, info.sensor, is_stack, info.has_point_times);
   }
+  std::string imu_complaint;
   if (complaint.empty()) {
     const FirstScans scans = followed(options, info, captured);
     if (!scans.own_parts.empty()) {
@@ -217,8 +219,11 @@ int run(const InfoOptions& options) {
     }
     if (!scans.ground.empty()) print_line("ground", scans.ground);
     if (scans.beams) print_line("errors", beams_text(*scans.beams) + "; hqslam run corrects them");
+    imu_complaint = scans.imu;
   }
-  if (!info.streams.empty() || info.imu.used > 0) print_line("inertial", imu_line(info));
+  if (!info.streams.empty() || info.imu.used > 0) {
+    print_line("inertial", imu_line(info, imu_complaint));
+  }
   if (info.packets.used > 0) print_line("packets", packets_line(info));
   for (const std::string& warning : info.warnings) print_line("note", warning);
   if (!complaint.empty()) throw Error(complaint);

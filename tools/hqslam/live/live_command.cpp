@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hqslam/core/error.h"
+#include "hqslam/evaluation/trajectory_error.h"
 #include "hqslam/live/live.h"
 #include "live/live_run.h"
 #include "live/live_view.h"
@@ -15,7 +16,6 @@
 #include "run/slam_session.h"
 #include "terminal/command_options.h"
 #include "terminal/terminal.h"
-#include "timing/timing.h"
 
 namespace hqslam::tools {
 namespace {
@@ -75,7 +75,7 @@ void print_sensor(const live::LiveSensor& sensor, int columns) {
 void print_summary(const SlamRun& run, const live::LiveCounts& counts, const std::string& out) {
   std::vector<double> latencies_ms;
   for (const ScanRecord& scan : run.scans) latencies_ms.push_back(1e3 * scan.latency_s.value());
-  const Distribution latency = distribution_of(std::move(latencies_ms));
+  const Statistics latency = statistics_of(std::move(latencies_ms));
   to_stdout("{}", run_summary(run));
   to_stdout(
       "from the packet that completes a scan to its pose: median {:.1f}, 95 % {:.1f}, "

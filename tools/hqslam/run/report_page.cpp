@@ -10,10 +10,10 @@
 #include <optional>
 
 #include "hqslam/core/angles.h"
+#include "hqslam/evaluation/trajectory_error.h"
 #include "pages/page.h"
 #include "pages/text_table.h"
 #include "program/invocation.h"
-#include "timing/timing.h"
 
 namespace hqslam::tools {
 namespace {
@@ -44,7 +44,7 @@ Json numbers_json(const SlamRun& run) {
       number("Scans per second", fmt::format("{:.1f}", scans_per_second(run)), "",
              fmt::format("with reading, {} thread{}", run.threads, run.threads == 1 ? "" : "s")));
   numbers.push_back(number("SLAM per scan",
-                           fmt::format("{:.1f}", distribution_of(slam_times(run).times_ms).median),
+                           fmt::format("{:.1f}", statistics_of(slam_times(run).times_ms).median),
                            "ms", "median"));
   if (run.slam.loop_closing.enabled) {
     const std::size_t submaps = scans_of_submaps(run).size();
@@ -157,7 +157,7 @@ Json reference_json(const SlamRun& run) {
 }
 
 /// unit: how many of the row's are one of the error's; nothing: the error is not known.
-Json error_row(const char* name, const ErrorStatistics& error, std::optional<double> unit,
+Json error_row(const char* name, const Statistics& error, std::optional<double> unit,
                int decimals) {
   Json cells = {name};
   for (const double value : {error.rmse, error.mean, error.median, error.max}) {

@@ -12,6 +12,7 @@
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/whole_file.h"
+#include "hqslam/evaluation/trajectory_error.h"
 #include "run/occupancy_grid.h"
 #include "run/report_page.h"
 #include "run/slam_settings.h"
@@ -67,7 +68,7 @@ bool written_by_hqslam(const fs::path& folder) {
 double rounded(double value) { return std::round(value * 1e3) / 1e3; }
 
 Json distribution_json(const std::vector<double>& values_ms) {
-  const Distribution distribution = distribution_of(values_ms);
+  const Statistics distribution = statistics_of(values_ms);
   return Json{{"median", rounded(distribution.median)},
               {"p95", rounded(distribution.p95)},
               {"max", rounded(distribution.max)},

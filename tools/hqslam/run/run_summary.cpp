@@ -6,8 +6,8 @@
 #include <algorithm>
 
 #include "hqslam/core/angles.h"
+#include "hqslam/evaluation/trajectory_error.h"
 #include "run/beam_correction.h"
-#include "timing/timing.h"
 
 namespace hqslam::tools {
 namespace {
@@ -135,7 +135,7 @@ double share_on_ground(const slam::ScanReport& report) {
 
 std::string complaint_about_ground(const std::vector<double>& shares) {
   if (shares.empty()) return "";
-  const double share = distribution_of(shares).median;
+  const double share = statistics_of(shares).median;
   if (share >= kLittleGround) return "";
   return fmt::format(
       "only {:.0f} % of the returns; normal in rooms. Elsewhere height and tilt drift, and the "
@@ -166,7 +166,7 @@ std::string run_summary(const SlamRun& run) {
   if (!run.upsampled_by.empty()) {
     summary +=
         fmt::format("upsampled to {} rows by {}: {:.1f} ms a scan (median)\n", run.sensor.rows(),
-                    run.upsampled_by, distribution_of(stage_times(run)[1].times_ms).median);
+                    run.upsampled_by, statistics_of(stage_times(run)[1].times_ms).median);
   }
   return summary;
 }

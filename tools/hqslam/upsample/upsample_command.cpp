@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "hqslam/evaluation/trajectory_error.h"
 #include "product.h"
 #include "recording/pose_check.h"
 #include "recording/reading.h"
@@ -108,7 +109,7 @@ void print_summary(const UpsampleRun& run, const nn::Upsampler& upsampler,
     to_stdout(" ({} parameters, {:.3f} GMAC a scan)", network->parameters(),
               1e-9 * static_cast<double>(network->multiply_adds()));
   }
-  const double median_s = distribution_of(run.times_s).median;
+  const double median_s = statistics_of(run.times_s).median;
   to_stdout("\nupsampling alone: {:.2f} ms a scan, {:.1f} scans/s (median, {} thread{})\n",
             1e3 * median_s, 1.0 / median_s, omp_get_max_threads(),
             omp_get_max_threads() == 1 ? "" : "s");

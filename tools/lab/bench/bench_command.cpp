@@ -12,7 +12,6 @@
 
 #include "bench/bench_measurement.h"
 #include "bench/bench_text.h"
-#include "files/installed_weights.h"
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
@@ -61,7 +60,7 @@ constexpr std::array<const char*, 4> kInstalledNetworks = {
 std::vector<std::string> weights_of(const BenchOptions& options) {
   std::vector<std::string> paths = options.weights;
   for (const char* name : kInstalledNetworks) {
-    if (const std::optional<std::string> path = installed_weights(name);
+    if (const std::optional<std::string> path = pipeline::installed_weights(name);
         path && options.weights.empty()) {
       paths.push_back(*path);
     }

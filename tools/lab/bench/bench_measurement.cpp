@@ -2,6 +2,7 @@
 
 #include <omp.h>
 
+#include "hqslam/evaluation/trajectory_error.h"
 #include "hqslam/nn/instruction_set.h"
 #include "hqslam/nn/super_resolver.h"
 #include "run/slam_session.h"
@@ -16,7 +17,7 @@ constexpr double kRunTime_s = 1.0;  ///< of a network with one instruction set a
 constexpr int kFewestFrames = 3;    ///< however long they take
 constexpr int kMostFrames = 300;
 
-Json distribution_json(const Distribution& distribution) {
+Json distribution_json(const Statistics& distribution) {
   return {{"median", distribution.median},
           {"p95", distribution.p95},
           {"max", distribution.max},
@@ -45,7 +46,7 @@ Json time_run(const nn::Weights& weights, const std::vector<RangeImage>& measure
     if (i >= kFewestFrames && seconds_since(start) > kRunTime_s) break;
     times_ms.push_back(1e3 * seconds_of([&] { resolver.run(measured[i % measured.size()]); }));
   }
-  const Distribution frame_ms = distribution_of(times_ms);
+  const Statistics frame_ms = statistics_of(times_ms);
   const double per_second = frame_ms.median > 0.0 ? 1e3 / frame_ms.median : 0.0;
   return {{"instruction_set", nn::name(instruction_set)},
           {"threads", threads},
@@ -72,12 +73,12 @@ Json time_slam(pipeline::UpsampledRecording input, int threads, const InterruptG
   for (const ScanTimes& stage : stage_times(run)) {
     if (stage.name == "reading") continue;
     (stage.name == "upsampling" ? upsampling_ms : stages_ms[stage.name]) =
-        distribution_json(distribution_of(stage.times_ms));
+        distribution_json(statistics_of(stage.times_ms));
   }
   const std::vector<double> total_ms = scan_times(run, "total", [](const ScanRecord& scan) {
                                          return scan.upsampling_s + scan.report.times.total_s;
                                        }).times_ms;
-  stages_ms["total"] = distribution_json(distribution_of(total_ms));
+  stages_ms["total"] = distribution_json(statistics_of(total_ms));
   return {{"rows", upsampler.measured_sensor().rows()},
           {"upsampled_by", run.upsampled_by + (upsampler.has_scan_memory() ? ", memory" : "")},
           {"threads", threads},

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "pages/printed_table.h"
+#include "pages/text_table.h"
 
 namespace hqslam::tools {
 namespace {

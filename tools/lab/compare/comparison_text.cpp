@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "pages/printed_table.h"
+#include "pages/text_table.h"
 
 namespace hqslam::tools {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "hqslam/core/error.h"
-#include "pages/printed_table.h"
+#include "pages/text_table.h"
 #include "terminal/progress.h"
 
 namespace hqslam::tools {

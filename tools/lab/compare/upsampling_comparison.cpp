@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "hqslam/evaluation/trajectory_error.h"
 #include "hqslam/nn/trace.h"
 #include "hqslam/nn/upsampled_cloud.h"
 #include "timing/timing.h"
@@ -109,7 +110,7 @@ std::vector<UpsamplingScore> UpsamplingComparison::scores() const {
     UpsamplingScore score = sums.sum;
     score.method = methods_[i].name;
     make_mean(score, scans_);
-    score.upsampling_ms = distribution_of(sums.times_ms).median;
+    score.upsampling_ms = statistics_of(sums.times_ms).median;
     scores.push_back(score);
   }
   return scores;

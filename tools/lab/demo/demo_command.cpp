@@ -11,15 +11,15 @@
 #include <vector>
 
 #include "compare/upsampling_comparison.h"
-#include "files/installed_weights.h"
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/point_fields.h"
+#include "hqslam/evaluation/trajectory_error.h"
 #include "laboratory.h"
 #include "pages/open_page.h"
 #include "pages/page.h"
-#include "pages/printed_table.h"
+#include "pages/text_table.h"
 #include "pages/turning_view.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
@@ -29,7 +29,6 @@
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
-#include "timing/timing.h"
 
 namespace hqslam::tools {
 namespace {
@@ -117,7 +116,7 @@ TextTable table_of(const std::vector<DemoRow>& rows) {
     std::vector<std::string>& cells = table.rows.emplace_back();
     cells = {row.input.name, fmt::format("{}", run.scans.size()), ape_text(run)};
     std::ranges::copy(score_cells(row.score), std::back_inserter(cells));
-    cells.push_back(fmt::format("{:.1f}", distribution_of(slam_times(run).times_ms).median));
+    cells.push_back(fmt::format("{:.1f}", statistics_of(slam_times(run).times_ms).median));
     cells.push_back(fmt::format("{:.1f}", scans_per_second(run)));
     table.links.push_back(row.input.folder + "/report.html");
   }
@@ -218,7 +217,7 @@ int run(const DemoOptions& options) {
   simulate.out = (out / "drive").string();
   if (simulate_drive(simulate, interrupt) == kInterrupted) return interrupted();
 
-  const std::optional<std::string> weights = installed_weights(kWeights);
+  const std::optional<std::string> weights = pipeline::installed_weights(kWeights);
   std::vector<DemoRow> rows;
   for (const DemoInput& input : inputs_with(weights)) {
     RunOptions run;

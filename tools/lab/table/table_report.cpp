@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "pages/printed_table.h"
+#include "pages/text_table.h"
 
 namespace hqslam::tools {
 namespace {

@@ -73,8 +73,8 @@ std::string recording_key(const TableDrive& drive) {
     std::error_code error;
     if (fs::is_regular_file(times, error)) key += content_hash(times);
   }
-  return fmt::format("{} {} {} {} {} {} {}", key, reading.stream, reading.kept_return,
-                     reading.row_order, reading.motion_corrected, reading.capture, reading.stamps);
+  return fmt::format("{} {} {} {} {} {}", key, reading.stream, reading.kept_return,
+                     reading.row_order, reading.capture, reading.stamps);
 }
 
 std::string weights_key(const TableMethod& method) {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "hqslam/evaluation/drift.h"
+#include "hqslam/evaluation/trajectory_error.h"
 #include "table/bootstrap.h"
 #include "table/table_methods.h"
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <system_error>
 
 #include "hqslam/nn/architectures.h"
@@ -28,10 +29,25 @@ std::array<fs::path, 4> folders_of_weights() {
           HQSLAM_WEIGHTS_SOURCE};
 }
 
-/// Whether weights of this name are of a kind that SuperResolver::load reads.
-bool is_of_a_product_kind(const std::string& name) {
+/// The weights files in the first folder that has any whose name `is_wanted`.
+std::vector<fs::path> first_weights(const std::function<bool(const std::string&)>& is_wanted) {
+  std::vector<fs::path> files;
+  for (const fs::path& folder : folders_of_weights()) {
+    std::error_code error;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+      const std::string file = entry.path().filename().string();
+      if (file.ends_with(".npz") && is_wanted(file)) files.push_back(entry.path());
+    }
+    if (!files.empty()) break;
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+/// Whether a weights file of this name is of a kind that SuperResolver::load reads.
+bool is_of_a_product_kind(const std::string& file) {
   return std::ranges::any_of(nn::hqs_architectures(), [&](const nn::NamedArchitecture& kind) {
-    return name.starts_with(kind.name);
+    return file.starts_with(kind.name);
   });
 }
 
@@ -39,15 +55,9 @@ bool is_of_a_product_kind(const std::string& name) {
 
 std::vector<std::string> installed_weights_names() {
   std::vector<std::string> names;
-  for (const fs::path& folder : folders_of_weights()) {
-    std::error_code error;
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-      if (entry.path().extension() != ".npz") continue;
-      const std::string file = entry.path().filename().string();
-      const std::string name = file.substr(0, file.find('_'));
-      if (is_of_a_product_kind(name)) names.push_back(name);
-    }
-    if (!names.empty()) break;
+  for (const fs::path& file : first_weights(is_of_a_product_kind)) {
+    const std::string name = file.filename().string();
+    names.push_back(name.substr(0, name.find('_')));
   }
   std::ranges::sort(names);
   names.erase(std::ranges::unique(names).begin(), names.end());
@@ -55,17 +65,9 @@ std::vector<std::string> installed_weights_names() {
 }
 
 std::vector<std::string> installed_weights_files(const std::string& name) {
-  std::vector<std::string> files;
-  for (const fs::path& folder : folders_of_weights()) {
-    std::error_code error;
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-      const std::string file = entry.path().filename().string();
-      if (file.ends_with(".npz") && file.starts_with(name + '_')) files.push_back(entry.path());
-    }
-    if (!files.empty()) break;
-  }
-  std::ranges::sort(files);
-  return files;
+  const std::vector<fs::path> files =
+      first_weights([&](const std::string& file) { return file.starts_with(name + '_'); });
+  return {files.begin(), files.end()};
 }
 
 std::optional<std::string> installed_weights(const std::string& file) {

@@ -20,7 +20,7 @@ constexpr int kMovingScans = 20;
 constexpr double kFewestFarShare = 0.05;
 constexpr std::int32_t kFewestPixels = 10;
 constexpr double kMostContinuedShare = 0.2;
-/// ConnectedComponentsOptions::min_angle_rad. Beams meet floors at similarly small angles.
+/// ComponentLabeler's min_angle_rad. Beams meet floors at similarly small angles.
 constexpr double kMinAngle_rad = 0.035;
 
 /// The pixels with a return around a component.
@@ -33,7 +33,7 @@ struct Border {
 
 OwnParts::OwnParts(const SensorModel& sensor)
     : sensor_(sensor),
-      labeler_(sensor, {.min_angle_rad = kMinAngle_rad}),
+      labeler_(sensor, kMinAngle_rad),
       pixels_(static_cast<std::size_t>(sensor.rows()) * sensor.columns) {}
 
 OrganizedCloud OwnParts::without(OrganizedCloud scan) {

@@ -1,7 +1,6 @@
 #include <nanobind/stl/string.h>
 
 #include "arrays.h"
-#include "hqslam/evaluation/drift.h"
 #include "hqslam/evaluation/trajectory_error.h"
 #include "parts.h"
 
@@ -27,11 +26,11 @@ auto add_errors(nb::module_& module, const char* name, const char* meaning) {
 
 void add_evaluation(nb::module_& module) {
   using namespace nb::literals;
-  nb::class_<ErrorStatistics>(module, "ErrorStatistics", "Of errors, in their unit.")
-      .def_ro("rmse", &ErrorStatistics::rmse, "Root mean square.")
-      .def_ro("mean", &ErrorStatistics::mean, "Mean.")
-      .def_ro("median", &ErrorStatistics::median, "Median.")
-      .def_ro("max", &ErrorStatistics::max, "Largest.");
+  nb::class_<Statistics>(module, "ErrorStatistics", "Of errors, in their unit.")
+      .def_ro("rmse", &Statistics::rmse, "Root mean square.")
+      .def_ro("mean", &Statistics::mean, "Mean.")
+      .def_ro("median", &Statistics::median, "Median.")
+      .def_ro("max", &Statistics::max, "Largest.");
   add_errors<AbsolutePoseError>(module, "AbsolutePoseError",
                                 "Per pair of poses the error after alignment (APE).")
       .def_ro("is_rotation_known", &AbsolutePoseError::is_rotation_known,

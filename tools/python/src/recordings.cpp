@@ -26,7 +26,7 @@ void open(Recording* self, const std::filesystem::path& path, const std::filesys
   options.sensor = sensor.string();
   options.stream = stream;
   options.columns = columns;
-  if (times_from_azimuth) options.files.without_times = CaptureTime::kRolling;
+  if (times_from_azimuth) options.files.capture = CaptureTime::kRolling;
   const OthersGoOn others_go_on;
   new (self) Recording(recordings::Recording::open(path.string(), options));
 }

@@ -8,13 +8,6 @@
 
 namespace hqslam {
 
-struct ConnectedComponentsOptions {
-  /// Two neighbouring pixels belong to one surface if the angle between the longer beam and the
-  /// line through both points is larger than this. 10 degrees for outliers (Bogoslavskyi &
-  /// Stachniss' default), 60 degrees for segmentation (LeGO-LOAM).
-  double min_angle_rad = 0.17453292519943295;
-};
-
 /// One connected component.
 struct Component {
   std::int32_t pixels = 0;
@@ -35,8 +28,11 @@ struct ConnectedComponents {
 /// sensor: after the first call no call allocates.
 class ComponentLabeler {
  public:
-  /// Throws Error unless 0 < min_angle < pi/2.
-  ComponentLabeler(const SensorModel& sensor, const ConnectedComponentsOptions& options);
+  /// Two neighbouring pixels belong to one surface if the angle between the longer beam and the
+  /// line through both points is larger than `min_angle_rad`: 10 degrees for outliers (Bogoslavskyi
+  /// & Stachniss' default), 60 degrees for segmentation (LeGO-LOAM). Throws Error unless 0 <
+  /// min_angle_rad < pi/2.
+  ComponentLabeler(const SensorModel& sensor, double min_angle_rad);
 
   /// `excluded`, if not empty, holds one value per pixel; non-zero pixels (such as ground) are left
   /// out. Throws Error if a shape differs from the sensor's. The result is valid until the next

@@ -19,7 +19,7 @@ constexpr double kGravity_mps2 = 9.80665;
 
 /// Reads lines of seven numbers, separated by commas: stamp, angular rate x, y, z, specific force
 /// x, y, z, in the units of ImuSample. A first line of names is skipped. Throws Error with the
-/// line, also where stamps do not rise or the forces cannot be gravity's.
+/// line, also where stamps do not rise.
 std::vector<ImuSample> read_imu_csv(const std::string& path);
 
 }  // namespace hqslam

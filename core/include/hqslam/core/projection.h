@@ -33,7 +33,7 @@ Scan returns_of(const OrganizedCloud& cloud);
 
 /// When the pixels of a range image were captured.
 enum class CaptureTime {
-  kRolling,          ///< measured one column after the other (SensorModel::time_offset_s)
+  kRolling,          ///< measured one column after the other (SensorModel::firing_column)
   kMotionCorrected,  ///< all as if measured at the scan's stamp
 };
 

@@ -23,7 +23,6 @@ struct RangeImage {
   }
   float& at(int row, int column) { return range_m[index(row, column)]; }
   float at(int row, int column) const { return range_m[index(row, column)]; }
-  bool has_return(int row, int column) const { return at(row, column) > 0.0F; }
 };
 
 RangeImage select_rows(const RangeImage& image, RowSelection rows);

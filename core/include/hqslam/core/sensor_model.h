@@ -62,9 +62,6 @@ struct SensorModel {
   double azimuth_rad(int row, int column) const;
   /// The column at which the head stands when pixel (row, column) is measured, 0..columns-1.
   int firing_column(int row, int column) const;
-  /// When that is, relative to the middle of the scan: -period/2 .. +period/2. A head at column 0
-  /// begins a scan; the scan's stamp is its middle.
-  double time_offset_s(int row, int column) const;
   /// The column whose pixel contains this direction, 0..columns-1.
   int column_of(int row, double azimuth_rad) const;
   /// The column of this azimuth in a row without residual azimuth.

@@ -65,8 +65,6 @@ class JsonFields {
     }
   }
 
-  /// Throws Error, which lists `names`, if there is a field with another one.
-  void allow_only(const std::vector<std::string>& names) const;
   /// Throws Error if there is a field that was not read.
   void finish() const;
 

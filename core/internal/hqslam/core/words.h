@@ -27,10 +27,6 @@ std::optional<Number> number_from(std::string_view word) {
   return whole ? std::optional(value) : std::nullopt;
 }
 
-/// A decimal number, infinite where it is too large for a double, 0 where it is too small; nothing
-/// if the word is no number.
-std::optional<double> decimal_from(std::string_view word);
-
 /// Whether `a` comes before `b` when numbers inside names count by their value: "scan9" before
 /// "scan10".
 bool naturally_before(std::string_view a, std::string_view b);
@@ -42,7 +38,7 @@ class AsciiPoints {
   AsciiPoints(std::string_view text, std::size_t points, std::size_t numbers_per_point,
               const std::string& path);
   /// The numbers of the next point: all of a file's would take many times its size. Throws Error if
-  /// a word is no number.
+  /// a word is no number, or one that no double holds.
   const std::vector<double>& next();
 
  private:

@@ -55,13 +55,15 @@ std::string plain_type(const std::string& type);
 bool carries_packets(const std::string& type);
 
 /// The packets that the messages of a stream carry: those of a capture one each.
-class MessagePackets : public PacketSource {
+class MessagePackets {
  public:
   using NextMessage = std::function<std::optional<Message>()>;
   MessagePackets(const Stream& stream, NextMessage next_message);
 
-  std::optional<Packet> next() override;
-  std::string complaint() const override;
+  /// The next packet, or nothing at the end.
+  std::optional<Packet> next();
+  /// What was left out, once all packets were read: "" or one line.
+  std::string complaint() const;
 
  private:
   /// How a message carries packets.

@@ -32,7 +32,7 @@ class FileScanSource : public ScanSource {
  public:
   FileScanSource(std::vector<std::string> paths, const ChooseSensor& choose,
                  const RecordingOptions& options)
-      : paths_(std::move(paths)), without_times_(options.without_times) {
+      : paths_(std::move(paths)), capture_(options.capture) {
     read_stamps(options.stamps);
     // Seconds that the user gave are those of several turns.
     const bool are_of_turns = !stamp_spacing_s(options.stamps);
@@ -184,12 +184,12 @@ class FileScanSource : public ScanSource {
   RecordedScan recorded(std::size_t index) {
     const std::string& path = paths_[index];
     Scan scan = scan_at(index);
-    if (without_times_ == CaptureTime::kMotionCorrected) scan.time_offset_s.clear();
+    if (capture_ == CaptureTime::kMotionCorrected) scan.time_offset_s.clear();
     if (const std::string text = time_check_.check(scan, sensor_.scan_period_s); !text.empty()) {
       warnings_.push_back(fmt::format("{}: {}", path, text));
     }
     const bool has_times = !scan.time_offset_s.empty();
-    if (!has_times && without_times_ == CaptureTime::kRolling) {
+    if (!has_times && capture_ == CaptureTime::kRolling) {
       const double clock_s = scan.stamp_s;  // remains
       azimuth_times_.set(scan, sensor_, periods_at(index));
       if (clock_s != 0.0) scan.stamp_s = clock_s;
@@ -200,7 +200,7 @@ class FileScanSource : public ScanSource {
       scan.stamp_s = static_cast<double>(periods_at(index)) * sensor_.scan_period_s;
     }
     RecordedScan result = recorded_scan(scan, sensor_, path);
-    if (!has_times && !without_times_) warn_of_missing_times();
+    if (!has_times && !capture_) warn_of_missing_times();
     return result;
   }
 
@@ -217,7 +217,7 @@ class FileScanSource : public ScanSource {
   std::vector<double> stamps_s_;
   std::vector<std::size_t> numbers_;  ///< of the files, if some are missing
   std::vector<std::string> warnings_;
-  std::optional<CaptureTime> without_times_;
+  std::optional<CaptureTime> capture_;
   TimeCheck time_check_;
   AzimuthTimes azimuth_times_{0.0};
   std::array<std::optional<RawPoints>, kScansToLearnFrom> first_points_;

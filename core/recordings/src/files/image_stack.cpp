@@ -56,8 +56,8 @@ class ImageStackSource : public ScanSource {
       : path_(path),
         sensor_(sensor),
         row_order_(options.row_order),
-        capture_time_(sensor.motion_corrected ? CaptureTime::kMotionCorrected
-                                              : options.capture_time),
+        capture_time_(options.capture.value_or(
+            sensor.motion_corrected ? CaptureTime::kMotionCorrected : CaptureTime::kRolling)),
         stamps_s_(std::move(stamps_s)),
         spacing_s_(stamp_spacing_s(options.stamps).value_or(sensor.scan_period_s)),
         reader_(path) {

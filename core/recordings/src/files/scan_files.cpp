@@ -213,16 +213,6 @@ class SourceWithImu : public WrappedSource {
 
 std::unique_ptr<ScanSource> open_scan_files(const std::string& path,
                                             const std::optional<SensorModel>& sensor,
-                                            const RecordingOptions& options) {
-  if (sensor) validate(*sensor);
-  const auto choose = [&](const std::function<FoundSensor()>& find) {
-    return sensor ? FoundSensor{*sensor, {}, "", false} : find();
-  };
-  return open_scan_files(path, sensor, choose, options);
-}
-
-std::unique_ptr<ScanSource> open_scan_files(const std::string& path,
-                                            const std::optional<SensorModel>& sensor,
                                             const ChooseSensor& choose,
                                             const RecordingOptions& options) {
   const fs::path recording(path);

@@ -20,8 +20,8 @@ inline constexpr const char* kTestedByInfo =
 /// they do not.
 using ChooseSensor = std::function<FoundSensor(const std::function<FoundSensor()>& find)>;
 
-/// Opens a recording of `sensor`; without one, of that of its sensor.json or that which its points
-/// determine, with a warning:
+/// Opens a recording; `choose` chooses the sensor of points, `sensor` is that of images, without
+/// one that of their sensor.json:
 /// - a folder of KITTI .bin files (motion-corrected; rows from the rings where the points are
 ///   stored ring after ring, from the elevation otherwise), or a KITTI drive with them in
 ///   `velodyne` or `velodyne_points/data`;
@@ -35,17 +35,12 @@ using ChooseSensor = std::function<FoundSensor(const std::function<FoundSensor()
 /// Files are taken in the natural order of their names. The stamp of a scan is that of
 /// options.stamps, else that of a timestamps.txt in the folder or, beside files, the one above it
 /// (KITTI's drives), else the middle of its points' times where those are a clock's or of its
-/// azimuths by options.without_times, else its index times sensor.scan_period_s, where scans that
-/// are missing between numbered files count. In a folder of images with truth.tum and no
+/// azimuths by options.capture, else its index times sensor.scan_period_s, where scans that are
+/// missing between numbered files count. In a folder of images with truth.tum and no
 /// timestamps.txt the stamps are those of truth.tum: (index + 1/2) times the period for a simulated
 /// drive, the middle of each scan. Pixels of images that are not finite or negative count as
 /// invalid points. Throws Error: which file, what was expected, what was found, what to do; also
 /// for scans that cannot be the sensor's.
-std::unique_ptr<ScanSource> open_scan_files(const std::string& path,
-                                            const std::optional<SensorModel>& sensor,
-                                            const RecordingOptions& options = {});
-
-/// open_scan_files that chooses the sensor of points by `choose`; `sensor`: that of images.
 std::unique_ptr<ScanSource> open_scan_files(const std::string& path,
                                             const std::optional<SensorModel>& sensor,
                                             const ChooseSensor& choose,

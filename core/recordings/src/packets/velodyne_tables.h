@@ -15,7 +15,6 @@ inline constexpr int kBlocks = 12;
 inline constexpr int kChannels = 32;
 inline constexpr std::size_t kBlockBytes = 100;
 inline constexpr std::size_t kTimeAt = 1200;
-inline constexpr std::size_t kReturnModeAt = 1204;
 inline constexpr std::size_t kProductAt = 1205;
 inline constexpr std::int64_t kHour_us = 3'600'000'000;
 

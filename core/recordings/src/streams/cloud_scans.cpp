@@ -40,12 +40,12 @@ constexpr std::size_t kTimedClouds = 5;
 /// What is known of a topic's clouds before the first scan.
 struct CloudForm {
   RingNumbers ring_numbers;
-  bool has_clock = false;                         ///< times of points are those of a clock
-  double message_s = 0.0;                         ///< from message to message
-  std::optional<double> turn_s = {};              ///< where a message is not one turn
-  std::optional<CaptureTime> without_times = {};  ///< as RecordingOptions has it
-  bool with_points = true;                        ///< otherwise scans are timed alone
-  bool is_thinned = false;                        ///< read with fewer columns than the sensor's
+  bool has_clock = false;                   ///< times of points are those of a clock
+  double message_s = 0.0;                   ///< from message to message
+  std::optional<double> turn_s = {};        ///< where a message is not one turn
+  std::optional<CaptureTime> capture = {};  ///< as RecordingOptions has it
+  bool with_points = true;                  ///< otherwise scans are timed alone
+  bool is_thinned = false;                  ///< read with fewer columns than the sensor's
 };
 
 /// Scans of a topic of point clouds.
@@ -98,7 +98,7 @@ class CloudScans : public StreamScans {
   std::optional<RecordedScan> read_turn() {
     while (true) {
       if (auto scan = turns_.next()) {
-        if (form_.without_times == CaptureTime::kMotionCorrected) scan->time_offset_s.clear();
+        if (form_.capture == CaptureTime::kMotionCorrected) scan->time_offset_s.clear();
         return named(name(), [&](const std::string& name) {
           return recorded_scan(*scan, info_.sensor, name);
         });
@@ -135,12 +135,12 @@ class CloudScans : public StreamScans {
     sensor.scan_period_s = form_.message_s;
     Scan scan = scan_of(std::move(points), &sensor, name, point_cloud_stamp_s(message));
     if (!form_.turn_s) set_rows_by_order(scan, info_.sensor, name);
-    if (!form_.turn_s && form_.without_times == CaptureTime::kMotionCorrected) {
+    if (!form_.turn_s && form_.capture == CaptureTime::kMotionCorrected) {
       scan.time_offset_s.clear();
     }
     const std::string text = form_.turn_s ? "" : time_check_.check(scan, form_.message_s);
     if (!text.empty()) info_.warnings.push_back(fmt::format("{}: {}", name, text));
-    if (scan.time_offset_s.empty() && form_.without_times == CaptureTime::kRolling) {
+    if (scan.time_offset_s.empty() && form_.capture == CaptureTime::kRolling) {
       const double stamp_s = scan.stamp_s;  // the message's remains
       azimuth_times_.set(scan, info_.sensor, static_cast<std::size_t>(index_));
       scan.stamp_s = stamp_s;
@@ -269,7 +269,7 @@ std::unique_ptr<StreamScans> open_clouds(StreamReader reader, const OpenOptions&
   form.with_points = with_points || form.turn_s;
   form.has_clock = form.with_points && has_clock(first, form.message_s);
   form.ring_numbers = ring_numbers(turns, info.sensor);
-  form.without_times = options.files.without_times;
+  form.capture = options.files.capture;
   if (options.columns == 0 && !turns.empty()) {
     std::string text = fit_columns_to(turns.front(), form, reader.path(), info.sensor);
     form.is_thinned = !text.empty();

@@ -42,7 +42,6 @@ void StreamScans::take_imu(RecordedScan& scan) {
   if (imu_samples_ == 0) first_imu_s_ = scan.imu.front().stamp_s;
   last_imu_s_ = scan.imu.back().stamp_s;
   imu_samples_ += std::ssize(scan.imu);
-  for (const ImuSample& sample : scan.imu) force_sum_mps2_ += sample.specific_force_mps2.norm();
 }
 
 std::optional<RecordedScan> StreamScans::next() {
@@ -78,15 +77,6 @@ void StreamScans::end() {
         fmt::format("{}: {} inertial samples were left out: damaged, not in order or of another "
                     "time than the scans",
                     reader_.path(), info_.imu.left_out));
-  }
-  const double force_mps2 =
-      force_sum_mps2_ / static_cast<double>(std::max(imu_samples_, std::int64_t{1}));
-  if (imu_samples_ > 0 && std::abs(force_mps2 - kGravity_mps2) > 0.5 * kGravity_mps2) {
-    info_.warnings.push_back(
-        fmt::format("{}: expected inertial data that feel gravity, {:.1f} m/s^2, found {:.2f} in "
-                    "the mean: SLAM does without them; where they are in g, record them in "
-                    "m/s^2",
-                    reader_.path(), kGravity_mps2, force_mps2));
   }
   info_.duration_s = last_stamp_s_ - info_.first_stamp_s + info_.sensor.scan_period_s;
   if (const std::string text = reader_.file().complaint(); !text.empty()) {

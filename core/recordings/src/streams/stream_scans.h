@@ -54,7 +54,6 @@ class StreamScans : public ScanSource {
 
   ImuQueue imu_;
   std::int64_t imu_samples_ = 0;
-  double force_sum_mps2_ = 0.0;  ///< sum of the samples' lengths
   double first_imu_s_ = 0.0;
   double last_imu_s_ = 0.0;
   double last_stamp_s_ = 0.0;

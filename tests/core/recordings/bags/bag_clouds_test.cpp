@@ -73,7 +73,7 @@ TEST_CASE("messages of half a turn, of a twentieth and of two turns are scans of
       }
     }
     CHECK(inspect(bag.path).scans == 6);
-    auto corrected = bag.open({.files = {.without_times = CaptureTime::kMotionCorrected}});
+    auto corrected = bag.open({.files = {.capture = CaptureTime::kMotionCorrected}});
     CHECK(corrected.next()->cloud.time_offset_s.empty());
   }
 }
@@ -104,7 +104,7 @@ TEST_CASE("clouds without times are said to be as captured by the option, packet
   const Bag bag(messages);
   OpenOptions options = {.sensor = "vlp-16"};
   CHECK(bag.open(options).next()->cloud.time_offset_s.empty());
-  options.files.without_times = CaptureTime::kRolling;
+  options.files.capture = CaptureTime::kRolling;
   const auto scan = bag.open(options).next();
   CHECK_FALSE(scan->cloud.time_offset_s.empty());
   CHECK(scan->stamp_s == doctest::Approx(1.6e9).epsilon(1e-15));

@@ -18,7 +18,6 @@ struct ImuTopic {
   std::string topic;
   std::string frame;
   double first_covariance = 0.0;
-  ImuSample sample = kTurning;
 };
 std::vector<BagMessage> clouds_with_imu(const std::vector<ImuTopic>& topics, bool ros1) {
   const std::vector<CloudPoint> points = round_cloud(0.1);
@@ -27,7 +26,7 @@ std::vector<BagMessage> clouds_with_imu(const std::vector<ImuTopic>& topics, boo
     const std::int64_t stamp_ns = 1'600'000'000'000'000'000 + i * 10'000'000;
     for (const ImuTopic& of : topics) {
       messages.push_back({of.topic, kImuType, stamp_ns + 5'000'000,
-                          imu_message(stamp_ns, of.frame, of.sample, ros1, of.first_covariance)});
+                          imu_message(stamp_ns, of.frame, kTurning, ros1, of.first_covariance)});
     }
     if (i % 10 != 9) continue;
     const std::int64_t begin_ns = stamp_ns - 90'000'000;
@@ -87,14 +86,12 @@ TEST_CASE("of several sensor_msgs/Imu the one of the scans' frame or namespace i
   CHECK(one_line_with(unclear.warnings, "/camera/imu and /imu may be"));
 }
 
-TEST_CASE("a sensor_msgs/Imu in an unjoined frame, or in g, is named with what to do") {
+TEST_CASE("a sensor_msgs/Imu in an unjoined frame is named with what to do") {
   const TemporaryDirectory folder;
   const RecordingInfo info = info_of(folder, {{"/imu", "imu"}});
   CHECK(info.imu.used == 60);
   CHECK(one_line_with(info.warnings, "'imu', the scans in 'lidar'"));
   CHECK(info_of(folder, {{"/imu", "lidar"}}).warnings.empty());
-  const auto in_g = info_of(folder, {{"/imu", "lidar", 0.0, {0.0, {0, 0, 0}, {0.1, 0, 1}}}});
-  CHECK(one_line_with(in_g.warnings, "found 1.00 in the mean"));
 }
 
 TEST_CASE("frames of Ouster's drivers are joined without /tf_static, which wins") {

@@ -88,7 +88,7 @@ TEST_CASE("a unit whose beams are off the table by a degree is read with its own
   const TemporaryDirectory folder;
   const SensorModel sensor = sensor_preset("vlp-16");
   const OpenOptions options = {.sensor = "vlp-16",
-                               .files = {.without_times = CaptureTime::kMotionCorrected}};
+                               .files = {.capture = CaptureTime::kMotionCorrected}};
   write_file(folder.file("0.txt"), firing_order(0.0, 360.0, 0.8));
   auto recording = Recording::open(folder.path(), options);
   CHECK(recording.warnings().size() == 1);

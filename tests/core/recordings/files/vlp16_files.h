@@ -2,8 +2,8 @@
 
 #include <Eigen/Geometry>
 
-#include "files/scan_files.h"
 #include "hqslam/core/angles.h"
+#include "opened_files.h"
 #include "testing.h"
 
 // Folders of point files of a VLP-16.
@@ -33,10 +33,9 @@ inline void write_scans(const TemporaryDirectory& folder, int scans,
 }
 
 inline std::unique_ptr<ScanSource> open_vlp16(
-    const TemporaryDirectory& folder,
-    std::optional<CaptureTime> without_times = CaptureTime::kRolling,
+    const TemporaryDirectory& folder, std::optional<CaptureTime> capture = CaptureTime::kRolling,
     const SensorModel& sensor = sensor_preset("vlp-16")) {
-  return recordings::open_scan_files(folder.path(), sensor, {.without_times = without_times});
+  return open_scan_files(folder.path(), sensor, {.capture = capture});
 }
 
 /// Of all scans, to the last one.

@@ -1,4 +1,5 @@
-#include "pages/printed_table.h"
+#include "pages/text_table.h"
+
 #include "testing.h"
 
 namespace hqslam::tools {

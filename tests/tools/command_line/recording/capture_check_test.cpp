@@ -79,7 +79,7 @@ TEST_CASE("scans determine whether they were corrected for motion, and how many 
   CHECK(corrected.turns == 1);
   recordings::OpenOptions stated;
   stated.sensor = "os1-16";
-  stated.files.capture_time = CaptureTime::kMotionCorrected;
+  stated.files.capture = CaptureTime::kMotionCorrected;
   CHECK_FALSE(tools::check_clouds_without_times(folder.file("corrected.npy"), stated).has_value());
   // Clouds that were corrected and still have their times.
   CHECK(tools::check_capture(corrected_clouds, sensor).verdict == CaptureTime::kMotionCorrected);

@@ -16,8 +16,9 @@ TEST_CASE("options that do not apply to a kind of recording are refused when it 
       {"--stream", {.input = "", .stream = "1"}, {"a.pcap"}},
       {"--return", {.input = "", .kept_return = "last"}, {"a.pcap"}},
       {"--row-order", {.input = "", .row_order = "lowest-first"}, {"a.npy", "drive"}},
-      {"--motion-corrected", {.input = "", .motion_corrected = true}, {"a.npy", "drive"}},
-      {"--capture", {.input = "", .capture = "corrected"}, {"points", "points/0.csv"}},
+      {"--capture",
+       {.input = "", .capture = "corrected"},
+       {"a.npy", "drive", "points", "points/0.csv"}},
       {"--stamps", {.input = "", .stamps = "names"}, {"a.npy", "drive", "points", "points/0.csv"}}};
   for (const auto& [option, chosen, is_for] : options) {
     for (const char* name : {"a.pcap", "a.npy", "drive", "points", "points/0.csv"}) {

@@ -19,7 +19,7 @@ TEST_CASE("rows far apart see no edge in smooth ground: on average it is where i
     double sum_m = 0.0;
     int returns = 0;
     for (int column = 0; column < sensor.columns; ++column) {
-      if (!image.has_return(row, column)) continue;
+      if (image.at(row, column) == 0.0F) continue;
       sum_m += (poses[0] * cloud.points_m[cloud.index(row, column)].cast<double>()).z();
       ++returns;
     }

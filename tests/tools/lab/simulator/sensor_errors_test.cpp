@@ -117,7 +117,7 @@ TEST_CASE("before a wall each beam is off by what was drawn for it, as bright as
     std::vector<double> scatter;
     for (int scan = 0; scan < kScans; ++scan) {
       for (int column = 60; column < 68; ++column) {
-        if (!images[scan].has_return(row, column)) continue;
+        if (images[scan].at(row, column) == 0.0F) continue;
         const double cosine = bad.cosine(row, column);
         const Echo echo = *echo_of({10.0 / cosine, cosine, {Material::kPlaster, 255}}, 120.0, {});
         const double expected_m =

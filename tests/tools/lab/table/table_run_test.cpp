@@ -51,7 +51,7 @@ TEST_CASE("whatever changes a run's result changes its name") {
       [&](TablePlan& p) { p.methods[0].source = folder.file("one.npz"); },
       [&](TablePlan& p) { p.methods[0].source = folder.file("two.npz"); },
       [&](TablePlan& p) { reading(p).row_order = "lowest-first"; },
-      [&](TablePlan& p) { reading(p).motion_corrected = true; },
+      [&](TablePlan& p) { reading(p).capture = "corrected"; },
       [&](TablePlan& p) { reading(p).sensor = folder.file("sensor.json"); },
       [&](TablePlan& p) { reading(p).stamps = folder.file("stamps.txt"); },
       [&](TablePlan& p) {

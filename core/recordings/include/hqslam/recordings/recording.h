@@ -18,15 +18,12 @@ enum class RowOrder { kHighestFirst, kLowestFirst };
 
 struct RecordingOptions {
   RowOrder row_order = RowOrder::kHighestFirst;
-  /// Whether a stack's scans were captured rolling or were corrected for motion already; they are
-  /// taken as corrected too if the sensor's model is marked so.
-  CaptureTime capture_time = CaptureTime::kRolling;
-  /// How points of files that have no times were captured: rolling gives each the time of its
-  /// azimuth, for points in the order of their firing or ring after ring, and a scan without a
-  /// stamp the middle of these as its stamp, counted on from scan to scan. Corrected: times that
-  /// points have are left out, too. Nothing: they are taken as corrected for motion, with a
-  /// warning.
-  std::optional<CaptureTime> without_times = std::nullopt;
+  /// How scans were captured. Rolling gives each point without a time that of its azimuth, for
+  /// points in the order of their firing or ring after ring, and a scan without a stamp the middle
+  /// of these as its stamp, counted on from scan to scan. Corrected: times that points have are
+  /// left out, too. Nothing: points without times are taken as corrected for motion, with a
+  /// warning, images of a stack as rolling unless the sensor's model is marked as corrected.
+  std::optional<CaptureTime> capture = std::nullopt;
   /// A file with the stamp of each scan (seconds, or dates as in KITTI's timestamps.txt), or
   /// kStampsFromNames for the number in each file's name, or the seconds from scan to scan ("0.2"),
   /// where turns of the sensor were left out. Empty: the recording's own.
