@@ -27,9 +27,9 @@ namespace fs = std::filesystem;
 
 std::filesystem::path part_of(std::filesystem::path path) { return path += ".part"; }
 
-constexpr std::array<const char*, 10> kDriveFiles = {
+constexpr std::array<const char*, 9> kDriveFiles = {
     "scans.npy",   "intensity.npy",     "sensor.json",        "drive.json", "truth.tum",
-    "truth.kitti", "truth_columns.npy", "sensor_errors.json", "imu.csv",    "imu_biases.csv"};
+    "truth.kitti", "truth_columns.npy", "sensor_errors.json", "imu.csv"};
 constexpr std::array<const char*, 2> kScanFolders = {"bin", "pcd"};
 constexpr ScanFolder kDrive{kDriveFiles, kScanFolders, "drive.json"};
 
