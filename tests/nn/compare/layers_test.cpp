@@ -30,11 +30,8 @@ std::vector<LayerCase> layer_cases() {
   ConvolutionOptions transposed = three_by_three(5, 0.0F);
   transposed.stride = {2, 1};
   transposed.transposed = true;
-  const ConvolutionOptions patches{
-      .channels = 6, .kernel = {1, 8}, .stride = {1, 4}, .padding = {0, 2}};
   return {convolution("transposed", kZero, transposed),
           convolution("linear", kCircular, {.channels = 7}),
-          convolution("patch_embedding", kCircular, patches),
           {"batch_norm", kCircular,
            [](const Shapes& in, const Engine&) { return make_batch_norm(0.125F, in[0]); }},
           {"average_pool", kZero,
