@@ -184,10 +184,7 @@ def make_network_layers():
                              c.parameter(7))
     c.finish(functional.linear(x.permute(0, 2, 3, 1), weight, bias).permute(0, 3, 1, 2) + skip)
 
-    c = case("patch_embedding")
-    x, weight, bias = c.input(1, 1, 3, 64), c.parameter(6, 1, 1, 8), c.parameter(6)
-    c.finish(functional.conv2d(functional.pad(x, (2, 2, 0, 0), mode="circular"), weight, bias,
-                               (1, 4)))
+    random_array(generator, 534)  # of a case that is gone: those below keep their values
 
     c = case("batch_norm")
     x = c.input(3, 4, 3, 20)

@@ -80,12 +80,10 @@ void StridedConvolution::check_columns_read(const Tensor& narrow, const Tensor& 
   const bool beyond_border = stride == 1 && narrow.padded_columns() + std::max(0, last) >
                                                 wide.padded_columns() + Tensor::kBorderColumns;
   // With one, a phase plane is as wide as the narrow row, and zero beyond: a tap that reads there
-  // must have nothing left to read in the wide row.
-  bool beyond_plane = false;
-  for (int column = stride; stride > 1 && column <= last; ++column) {
-    const int phase = column % stride;
-    beyond_plane |= narrow.columns() * stride + phase < wide.columns();
-  }
+  // must have nothing left to read in the wide row, of which whole vectors are split.
+  const bool beyond_plane =
+      stride == 2 && ((last >= 2 && 2 * narrow.columns() < wide.columns()) ||
+                      2 * narrow.padded_columns() > wide.padded_columns() + Tensor::kBorderColumns);
   if (wide.padding() == ColumnPadding::kZero && (beyond_border || beyond_plane)) {
     throw Error(
         "convolution: kernel of {} columns, stride {} and padding {} on {} columns with zeros "

@@ -6,47 +6,18 @@
 
 // The plan of StridedConvolution, carried out row by row.
 namespace hqslam::nn::kernels {
-namespace {
-
-/// to[x] = from[x stride]
-void take_every(const float* from, int stride, int count, float* to) {
-  for (int x = 0; x < count; ++x) to[x] = from[x * stride];
-}
-
-/// row.output[x] = a(phases[x mod stride][x / stride] + skip[x]) for the first `columns`, phases
-/// `phase_stride` apart, the first of them row.even; skip may be the result.
-void merge_phases(const MergeRow& row, std::int64_t phase_stride, int stride, int columns) {
-  for (int x = 0; x < columns; ++x) {
-    float value = row.even[x % stride * phase_stride + x / stride];
-    if (row.skip != nullptr) value += row.skip[x];
-    const float scaled = row.negative_slope * value;
-    const bool above = row.activated != nullptr ? row.activated[x] > 0.0F : value > scaled;
-    row.output[x] = above ? value : scaled;
-  }
-}
-
-}  // namespace
 
 void StridedConvolution::sort_phases(const Tensor& wide, int first_row, int rows,
                                      Tensor& phases) const {
-  const int stride = shape_.column_stride();
-  // The border of the wide row holds what is needed beyond its last column.
-  const int columns = std::min(narrow_columns_, (wide_columns_ + Tensor::kBorderColumns) / stride);
   for (int y = 0; y < rows; ++y) {
     for (int channel = 0; channel < shape_.input_channels; ++channel) {
-      const int first = channel * stride;
-      const float* from = wide.row(channel, first_row + y);
-      if (stride == 2 && columns == narrow_columns_) {
-        kernels_->split({.input = from,
-                         .even = phases.row(first, y),
-                         .odd = phases.row(first + 1, y),
-                         .columns = columns});
-      } else {
-        for (int phase = 0; phase < stride; ++phase) {
-          take_every(from + phase, stride, columns, phases.row(first + phase, y));
-        }
-      }
-      for (int phase = 0; phase < stride; ++phase) phases.fill_border(first + phase, y);
+      const int even = 2 * channel;
+      kernels_->split({.input = wide.row(channel, first_row + y),
+                       .even = phases.row(even, y),
+                       .odd = phases.row(even + 1, y),
+                       .columns = narrow_columns_});
+      phases.fill_border(even, y);
+      phases.fill_border(even + 1, y);
     }
   }
 }
@@ -172,18 +143,13 @@ void StridedConvolution::scatter_row(const Tensor& narrow, const float* bias, co
       return tensor == nullptr ? nullptr : tensor->row(channel, wide_row);
     };
     const float* phases = rows.data() + channel * stride * row_stride;
-    const MergeRow merged{.even = phases,
-                          .odd = phases + row_stride,
-                          .skip = row_of(end.skip),
-                          .activated = row_of(end.activated),
-                          .negative_slope = end.negative_slope,
-                          .output = wide.row(channel, wide_row),
-                          .columns = row.end};
-    if (stride == 2) {
-      kernels_->merge(merged);
-    } else {
-      merge_phases(merged, row_stride, stride, wide_columns_);
-    }
+    kernels_->merge({.even = phases,
+                     .odd = phases + row_stride,
+                     .skip = row_of(end.skip),
+                     .activated = row_of(end.activated),
+                     .negative_slope = end.negative_slope,
+                     .output = wide.row(channel, wide_row),
+                     .columns = row.end});
     wide.fill_border(channel, wide_row);
   }
 }

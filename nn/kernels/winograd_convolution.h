@@ -67,8 +67,6 @@ class WinogradConvolution {
   /// A vector of tiles reads its own columns and one more on either side.
   static constexpr int kEdgeColumns = kVectorColumns + 2;
 
-  using CacheLineFloats = std::vector<float, CacheLineAllocator<float>>;
-
   /// The memory of one thread.
   struct Scratch {
     CacheLineFloats transformed;  ///< 16 places x input channels x tiles of a panel

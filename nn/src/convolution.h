@@ -36,8 +36,8 @@ struct ConvolutionShape {
   }
 };
 
-/// Throws Error with field, value and constraint: channels 1 to 4096, kernels 1 to 15, stride 1 to
-/// 8, padding 0 to 15.
+/// Throws Error with field, value and constraint: channels 1 to 4096, kernels 1 to 15, rows' stride
+/// 1 to 8, columns' 1 or 2, padding 0 to 15.
 void validate(const ConvolutionShape& shape);
 
 /// Input and output channels change places.

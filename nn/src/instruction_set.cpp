@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <string>
 
+#include "architecture.h"
 #include "hqslam/core/error.h"
 #include "kernels/row_kernels.h"
 
@@ -28,17 +30,34 @@ std::vector<InstructionSet> available_instruction_sets() {
   return available;
 }
 
+namespace {
+
+/// The rest of a message about one that is none of them.
+std::string expected_names() {
+  std::vector<std::string_view> names;
+  for (const InstructionSet available : available_instruction_sets()) {
+    names.push_back(name(available));
+  }
+  return fmt::format("expected one that this processor and build have: {}", fmt::join(names, ", "));
+}
+
+}  // namespace
+
 InstructionSet chosen_instruction_set() {
   const std::vector<InstructionSet> available = available_instruction_sets();
   const char* wanted = std::getenv("HQSLAM_INSTRUCTION_SET");
   if (wanted == nullptr) return available.back();
-  std::vector<std::string_view> names;
   for (const InstructionSet instruction_set : available) {
     if (name(instruction_set) == wanted) return instruction_set;
-    names.push_back(name(instruction_set));
   }
-  throw Error("HQSLAM_INSTRUCTION_SET is '{}', expected one that this processor and build have: {}",
-              wanted, fmt::join(names, ", "));
+  throw Error("HQSLAM_INSTRUCTION_SET is '{}', {}", wanted, expected_names());
+}
+
+void require_available(InstructionSet instruction_set) {
+  const std::vector<InstructionSet> available = available_instruction_sets();
+  if (std::ranges::find(available, instruction_set) != available.end()) return;
+  throw Error("network: instruction set number {}, {}", static_cast<int>(instruction_set),
+              expected_names());
 }
 
 namespace kernels {

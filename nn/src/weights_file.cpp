@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "finite.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/json_fields.h"
@@ -13,7 +14,6 @@
 #include "hqslam/nn/interpolation.h"
 #include "hqslam/nn/network.h"
 #include "hqslam/nn/network_json.h"
-#include "weights_arrays.h"
 
 namespace hqslam::nn {
 namespace {
@@ -97,10 +97,7 @@ SelfTest make_self_test(Network& network, const RangeImage& measured) {
 }
 
 Weights read_weights(const std::string& path, const Architectures& architectures) {
-  return weights_of(read_npz(path, kLargestBytes), path, architectures);
-}
-
-Weights weights_of(NpzArrays arrays, const std::string& path, const Architectures& architectures) {
+  NpzArrays arrays = read_npz(path, kLargestBytes);
   const auto description = arrays.find(kDescription);
   if (description == arrays.end()) {
     throw Error(

@@ -1,11 +1,11 @@
-#include "checkpoint_arrays.h"
 #include "hqslam/nn/network.h"
 #include "hqslam/nn/network_json.h"
+#include "hqslam/nn/training/checkpoint.h"
 #include "hqslam/nn/training/training_configuration.h"
+#include "hqslam/nn/weights_file.h"
 #include "input_file.h"
 #include "made_images.h"
 #include "replaced_array.h"
-#include "weights_arrays.h"
 
 namespace hqslam::fuzz {
 namespace {
@@ -43,18 +43,22 @@ NpzArrays good_checkpoint() {
   return read_npz(path);
 }
 
+std::string as_npz(const NpzArrays& arrays) {
+  std::string path = as_file({}, ".npz");
+  write_npz(path, arrays);
+  return path;
+}
+
 }  // namespace
 
 void weights(Bytes input) {
   static const NpzArrays good = good_weights();
-  nn::weights_of(with_one_replaced(good, input), "input.npz");
+  nn::read_weights(as_npz(with_one_replaced(good, input)));
 }
 
 void checkpoint(Bytes input) {
   static const NpzArrays good = good_checkpoint();
-  static const auto parameters =
-      static_cast<std::size_t>(nn::elements(nn::parameter_shapes(small_network())));
-  nn::checkpoint_of(with_one_replaced(good, input), "input.npz", "{}", parameters, {});
+  nn::read_checkpoint(as_npz(with_one_replaced(good, input)), "{}", small_network(), {});
 }
 
 void recipe_json(Bytes input) {

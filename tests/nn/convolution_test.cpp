@@ -24,9 +24,9 @@ std::vector<Case> cases() {
       all.push_back({{2, 3, 3, 5, 1, 1, 2}, 3, columns, padding});
       all.push_back({{3, 9, 3, 3, 2, 1, 1, 1}, 6, columns, padding});  // strides 2 x 1
     }
-    all.push_back({{17, 18, 3, 3, 1, 1, 1}, 5, 48, padding});  // computed by WinogradConvolution
-    all.push_back({{1, 2, 5, 3, 3, 2, 0}, 9, 12, padding});
-    all.push_back({{1, 9, 1, 8, 1, 0, 2, 4}, 3, 64, padding});  // strides 1 x 4
+    all.push_back({{17, 18, 3, 3, 1, 1, 1}, 5, 48, padding});   // computed by WinogradConvolution
+    all.push_back({{1, 2, 5, 3, 3, 2, 0, 1}, 9, 12, padding});  // strides 3 x 1
+    all.push_back({{1, 9, 1, 8, 1, 0, 3, 2}, 3, 64, padding});  // strides 1 x 2
     all.push_back({{2, 3, 3, 4, 1, 1, 2}, 3, 20, padding});     // zero: one column more than before
     all.push_back({{2, 3, 3, 5, 2, 1, 2}, 4, 15, padding});
     all.push_back({{2, 3, 3, 2, 2, 1, 0}, 4, 17, padding});  // zero: the last column has no tap
@@ -182,12 +182,19 @@ TEST_CASE("shapes that do not fit are refused") {
     return Tensor(1, rows, columns, ColumnPadding::kZero, 4);
   };
   CHECK_THROWS_AS(make({1, 1, 3, 3, 2, 1, 0}, narrow(4, 7), wide), Error);
-  CHECK_THROWS_AS(make({1, 1, 3, 5, 3, 1, 0}, narrow(3, 4), wide), Error);
+  CHECK_THROWS_AS(make({1, 1, 3, 5, 2, 1, 0}, narrow(4, 6), wide), Error);
   CHECK_THROWS_AS(
       (ConvolutionProblem{{1, 1, 3, 3, 2, 1, 0, 2, true}, narrow(4, 7), wide, wide, {}}.layer()),
       Error);
   // or a whole vector would end beyond the border.
   CHECK_THROWS_AS(make({1, 1, 3, 4, 1, 1, 2}, narrow(8, 17), wide), Error);
+  CHECK_THROWS_AS(make({1, 1, 3, 2, 2, 1, 10}, narrow(4, 18), wide), Error);
+  // Kernels have column strides 1 and 2 alone.
+  CHECK(refused_with(
+      [&] {
+        make({3, 4, 3, 3, 1, 1, 1, 4}, half, input);
+      },
+      "stride_columns is 4", "1 to 2"));
   ConvolutionLayer layer = ConvolutionProblem{{3, 4, 3, 3, 2, 1, 1}, input, half, half, {}}.layer();
   CHECK_THROWS_AS(layer.set_parameters(std::vector<float>(5)), Error);
   CHECK_THROWS_AS(layer.set_parameters(std::vector<float>(108 + 3)), Error);

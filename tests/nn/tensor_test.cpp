@@ -54,6 +54,18 @@ TEST_CASE("rows beyond the edge are zero before and after the borders are filled
   }
 }
 
+TEST_CASE("every row begins with a cache line, also of a copy") {
+  const Tensor tensor = counted(20, ColumnPadding::kCircular);
+  const Tensor copy = tensor;
+  for (const Tensor* one : {&tensor, &copy}) {
+    for (int y = -2; y < 5; ++y) {
+      CHECK(reinterpret_cast<std::uintptr_t>(one->row(1, y)) %
+                CacheLineFloats::allocator_type::kAlignment ==
+            0);
+    }
+  }
+}
+
 TEST_CASE("filling one row's border leaves the other rows alone") {
   Tensor tensor = counted(16, ColumnPadding::kCircular);
   tensor.fill_border(1, 1);

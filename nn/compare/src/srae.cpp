@@ -21,19 +21,12 @@ constexpr int kLevels = 5;
 /// Adds layers to a graph; every function returns the number of its result.
 struct SraeBuilder {
   LayerGraph graph;
-  Purpose purpose;
 
   /// Convolution, batch norm, ReLU, dropout.
   int unit(const std::string& name, ConvolutionOptions options, float dropout, int from) {
     const auto taps = static_cast<float>(9 * graph.shape(from).channels);
     // He et al., 2015
     options.start_limit = std::numbers::sqrt3_v<float> * std::sqrt(2.0F / taps);
-    if (purpose == Purpose::kUpsampling) {
-      options.negative_slope = 0.0F;
-      return graph.add(name,
-                       make_normalised_convolution(options, graph.shape(from), graph.engine()),
-                       {from}, dropout);
-    }
     const int sums = graph.add(name + ".convolution", options, {from});
     return graph.add(name + ".norm", make_batch_norm(0.0F, graph.shape(sums)), {sums}, dropout);
   }
@@ -95,11 +88,11 @@ void Srae::validate(const NetworkDescription& d) const {
 }
 
 std::vector<ParameterShape> Srae::parameter_shapes(const NetworkDescription& d) const {
-  return graph(d, kSraeStride, Purpose::kTraining, {}).parameter_shapes();
+  return graph(d, kSraeStride, {}).parameter_shapes();
 }
 
 std::vector<float> Srae::initial_parameters(const NetworkDescription& d, std::uint64_t seed) const {
-  return graph(d, kSraeStride, Purpose::kTraining, {}).initial_parameters(seed);
+  return graph(d, kSraeStride, {}).initial_parameters(seed);
 }
 
 std::unique_ptr<Network> Srae::make_network(const NetworkDescription& d, int columns,
@@ -108,11 +101,10 @@ std::unique_ptr<Network> Srae::make_network(const NetworkDescription& d, int col
 }
 
 /// With zeros beyond all edges, as in the paper.
-LayerGraph Srae::graph(const NetworkDescription& d, int columns, Purpose purpose,
-                       const Engine& engine) const {
+LayerGraph Srae::graph(const NetworkDescription& d, int columns, const Engine& engine) const {
   const int upscaling = d.measured_rows.stride;
   const TensorShape input{1, d.sensor.rows() / upscaling, columns, ColumnPadding::kZero};
-  SraeBuilder build{LayerGraph(input, engine), purpose};
+  SraeBuilder build{LayerGraph(input, engine)};
   LayerGraph& graph = build.graph;
   int x = 0;
   for (int i = 0; 1 << i < upscaling; ++i) {

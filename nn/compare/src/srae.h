@@ -30,8 +30,6 @@ struct SraeShape {
 /// The stride of the encoder: rows and columns of the whole image are multiples of it.
 inline constexpr int kSraeStride = 16;
 
-enum class Purpose { kUpsampling, kTraining };
-
 /// "srae".
 class Srae final : public Architecture, public TrainableArchitecture {
  public:
@@ -52,10 +50,8 @@ class Srae final : public Architecture, public TrainableArchitecture {
                                                    int columns,
                                                    InstructionSet instruction_set) const override;
 
-  /// One channel of measured rows in, one of all rows out. For upsampling, batch norm is worked
-  /// into the convolutions, and there are no gradients; the arrays are the same.
-  LayerGraph graph(const NetworkDescription& description, int columns, Purpose purpose,
-                   const Engine& engine) const;
+  /// One channel of measured rows in, one of all rows out.
+  LayerGraph graph(const NetworkDescription& description, int columns, const Engine& engine) const;
   const SraeShape& shape() const { return shape_; }
 
  private:

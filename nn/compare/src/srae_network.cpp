@@ -17,7 +17,7 @@ SraeNetwork::SraeNetwork(const Srae& architecture, const NetworkDescription& des
                          int columns, const Engine& engine)
     : description_(description),
       shape_(architecture.shape()),
-      graph_(architecture.graph(description, columns, Purpose::kUpsampling, engine)),
+      graph_(architecture.graph(description, columns, engine)),
       values_(graph_.make_values()) {
   const TensorShape& output = graph_.output_shape();
   sum_.resize(static_cast<std::size_t>(output.values()));

@@ -63,8 +63,7 @@ class TrainableSrae final : public TrainableNetwork {
 
 std::unique_ptr<TrainableNetwork> Srae::make_trainable(const NetworkDescription& d, int columns,
                                                        InstructionSet instruction_set) const {
-  return std::make_unique<TrainableSrae>(
-      graph(d, columns, Purpose::kTraining, {instruction_set, 1}), d.range_scale_m);
+  return std::make_unique<TrainableSrae>(graph(d, columns, {instruction_set, 1}), d.range_scale_m);
 }
 
 }  // namespace hqslam::nn

@@ -2,10 +2,9 @@
 
 #include <cmath>
 
-#include "checkpoint_arrays.h"
+#include "finite.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/npz.h"
-#include "weights_arrays.h"
 
 namespace hqslam::nn {
 namespace {
@@ -91,12 +90,7 @@ void write_checkpoint(const std::string& path, const Checkpoint& checkpoint) {
 Checkpoint read_checkpoint(const std::string& path, const std::string& configuration,
                            const NetworkDescription& description, const AdamWOptions& adamw) {
   const auto parameters = static_cast<std::size_t>(elements(parameter_shapes(description)));
-  return checkpoint_of(read_npz(path), path, configuration, parameters, adamw);
-}
-
-Checkpoint checkpoint_of(const NpzArrays& arrays, const std::string& path,
-                         const std::string& configuration, std::size_t parameters,
-                         const AdamWOptions& adamw) {
+  const NpzArrays arrays = read_npz(path);
   if (text_value(member(arrays, path, "configuration"), path + ": configuration") !=
       configuration) {
     throw Error(

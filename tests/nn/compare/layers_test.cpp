@@ -30,11 +30,8 @@ std::vector<LayerCase> layer_cases() {
   ConvolutionOptions transposed = three_by_three(5, 0.0F);
   transposed.stride = {2, 1};
   transposed.transposed = true;
-  const ConvolutionOptions patches{
-      .channels = 6, .kernel = {1, 8}, .stride = {1, 4}, .padding = {0, 2}};
   return {convolution("transposed", kZero, transposed),
           convolution("linear", kCircular, {.channels = 7}),
-          convolution("patch_embedding", kCircular, patches),
           {"batch_norm", kCircular,
            [](const Shapes& in, const Engine&) { return make_batch_norm(0.125F, in[0]); }},
           {"average_pool", kZero,
@@ -155,23 +152,6 @@ TEST_CASE("batch norm upsamples with its running statistics") {
   for (const LayerPass& pass : batch.passes()) batch.layer->forward(pass);
   CHECK(relative_error(std::span<const float>(values_of(batch.output)),
                        golden.values("batch_norm.upsampled")) < kTolerance);
-}
-
-TEST_CASE("a convolution with the batch norm behind it worked into its weights gives the same") {
-  const Golden golden("network_layers");
-  for (const bool transposed : {false, true}) {
-    ConvolutionOptions options = three_by_three(3, 0.0F, transposed ? 2 : 1);
-    options.transposed = transposed;
-    const LayerCase c{transposed ? "normalised.1" : "normalised.0", kZero,
-                      [&](const Shapes& in, const Engine& engine) {
-                        return make_normalised_convolution(options, in[0], engine);
-                      }};
-    Batch batch = golden_batch(golden, c, {});
-    batch.forward();
-    CHECK(relative_error(std::span<const float>(values_of(batch.output)),
-                         golden.values(c.name + ".output")) < kTolerance);
-    CHECK(batch.layer->parameter_shapes().back().name == "norm.running_var");
-  }
 }
 
 }  // namespace hqslam::nn

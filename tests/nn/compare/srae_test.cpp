@@ -83,7 +83,7 @@ TEST_CASE("the published size has the published numbers of parameters and multip
   NetworkDescription os1;
   os1.sensor = sensor_preset("os1-64");
   os1.measured_rows = {3, 4};
-  const LayerGraph srae = Srae({.filters = 64}).graph(os1, 1024, Purpose::kUpsampling, {});
+  const LayerGraph srae = Srae({.filters = 64}).graph(os1, 1024, {});
   CHECK(elements(srae.parameter_shapes()) == 34'600'001 + 13'952);
   CHECK(static_cast<double>(srae.multiply_adds()) == doctest::Approx(54.4e9).epsilon(0.001));
 }

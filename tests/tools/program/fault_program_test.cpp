@@ -67,6 +67,10 @@ bool run_stopped(const Stop& stop, const std::string& arguments, const Temporary
   CHECK((was_stopped || stop.blocks > 0));
   if (stop.is_kill) {
     CHECK((!was_stopped || result.status == kKilled));
+    // A drive that train was simulating: no other program takes this one's unfinished file.
+    for (const std::string& part : parts_below(folder.path())) {
+      if (holds(part, "/drives/")) fs::remove(part);
+    }
     return was_stopped;
   }
   CHECK((!was_stopped || holds(result.error, "status 2\n")));

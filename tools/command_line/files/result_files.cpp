@@ -27,9 +27,9 @@ namespace fs = std::filesystem;
 
 std::filesystem::path part_of(std::filesystem::path path) { return path += ".part"; }
 
-constexpr std::array<const char*, 10> kDriveFiles = {
+constexpr std::array<const char*, 9> kDriveFiles = {
     "scans.npy",   "intensity.npy",     "sensor.json",        "drive.json", "truth.tum",
-    "truth.kitti", "truth_columns.npy", "sensor_errors.json", "imu.csv",    "imu_biases.csv"};
+    "truth.kitti", "truth_columns.npy", "sensor_errors.json", "imu.csv"};
 constexpr std::array<const char*, 2> kScanFolders = {"bin", "pcd"};
 constexpr ScanFolder kDrive{kDriveFiles, kScanFolders, "drive.json"};
 
@@ -131,18 +131,11 @@ void require_writable(const std::filesystem::path& folder) {
   std::filesystem::remove(probe, ignored);
 }
 
-FileLock::FileLock(const std::filesystem::path& path)
-    : descriptor_(open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
-  if (!descriptor_) return;
-  if (flock(descriptor_.get(), LOCK_EX | LOCK_NB) == 0) {
-    state_ = State::kHeld;
-  } else if (errno == EWOULDBLOCK) {
-    state_ = State::kTakenByAnother;
+FolderLock::FolderLock(const fs::path& folder)
+    : descriptor_(open(folder.c_str(), O_RDONLY | O_CLOEXEC)) {
+  if (!descriptor_ || flock(descriptor_.get(), LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) {
+    return;
   }
-}
-
-FolderLock::FolderLock(const std::filesystem::path& folder) : FileLock(folder) {
-  if (state() != State::kTakenByAnother) return;
   throw Error(
       "{}: another hqslam is writing into it; wait until it has ended, or give another --out",
       folder.string());

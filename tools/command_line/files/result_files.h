@@ -50,25 +50,15 @@ void make_result_folder(const std::filesystem::path& folder);
 /// Throws Error if no file can be written into a folder.
 void require_writable(const std::filesystem::path& folder);
 
-/// A lock on a file or a folder that is there, for as long as the object lives: it ends with the
-/// program, however that ends.
-class FileLock {
+/// A lock on a folder that is there, for as long as the object lives; it ends with the program,
+/// however that ends. Two programs that write the same files into a folder would leave neither's.
+/// Throws Error if another has the folder; where the file system has no locks there is none.
+class FolderLock {
  public:
-  enum class State { kHeld, kTakenByAnother, kUnknown /* the file system has no locks */ };
-  explicit FileLock(const std::filesystem::path& path);
-
-  State state() const { return state_; }
+  explicit FolderLock(const std::filesystem::path& folder);
 
  private:
   FileDescriptor descriptor_;
-  State state_ = State::kUnknown;
-};
-
-/// Two programs that write the same files into a folder would leave neither's. Throws Error if
-/// another has the folder.
-class FolderLock : public FileLock {
- public:
-  explicit FolderLock(const std::filesystem::path& folder);
 };
 
 /// A file or folder that is gone, with what is in it, when the object is.

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <omp.h>
 #include <stdlib.h>
 
@@ -11,7 +10,6 @@
 #include <vector>
 
 #include "bench/bench_measurement.h"
-#include "bench/bench_text.h"
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
@@ -30,12 +28,9 @@ namespace {
 struct BenchOptions {
   std::int64_t scans = 200;          ///< of a simulated drive
   std::vector<std::string> weights;  ///< empty: those that come with the program
-  bool json = false;
-  bool cpu = false;  ///< print only which instruction set is in use
 };
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 constexpr const char* kDrive = "block";
 constexpr const char* kSensor = "os1-64";
@@ -80,11 +75,13 @@ std::vector<RangeImage> sample_images(ScanSource& source, std::int64_t scans) {
   return images;
 }
 
-/// Adds what time_network measures.
-void measure_networks(const std::vector<std::string>& paths, const std::vector<RangeImage>& images,
-                      const InterruptGuard& interrupt, Json& measured) {
+/// Tables of the times of the networks that take the images.
+std::string measure_networks(const std::vector<std::string>& paths,
+                             const std::vector<RangeImage>& images,
+                             const InterruptGuard& interrupt) {
+  std::string text;
   for (const std::string& path : paths) {
-    if (interrupt.stop_requested()) return;
+    if (interrupt.stop_requested()) break;
     const nn::Weights weights = nn::read_weights(path, nn::all_architectures());
     if (!takes(weights, images)) {
       to_stderr("{}: left out, the network takes images of {} x {}\n", path,
@@ -92,8 +89,9 @@ void measure_networks(const std::vector<std::string>& paths, const std::vector<R
       continue;
     }
     to_stderr("network {} ...\n", nn::name(weights.description));
-    measured["networks"].push_back(time_network(path, weights, images, kMostThreads, interrupt));
+    text += network_text(time_network(weights, images, kMostThreads, interrupt));
   }
+  return text;
 }
 
 /// What SLAM is measured with: kRowCounts of the sensor's rows, then all rows by the networks of
@@ -114,8 +112,8 @@ std::vector<pipeline::UpsamplingOptions> slam_inputs(const std::vector<std::stri
   return inputs;
 }
 
-Json measure_slam(const std::string& drive, const pipeline::UpsamplingOptions& upsampling,
-                  int threads, const InterruptGuard& interrupt) {
+SlamTiming measure_slam(const std::string& drive, const pipeline::UpsamplingOptions& upsampling,
+                        int threads, const InterruptGuard& interrupt) {
   auto input = pipeline::open_upsampled(drive, {}, upsampling);
   const nn::Upsampler* method = input.upsampler.method();
   to_stderr("slam, {} rows{}, {} thread{} ...\n", input.upsampler.measured_sensor().rows(),
@@ -124,43 +122,23 @@ Json measure_slam(const std::string& drive, const pipeline::UpsamplingOptions& u
   return time_slam(std::move(input), threads, interrupt);
 }
 
-/// What --json prints. drive: the folder of a simulated drive with `scans` scans.
-Json measure(const std::string& drive, std::int64_t scans, const std::vector<std::string>& weights,
-             const InterruptGuard& interrupt) {
-  Json measured = {{"input", fmt::format("simulated {}, {} scans", kDrive, scans)},
-                   {"sensor", kSensor},
-                   {"cores", omp_get_num_procs()},
-                   {"slam", Json::array()},
-                   {"networks", Json::array()}};
+/// Tables of all times; nothing once SLAM is interrupted. drive: the folder of a simulated drive
+/// with `scans` scans.
+std::string measure(const std::string& drive, std::int64_t scans,
+                    const std::vector<std::string>& weights, const InterruptGuard& interrupt) {
   const std::vector<pipeline::UpsamplingOptions> inputs = slam_inputs(weights);
+  std::vector<SlamTiming> timings;
   for (int threads = 1; threads <= kMostThreads; ++threads) {
     for (const pipeline::UpsamplingOptions& upsampling : inputs) {
-      if (interrupt.stop_requested()) return measured;
-      measured["slam"].push_back(measure_slam(drive, upsampling, threads, interrupt));
+      if (interrupt.stop_requested()) return {};
+      timings.push_back(measure_slam(drive, upsampling, threads, interrupt));
     }
   }
   auto source = recordings::Recording::open(drive);
   const std::vector<RangeImage> images = sample_images(source, scans);
-  measure_networks(weights, images, interrupt, measured);
-  return measured;
-}
-
-std::string text_of(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
-/// Prints the instruction sets that networks can use here and the one that they use.
-void print_instruction_sets(bool as_json) {
-  const std::string_view chosen = nn::name(nn::chosen_instruction_set());
-  std::vector<std::string_view> available;
-  for (const nn::InstructionSet set : nn::available_instruction_sets()) {
-    available.push_back(nn::name(set));
-  }
-  if (as_json) {
-    to_stdout("{}", text_of({{"instruction_set", chosen}, {"available", available}}));
-    return;
-  }
-  to_stdout("in use:    {}\navailable: {}\n", chosen, fmt::join(available, ", "));
+  return fmt::format("simulated {}, {} scans, sensor {}, {} cores\n\n", kDrive, scans, kSensor,
+                     omp_get_num_procs()) +
+         slam_text(timings) + measure_networks(weights, images, interrupt);
 }
 
 void declare(CLI::App& app, BenchOptions& options) {
@@ -172,18 +150,10 @@ void declare(CLI::App& app, BenchOptions& options) {
       .option("--weights", &options.weights,
               "Trained network to measure (.npz), may be repeated (default: the networks that come "
               "with hqslam)",
-              {.given = Given::kFile})
-      .option("--json", &options.json, "Print JSON instead of a table")
-      .option("--cpu", &options.cpu,
-              "Only print the available instruction sets and the one that networks use; "
-              "HQSLAM_INSTRUCTION_SET=NAME chooses another");
+              {.given = Given::kFile});
 }
 
 int run(const BenchOptions& options) {
-  if (options.cpu) {
-    print_instruction_sets(options.json);
-    return kOk;
-  }
   const InterruptGuard interrupt;
   const std::vector<std::string> weights = weights_of(options);
   nn::chosen_instruction_set();  // an unknown one is refused before the work
@@ -194,12 +164,12 @@ int run(const BenchOptions& options) {
   drive.scans = options.scans;
   drive.out = folder.path.string();
   simulate_drive(drive, interrupt);
-  const Json measured = measure(drive.out, options.scans, weights, interrupt);
+  const std::string tables = measure(drive.out, options.scans, weights, interrupt);
   if (interrupt.stop_requested()) {
     to_stderr("hqslam-lab: interrupted\n");
     return kInterrupted;
   }
-  to_stdout("{}", options.json ? text_of(measured) : bench_text(measured));
+  to_stdout("{}", tables);
   return kOk;
 }
 

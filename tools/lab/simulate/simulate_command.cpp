@@ -10,8 +10,6 @@
 #include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/sensor_model.h"
-#include "hqslam/sim/drive.h"
-#include "hqslam/sim/write_drive.h"
 #include "recording/recording_choice.h"
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
@@ -133,20 +131,17 @@ void declare(CLI::App& app, SimulateOptions& options) {
           {.one_of = sim::sensor_errors_names()})
       .option("--bin", &options.bin, "Also write KITTI .bin files")
       .option("--pcd", &options.pcd, "Also write .pcd files")
-      .option("--imu", &options.imu,
-              "Also write the samples of an OS1's inertial sensor, imu.csv, and their true biases, "
-              "imu_biases.csv");
+      .option("--imu", &options.imu, "Also write the samples of an OS1's inertial sensor, imu.csv");
 }
 
-int simulate_drive(const SimulateOptions& options, const InterruptGuard& interrupt,
-                   const std::function<void()>& on_scan) {
-  const sim::DriveSpec spec = drive_of(options);
-  sim::DriveSimulator simulator(spec, load_sensor(options.sensor));
-  make_result_folder(options.out);
-  const FolderLock lock(options.out);
-  clear_drive_folder(options.out, {options.sensor});
-  sim::DriveWriter writer(options.out, spec, simulator.sensor(),
-                          {options.bin, options.pcd, options.imu});
+int simulate_drive(const sim::DriveSpec& spec, const std::string& sensor, const std::string& out,
+                   const InterruptGuard& interrupt, const std::function<void()>& on_scan,
+                   sim::ExtraFormats extra) {
+  sim::DriveSimulator simulator(spec, load_sensor(sensor));
+  make_result_folder(out);
+  const FolderLock lock(out);
+  clear_drive_folder(out, {sensor});
+  sim::DriveWriter writer(out, spec, simulator.sensor(), extra);
   std::int64_t done = 0;
   while (!interrupt.stop_requested()) {
     const std::optional<sim::SimulatedScan> scan = simulator.next();
@@ -159,9 +154,11 @@ int simulate_drive(const SimulateOptions& options, const InterruptGuard& interru
 }
 
 int simulate_drive(const SimulateOptions& options, const InterruptGuard& interrupt) {
-  Progress progress(fmt::format("simulate {}", options.drive), drive_of(options).scans);
-  std::int64_t done = 0;
-  const int status = simulate_drive(options, interrupt, [&] { progress.update(++done); });
+  const sim::DriveSpec spec = drive_of(options);
+  Progress progress(fmt::format("simulate {}", options.drive), spec.scans);
+  const int status =
+      simulate_drive(spec, options.sensor, options.out, interrupt, [&] { progress.advance(); },
+                     {options.bin, options.pcd, options.imu});
   progress.finish();
   return status;
 }

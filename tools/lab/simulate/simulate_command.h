@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "hqslam/sim/drive.h"
+#include "hqslam/sim/write_drive.h"
 #include "terminal/terminal.h"
 
 namespace CLI {
@@ -38,10 +40,11 @@ struct SimulateOptions {
 void declare(CLI::App& app, SimulateOptions& options);
 /// Simulates and writes, printing nothing but progress. Returns kOk or kInterrupted. Throws Error.
 int simulate_drive(const SimulateOptions& options, const InterruptGuard& interrupt);
-/// Simulates and writes, printing nothing and calling `on_scan` after each scan. Returns kOk or
-/// kInterrupted. Throws Error.
-int simulate_drive(const SimulateOptions& options, const InterruptGuard& interrupt,
-                   const std::function<void()>& on_scan);
+/// Simulates and writes into the folder `out`, printing nothing and calling `on_scan` after each
+/// scan. sensor: as in SimulateOptions. Returns kOk or kInterrupted. Throws Error.
+int simulate_drive(const sim::DriveSpec& spec, const std::string& sensor, const std::string& out,
+                   const InterruptGuard& interrupt, const std::function<void()>& on_scan,
+                   sim::ExtraFormats extra = {});
 /// Returns an ExitStatus. Throws Error.
 int run(const SimulateOptions& options);
 

@@ -50,17 +50,6 @@ bool is_simulated(const TableDrive& drive) {
   }
 }
 
-SimulateOptions simulation_of(const TableDrive& drive) {
-  SimulateOptions options;
-  options.drive = drive.simulated->name;
-  options.sensor = kSimulatedSensor;
-  options.out = drive.recording.input;
-  options.scans = drive.simulated->scans;
-  options.seed = drive.simulated->seed;
-  options.sensor_errors = sim::name_of(drive.simulated->sensor_errors);
-  return options;
-}
-
 /// Changes with the scans of a recording, wherever it is, and with how they are read.
 std::string recording_key(const TableDrive& drive) {
   const InputChoice& reading = drive.recording;
@@ -152,7 +141,8 @@ bool simulate_missing(const TablePlan& plan, const InterruptGuard& interrupt) {
   const bool is_complete = do_jobs(missing.size(), [&](std::size_t i) {
     progress.relabel(fmt::format("simulate {}", missing[i]->name));
     const auto advance = [&] { progress.advance(); };
-    return simulate_drive(simulation_of(*missing[i]), interrupt, advance) == kOk;
+    return simulate_drive(*missing[i]->simulated, kSimulatedSensor, missing[i]->recording.input,
+                          interrupt, advance) == kOk;
   });
   progress.finish();
   return is_complete;

@@ -4,10 +4,8 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
-#include <regex>
 #include <set>
 
 #include "files/content_hash.h"
@@ -60,25 +58,6 @@ bool is_stored(const std::string& path, const StoredDrive& drive) {
   }
 }
 
-/// The name of an unfinished file of store_drive().
-bool is_part(const std::string& name) {
-  static const std::regex part(R"(.+_\d+_[0-9a-f]+\.npy\.\d+\.part)");
-  return std::regex_match(name, part);
-}
-
-/// Removes the unfinished files of programs that were killed: no program holds a lock on them.
-void remove_abandoned_parts(const fs::path& folder) {
-  std::error_code error;
-  std::vector<fs::path> abandoned;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
-       entry.increment(error)) {
-    const fs::path& path = entry->path();
-    if (!is_part(path.filename().string())) continue;
-    if (FileLock(path).state() == FileLock::State::kHeld) abandoned.push_back(path);
-  }
-  for (const fs::path& path : abandoned) fs::remove(path, error);
-}
-
 /// Simulates a drive with recall. Of scans that are not stored only the recalled rows are
 /// simulated.
 bool simulate_with_memory(const StoredDrive& drive, NpyStackWriter& writer,
@@ -129,8 +108,6 @@ bool store_drive(const StoredDrive& drive, const std::string& path,
                  const std::function<bool()>& stopping, Progress& progress) {
   const std::string part = fmt::format("{}.{}.part", path, getpid());
   const RemovedAtEnd part_removed(part);  // unless it was renamed
-  std::ofstream(part).close();
-  const FileLock lock(part);
   const bool whole = simulate(drive, part, stopping, progress);
   if (whole) rename_file(part, path);
   return whole;
@@ -165,7 +142,6 @@ std::string path_in_store(const fs::path& folder, const StoredDrive& drive) {
 
 bool store_drives(const DriveStore& store, const std::vector<StoredDrive>& drives,
                   const char* label, const InterruptGuard& interrupt) {
-  remove_abandoned_parts(store.path);
   std::vector<StoredDrive> missing;
   std::set<std::string> named;  // a drive may be in a recipe twice, to be shown more often
   for (const StoredDrive& drive : drives) {

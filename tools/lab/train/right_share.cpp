@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <numeric>
 
 namespace hqslam::tools {
@@ -18,20 +17,16 @@ PixelShares pixel_shares(const std::vector<nn::TrainingScan>& scans, const Senso
                          const std::function<RangeImage(const RangeImage&)>& upsample) {
   PixelShares shares;
   for (const nn::TrainingScan& scan : scans) {
-    const RangeImage image = upsample(select_rows(scan.truth, measured_rows));
-    std::int64_t known = 0;
-    std::int64_t right = 0;
-    std::int64_t missing = 0;
-    for (std::size_t i = 0; i < image.range_m.size(); ++i) {
-      const float truth_m = scan.truth.range_m[i];
-      if (truth_m >= 0.0F || truth_m <= -sensor.max_range_m) continue;
-      ++known;
-      right += std::fabs(image.range_m[i] + truth_m) < kRight_m;
-      missing += image.range_m[i] <= 0.0F;
+    RangeImage others = scan.truth;  // what other scans measured between the measured rows
+    for (float& range_m : others.range_m) {
+      const bool is_known = range_m < 0.0F && range_m > -sensor.max_range_m;
+      range_m = is_known ? -range_m : 0.0F;
     }
-    if (known == 0) continue;
-    shares.right.push_back(static_cast<double>(right) / static_cast<double>(known));
-    shares.missing.push_back(static_cast<double>(missing) / static_cast<double>(known));
+    if (std::ranges::none_of(others.range_m, [](float range_m) { return range_m > 0.0F; }))
+      continue;
+    const ImageError error = image_error(upsample(select_rows(scan.truth, measured_rows)), others);
+    shares.right.push_back(error.right_share);
+    shares.missing.push_back(error.missing_share);
   }
   return shares;
 }

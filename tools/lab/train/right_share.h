@@ -5,15 +5,14 @@
 
 #include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"
+#include "hqslam/evaluation/image_error.h"
 #include "train/recorded_drive.h"
 
 namespace hqslam::tools {
 
-/// A computed range is right within this distance of what other scans measured.
-inline constexpr float kRight_m = 0.1F;
-
-/// Of the computed pixels that other scans measured (RecordedDrive), the share that is right and
-/// the share that was left empty, each scan by scan; scans without such pixels are left out.
+/// Of the computed pixels that other scans measured (RecordedDrive), the share that is right
+/// (within kRightRange_m) and the share that was left empty, each scan by scan; scans without such
+/// pixels are left out.
 struct PixelShares {
   std::vector<double> right;
   std::vector<double> missing;

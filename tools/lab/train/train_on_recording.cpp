@@ -150,7 +150,7 @@ int train_on_recording(const RecordingTraining& training) {
   to_stdout(
       "{} scans held out: of the pixels between their rows that other scans measured, {:.1f} % are "
       "within {} m, {:.1f} % after {} steps ({:+.1f} +- {:.1f}, standard error)\n{}: {}\n",
-      before.size(), 100.0 * mean_of(before), kRight_m, 100.0 * mean_of(after), training.steps,
+      before.size(), 100.0 * mean_of(before), kRightRange_m, 100.0 * mean_of(after), training.steps,
       100.0 * gain.mean, 100.0 * gain.standard_error, path,
       is_better ? "the new weights" : "the old weights, because the new ones are no better");
   return kOk;

@@ -17,10 +17,6 @@ inline constexpr float kBatchNormEpsilon = 1e-3F;  ///< of Keras
 /// the batch's, so that a step of 0.01 down it is the running mean of Keras (momentum 0.99).
 /// Arrays: weight, bias, running_mean, running_var.
 std::unique_ptr<Layer> make_batch_norm(float negative_slope, const TensorShape& input);
-/// For upsampling: a convolution with the batch norm behind it worked into its weights. Arrays:
-/// convolution.*, norm.*.
-std::unique_ptr<Layer> make_normalised_convolution(const ConvolutionOptions& options,
-                                                   const TensorShape& input, const Engine& engine);
 
 /// The mean of each 2 x 2 pixels.
 std::unique_ptr<Layer> make_average_pool(const TensorShape& input);

@@ -48,7 +48,7 @@ void simulate(const TemporaryDirectory& folder, const std::vector<double>& mount
   options.out = folder.file("drive");
   options.scans = scans;
   options.mount = mount_deg;
-  simulate_drive(options, InterruptGuard(), [] {});
+  simulate_drive(options, InterruptGuard());
 }
 
 }  // namespace

@@ -96,23 +96,6 @@ TEST_CASE("asked to stop, it leaves whole drives only and says so") {
   CHECK(files_in(folder) == 0);
 }
 
-TEST_CASE("what a killed program left is removed, what another program is at or left stays") {
-  const TemporaryDirectory folder;
-  write_file(folder.file("block_9_abc.npy.77.part"), "left");
-  write_file(folder.file("block_8_abc.npy.78.part"), "at work");
-  const FileLock lock(folder.file("block_8_abc.npy.78.part"));
-  // Files of somebody else that end as its own do.
-  for (const char* foreign :
-       {"holiday.mp4.part", "recording_0123456789abcdef.npy.part", "scans.npy.77.part",
-        "block_9_abc.npy.x.part", "block_9_abc.npy.77.part.part"}) {
-    write_file(folder.file(foreign), "mine");
-  }
-  REQUIRE(store(folder.path(), {block(1, 1, 1)}, 1));
-  CHECK_FALSE(fs::exists(folder.file("block_9_abc.npy.77.part")));
-  CHECK(fs::exists(folder.file("block_8_abc.npy.78.part")));
-  CHECK(files_in(folder) == 1 + 1 + 5);
-}
-
 TEST_CASE("a drive that cannot be, and a folder that cannot be, are one line") {
   const TemporaryDirectory folder;
   CHECK(refused_with([&] { store(folder.path(), {block(1, 0, 1)}, 1); }, "scans is 0"));

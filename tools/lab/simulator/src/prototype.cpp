@@ -204,12 +204,14 @@ TriangleMesh make_walker(int body) {
   return mesh;
 }
 
-}  // namespace
-
+/// Broadleaf or conifer: trunk, branches and a crown of single leaf quads, so that some rays pass
+/// between them.
 TriangleMesh make_tree(std::uint64_t seed) {
   Random random(seed);
   return random.chance(0.3) ? make_conifer(random) : make_broadleaf(random);
 }
+
+}  // namespace
 
 std::vector<TriangleMesh> make_prototypes(std::uint64_t seed) {
   std::vector<TriangleMesh> prototypes;

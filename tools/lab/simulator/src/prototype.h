@@ -19,8 +19,4 @@ constexpr int kFirstCar = kFirstBush + kBushShapes;
 constexpr int kFirstWalker = kFirstCar + kCarBodies;
 std::vector<TriangleMesh> make_prototypes(std::uint64_t seed);
 
-/// Broadleaf or conifer: trunk, branches and a crown of single leaf quads, so that some rays pass
-/// between them.
-TriangleMesh make_tree(std::uint64_t seed);
-
 }  // namespace hqslam::sim

@@ -100,11 +100,10 @@ DriveWriter::DriveWriter(const std::string& directory, const DriveSpec& spec,
     write_sensor_errors_json(in(directory, "sensor_errors.json"), spec, sensor.rows());
   }
   if (extra_.imu) {
-    const std::string columns =
+    write_whole_file(
+        in(directory, "imu.csv"),
         "stamp_s,angular_rate_x_rad_per_s,angular_rate_y_rad_per_s,angular_rate_z_rad_per_s,"
-        "specific_force_x_mps2,specific_force_y_mps2,specific_force_z_mps2\n";
-    write_whole_file(in(directory, "imu.csv"), columns);
-    write_whole_file(in(directory, "imu_biases.csv"), columns);
+        "specific_force_x_mps2,specific_force_y_mps2,specific_force_z_mps2\n");
   }
   if (extra_.kitti_bin) make_empty_directory(fs::path(directory) / "bin");
   if (extra_.pcd) make_empty_directory(fs::path(directory) / "pcd");
@@ -132,17 +131,14 @@ void DriveWriter::append_text(const char* name, const std::string& text) const {
 }
 
 void DriveWriter::append_imu(const std::vector<SimulatedImuSample>& samples) const {
-  const auto line = [](double stamp_s, const Eigen::Vector3d& rate, const Eigen::Vector3d& force) {
-    return fmt::format("{:.3f},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", stamp_s, rate.x(),
-                       rate.y(), rate.z(), force.x(), force.y(), force.z());
-  };
-  std::string measured, biases;
-  for (const SimulatedImuSample& s : samples) {
-    measured += line(s.stamp_s, s.angular_rate_rad_per_s, s.specific_force_mps2);
-    biases += line(s.stamp_s, s.gyroscope_bias_rad_per_s, s.accelerometer_bias_mps2);
+  std::string lines;
+  for (const SimulatedImuSample& sample : samples) {
+    const Eigen::Vector3d& rate = sample.angular_rate_rad_per_s;
+    const Eigen::Vector3d& force = sample.specific_force_mps2;
+    lines += fmt::format("{:.3f},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", sample.stamp_s,
+                         rate.x(), rate.y(), rate.z(), force.x(), force.y(), force.z());
   }
-  append_text("imu.csv", measured);
-  append_text("imu_biases.csv", biases);
+  append_text("imu.csv", lines);
 }
 
 void DriveWriter::write_extra(const SimulatedScan& simulated) const {

@@ -17,7 +17,7 @@ void write_drive_json(const std::string& path, DriveSpec spec, const SensorModel
 struct ExtraFormats {
   bool kitti_bin = false;  ///< bin/000000.bin, ...
   bool pcd = false;        ///< pcd/000000.pcd, ...
-  bool imu = false;        ///< imu.csv, and the truth of its biases, imu_biases.csv
+  bool imu = false;        ///< imu.csv
 };
 
 /// Writes a drive to a folder, scan by scan; the files are valid whenever writing stops:
@@ -27,7 +27,6 @@ struct ExtraFormats {
 ///   drive.json         name, seed and planned length of the drive, and the simulator's revision;
 ///                      mount, conditions and sensor errors where they are not the usual ones
 ///   imu.csv            with ExtraFormats::imu: 100 samples a second (ImuSample)
-///   imu_biases.csv     the bias of each of these samples, in the same columns
 ///   sensor_errors.json where the sensor has any: of each beam range_m (reported minus true),
 ///                      elevation_deg and azimuth_deg (true minus sensor.json's)
 ///   truth.tum          true pose of every scan at its stamp, in the frame of the first scan
