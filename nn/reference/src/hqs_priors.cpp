@@ -78,8 +78,9 @@ Image du_or_prior(Run& run, int k, const Image& h, const Image& above, const Ima
 
   const Image tiles = tiled(h, tile_rows, tile_columns);  // 16 x 16 x 256
   if (k == 0) memory = zeros(memory_channels, tiles.dimension(1), tiles.dimension(2));
-  const Image input = tiles.concatenate(memory, 0);  // 32 x 16 x 256
-  std::vector<Image> down;                           // 32 x 16 x 256, 32 x 8 x 128
+  // 32 x 16 x 256; Eigen concatenates nothing that is empty.
+  const Image input = memory_channels == 0 ? tiles : Image(tiles.concatenate(memory, 0));
+  std::vector<Image> down;  // 32 x 16 x 256, 32 x 8 x 128
   for (int level = 0; level < levels; ++level) {
     const std::string name = fmt::format("encoder.{}", level);
     down.push_back(
