@@ -87,6 +87,8 @@ void declare_reading(Command& command, InputChoice& choice) {
               "of points without times: corrected, unless hqslam run finds otherwise, of a .npy "
               "stack: rolling",
               {.one_of = {"rolling", "corrected"}})
+      .option("--motion-corrected", [&choice] { choice.capture = "corrected"; },
+              "The same as --capture corrected", {.excludes = {"--capture"}})
       .option("--stamps", &choice.stamps,
               "File with the stamp of each scan (seconds, or dates as in KITTI's timestamps.txt), "
               "'names' for the numbers in the files' names, or the seconds from scan to scan where "
