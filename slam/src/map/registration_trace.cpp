@@ -1,8 +1,10 @@
 #include "map/registration_trace.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "alignment/robust_weights.h"
@@ -13,25 +15,46 @@ namespace hqslam::slam {
 
 namespace {
 
-/// The pixel whose point is nearest, the first of several; 0 if the cloud has no return.
-std::size_t nearest_pixel(const OrganizedCloud& cloud, const Eigen::Vector3f& point_m) {
-  std::size_t nearest = 0;
-  float nearest_m2 = std::numeric_limits<float>::infinity();
-  for (std::size_t pixel = 0; pixel < cloud.range_m.size(); ++pixel) {
-    if (cloud.range_m[pixel] <= 0.0F) continue;
-    const float away_m2 = (cloud.points_m[pixel] - point_m).squaredNorm();
-    if (away_m2 >= nearest_m2) continue;
-    nearest_m2 = away_m2;
-    nearest = pixel;
+/// The pixel nearest to a point. A pixel whose range differs by d is at least d away, so pixels are
+/// visited from the point's own range outwards until none can be nearer.
+class NearestPixel {
+ public:
+  explicit NearestPixel(const OrganizedCloud& cloud) : cloud_(cloud) {
+    for (std::size_t pixel = 0; pixel < cloud.range_m.size(); ++pixel) {
+      if (cloud.range_m[pixel] > 0.0F) by_range_.emplace_back(cloud.points_m[pixel].norm(), pixel);
+    }
+    std::ranges::sort(by_range_);
   }
-  return nearest;
-}
+
+  /// The first of several at equal distance; 0 if the cloud has no return.
+  std::size_t of(const Eigen::Vector3f& point_m) const {
+    const float range_m = point_m.norm();
+    const auto start = std::ranges::lower_bound(by_range_, std::pair(range_m, std::size_t(0)));
+    std::pair nearest(std::numeric_limits<float>::infinity(), std::size_t(0));  // distance^2, pixel
+    const auto is_last = [&](const std::pair<float, std::size_t>& at) {
+      const float apart_m = kRounding * (at.first - range_m);
+      if (apart_m * apart_m > nearest.first) return true;
+      nearest = std::min(
+          nearest, std::pair((cloud_.points_m[at.second] - point_m).squaredNorm(), at.second));
+      return false;
+    };
+    for (auto at = start; at != by_range_.end() && !is_last(*at); ++at) continue;
+    for (auto at = start; at != by_range_.begin() && !is_last(*std::prev(at)); --at) continue;
+    return nearest.second;
+  }
+
+ private:
+  static constexpr float kRounding = 0.999F;
+  const OrganizedCloud& cloud_;
+  std::vector<std::pair<float, std::size_t>> by_range_;
+};
 
 /// The features of a kind as measured, at their pixels.
-void trace_kind(FeatureKind kind, const std::vector<FeaturePoint>& points, ScanTrace& trace) {
+void trace_kind(FeatureKind kind, const std::vector<FeaturePoint>& points,
+                const NearestPixel& nearest, ScanTrace& trace) {
   const auto columns = static_cast<std::size_t>(trace.cloud.columns);
   for (const FeaturePoint& point : points) {
-    const std::size_t pixel = nearest_pixel(trace.cloud, point.point_m);
+    const std::size_t pixel = nearest.of(point.point_m);
     TracedFeature feature;
     feature.kind = kind;
     feature.row = static_cast<int>(pixel / columns);
@@ -78,11 +101,12 @@ TracedFeature* correct_kind(const std::vector<FeaturePoint>& points, const ScanM
 }  // namespace
 
 void trace_features(const MapFeatures& features, ScanTrace& trace) {
+  const NearestPixel nearest(trace.cloud);
   trace.features.clear();
-  trace_kind(FeatureKind::kGround, features.ground_to_register, trace);
-  trace_kind(FeatureKind::kSurface, features.surfaces_to_register, trace);
-  trace_kind(FeatureKind::kEdge, features.edges, trace);
-  trace_kind(FeatureKind::kPost, features.posts_to_register, trace);
+  trace_kind(FeatureKind::kGround, features.ground_to_register, nearest, trace);
+  trace_kind(FeatureKind::kSurface, features.surfaces_to_register, nearest, trace);
+  trace_kind(FeatureKind::kEdge, features.edges, nearest, trace);
+  trace_kind(FeatureKind::kPost, features.posts_to_register, nearest, trace);
 }
 
 void trace_registration(const Mapping& mapping, const MapFeatures& features,
