@@ -114,7 +114,7 @@ void require_pairs(const PosePairs& pairs, std::size_t expected, double max_diff
   if (pairs.estimate.size() >= expected) return;
   throw Error(
       "expected at least {} poses of estimate and reference with stamps at most {} s apart, found "
-      "{}; give trajectories of the same recording",
+      "{}; give trajectories of the same recording with stamps in seconds",
       expected, max_difference_s, pairs.estimate.size());
 }
 

@@ -80,7 +80,8 @@ int evaluate_trajectories(const EvaluateOptions& options) {
     print_row(rotation, ape.rotation_statistics, kDegreesPerRadian);
     warn_of_w_first(options, estimate, reference, alignment, ape.rotation_statistics.median);
   } else {
-    to_stdout("{:<26}{:>10}  {}\n", rotation, "-", "(a straight path; --align first gives it)");
+    to_stdout("{:<26}{:>10}  {}\n", rotation, "-",
+              "(not determined by so straight a path; --align first gives it)");
   }
   for (const double stretch_m : kStretches_m) {
     const RelativePoseError rpe = relative_pose_error(estimate, reference, stretch_m);

@@ -101,8 +101,10 @@ int exit_status_of_maps(const MapChoice& choice, const SlamRun& run) {
   for (const std::string& failed : run.failed_maps) to_stderr("hqslam: {}\n", failed);
   if (!run.failed_maps.empty()) return kWrongInput;
   if (!run.located_in.empty() && !is_located(run)) {
-    to_stderr("hqslam: no scan was located in {}; give the map of this place, or --start\n",
-              run.located_in);
+    to_stderr("hqslam: no scan was located in {}; {}\n", run.located_in,
+              choice.start.empty()
+                  ? "give the map of this place, or --start"
+                  : "leave --start out to search all of the map, or give the map of this place");
     return kWrongInput;
   }
   const bool lacks_dense_map = choice.dense_map && run.dense_map_summary.empty();

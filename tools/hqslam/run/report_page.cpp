@@ -178,7 +178,8 @@ Json error_json(const SlamRun& run) {
       {"translation_m", f32_block(error.translation_m)},
       {"rows",
        {error_row("position, m", error.translation_statistics, 1.0, 3),
-        error_row(error.is_rotation_known ? "rotation, degrees" : "rotation: straight path",
+        error_row(error.is_rotation_known ? "rotation, degrees"
+                                          : "rotation: not determined by so straight a path",
                   error.rotation_statistics,
                   error.is_rotation_known ? std::optional(kDegreesPerRadian) : std::nullopt, 2)}}};
 }

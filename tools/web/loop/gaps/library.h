@@ -40,6 +40,10 @@ template <typename A, typename B, typename Same = std::equal_to<>>
 bool equal(A&& a, B&& b, Same same = {}) {
   return std::equal(std::begin(a), std::end(a), std::begin(b), std::end(b), same);
 }
+template <typename Range>
+void sort(Range&& range) {
+  std::sort(std::begin(range), std::end(range));
+}
 template <typename Range, typename Projection>
 void stable_sort(Range&& range, std::less<> before, Projection projection) {
   std::stable_sort(std::begin(range), std::end(range), [&](const auto& a, const auto& b) {
