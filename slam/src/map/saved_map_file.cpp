@@ -195,6 +195,12 @@ void write_saved_map(const std::string& path, const SavedMap& map) {
 }
 
 SavedMap read_saved_map(const std::string& path) {
+  if (!path.ends_with(".npz")) {
+    throw Error(
+        "{}: expected the saved_map.npz that hqslam run --save-map writes, found a file of another "
+        "kind; give that file",
+        path);
+  }
   const MapFile file(path);
   SavedMap map{file.points_m("edges_m"), file.points_m("posts_m"), file.points_m("planes_m"),
                file.places()};

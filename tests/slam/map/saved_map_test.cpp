@@ -82,5 +82,7 @@ TEST_CASE("a file that is no saved map is refused in one line") {
     write_npz(path, arrays);
     CHECK_THROWS_WITH_AS(slam::read_saved_map(path), doctest::Contains(expected), Error);
   }
+  CHECK_THROWS_WITH_AS(slam::read_saved_map("dense_map.pcd"), doctest::Contains("--save-map"),
+                       Error);
   CHECK_THROWS_AS(slam::read_saved_map("/no/such/file.npz"), Error);
 }

@@ -34,6 +34,10 @@ TEST_CASE("evaluate names the alignment, which alone takes an offset away, and c
   }
   for (int i = 150; i < 300; ++i) estimate[i].T_map_sensor.translation().y() += 0.5;
   CHECK(holds(printed(""), fmt::format("{:<26}{:>10}{:>10} per 100 km", "slips", 1, "334.4")));
+  for (StampedPose& pose : estimate) pose.T_map_sensor.translation() *= 1000.0;
+  write_tum(estimate, folder.file("estimate"));
+  CHECK(holds(evaluate(folder.file("estimate"), folder.file("truth.tum"), "").error,
+              "the estimate's path is 1000 times as long as the reference's; millimetres?"));
 }
 
 TEST_CASE("evaluate names the file whose quaternions begin with qw") {

@@ -1,5 +1,9 @@
 #include "recording/reference.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "hqslam/core/error.h"
 
 namespace hqslam::tools {
@@ -39,10 +43,33 @@ std::optional<ReferenceComparison> compare_with_reference(const Trajectory& esti
     return std::nullopt;
   }
   comparison.error = absolute_pose_error(estimate, stamped, Alignment::kSe3, kMaxStampDifference_s);
+  comparison.units = complaint_about_units(estimate, stamped, comparison.error.pairs);
   for (const std::size_t index : comparison.error.pairs.reference) {
     comparison.reference.push_back(stamped[index]);
   }
   return comparison;
+}
+
+std::string complaint_about_units(const Trajectory& estimate, const Trajectory& reference,
+                                  const PosePairs& pairs) {
+  constexpr double kFewestTimes = 50.0;  // between those of metres in centimetres and of errors
+  const auto path_of = [](const Trajectory& poses, const std::vector<std::size_t>& paired) {
+    double path = 0.0;
+    for (std::size_t i = 1; i < paired.size(); ++i) {
+      path += (poses[paired[i]].T_map_sensor.translation() -
+               poses[paired[i - 1]].T_map_sensor.translation())
+                  .norm();
+    }
+    return path;
+  };
+  const double of_estimate = path_of(estimate, pairs.estimate);
+  const double of_reference = path_of(reference, pairs.reference);
+  const auto [shorter, longer] = std::minmax(of_estimate, of_reference);
+  if (shorter < 1.0 || longer < kFewestTimes * shorter) return "";
+  const bool is_reference = of_reference > of_estimate;
+  return fmt::format("the {}'s path is {:.0f} times as long as the {}'s; millimetres?",
+                     is_reference ? "reference" : "estimate", longer / shorter,
+                     is_reference ? "estimate" : "reference");
 }
 
 }  // namespace hqslam::tools

@@ -27,9 +27,15 @@ struct ReferenceComparison {
   std::string reference_path;
   AbsolutePoseError error;  ///< SE(3)-aligned
   Trajectory reference;     ///< the poses that were compared, in the reference's own frame
+  std::string units;        ///< complaint_about_units()
 };
 /// Nothing if fewer than 3 poses can be paired.
 std::optional<ReferenceComparison> compare_with_reference(const Trajectory& estimate,
                                                           const TrajectoryFile& reference);
+
+/// "the reference's path is 1000 times as long as the estimate's; millimetres?", over the poses
+/// that are paired; empty where no unit explains a difference.
+std::string complaint_about_units(const Trajectory& estimate, const Trajectory& reference,
+                                  const PosePairs& pairs);
 
 }  // namespace hqslam::tools

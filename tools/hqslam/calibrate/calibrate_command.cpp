@@ -73,7 +73,7 @@ void warn_of_doubtful(const slam::BeamCalibration& found, const SensorModel& cor
   if (!pipeline::has_errors(found)) {
     to_stderr(
         "hqslam: {}: the corrections are not significant (surfaces hardly become thinner, or far "
-        "less than points are displaced): use the sensor as it is\n",
+        "less than points are displaced): use the sensor as it is, not the file with these\n",
         input);
   }
 }

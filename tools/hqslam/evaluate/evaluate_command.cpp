@@ -75,6 +75,10 @@ int evaluate_trajectories(const EvaluateOptions& options) {
             estimate.size(), options.reference, path_length_m(reference));
   to_stdout("{:<26}{:>10}{:>10}{:>10}{:>10}\n", "", "RMSE", "mean", "median", "max");
   print_row(fmt::format("APE m (align {})", options.alignment), ape.translation_statistics, 1.0);
+  if (const std::string units = complaint_about_units(estimate, reference, ape.pairs);
+      !units.empty()) {
+    to_stderr("hqslam: {}: {}\n", options.reference, units);
+  }
   const std::string rotation = fmt::format("APE deg (align {})", options.alignment);
   if (ape.is_rotation_known) {
     print_row(rotation, ape.rotation_statistics, kDegreesPerRadian);

@@ -57,6 +57,9 @@ void print_summary(const SlamRun& run, const RunOptions& options) {
     to_stdout("APE RMSE {:.3f} m over {} poses against {} (alignment: {})\n",
               error.translation_statistics.rmse, error.translation_m.size(),
               run.comparison->reference_path, name(error.alignment));
+    if (!run.comparison->units.empty()) {
+      to_stderr("hqslam: {}: {}\n", run.comparison->reference_path, run.comparison->units);
+    }
   }
   to_stdout("{}", results_lines(run, options.out));
 }

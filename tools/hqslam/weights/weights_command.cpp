@@ -145,11 +145,12 @@ int show(const std::string& given) {
   const auto network = network_with(weights);
   nn::check_self_test(*network, d, weights.self_test, path);
   to_stdout(
-      "{}: {}, {}: rows {}, {}, ... of {} x {} measured\n"
+      "{}: {}, {}{}: rows {}, {}, ... of {} x {} measured\n"
       "{} parameters, {:.3f} GMAC a scan; self-test passed\n\n",
-      path, nn::name(d), d.sensor.name, d.measured_rows.offset,
-      d.measured_rows.offset + d.measured_rows.stride, d.sensor.rows(), d.sensor.columns,
-      weights.parameters.size(), static_cast<double>(network->multiply_adds()) * 1e-9);
+      path, nn::name(d), nn::fits_any_sensor(d) ? "for any sensor; here " : "", d.sensor.name,
+      d.measured_rows.offset, d.measured_rows.offset + d.measured_rows.stride, d.sensor.rows(),
+      d.sensor.columns, weights.parameters.size(),
+      static_cast<double>(network->multiply_adds()) * 1e-9);
   print_arrays(weights);
   to_stdout("\ndescription\n{}\ntraining\n{}\n", nn::network_json(d),
             nlohmann::ordered_json::parse(weights.training).dump(1));
