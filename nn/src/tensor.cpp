@@ -27,7 +27,33 @@ Tensor Tensor::shape_alone(int channels, int rows, int columns, ColumnPadding pa
 
 Tensor::Tensor(int channels, int rows, int columns, ColumnPadding padding, int border_rows)
     : Tensor(shape_alone(channels, rows, columns, padding, border_rows)) {
-  values_.resize((rows_ + 2 * border_rows_) * row_stride());
+  allocate();
+  set_zero();
+}
+
+void Tensor::allocate() {
+  constexpr std::uintptr_t kLine = CacheLineAllocator<float>::kAlignment;
+  values_.resize(rows_ + 2 * border_rows_ + 1, channels_, channel_stride());
+  const std::uintptr_t beyond = reinterpret_cast<std::uintptr_t>(values_.data()) % kLine;
+  first_ = static_cast<std::int64_t>((kLine - beyond) % kLine / sizeof(float));
+}
+
+Tensor& Tensor::operator=(const Tensor& other) {
+  if (this == &other) return *this;
+  channels_ = other.channels_;
+  rows_ = other.rows_;
+  columns_ = other.columns_;
+  padded_columns_ = other.padded_columns_;
+  border_rows_ = other.border_rows_;
+  padding_ = other.padding_;
+  if (other.values_.size() == 0) {
+    values_ = {};
+    return *this;
+  }
+  allocate();
+  std::copy_n(other.values_.data() + other.first_, other.with_borders().size(),
+              values_.data() + first_);
+  return *this;
 }
 
 void Tensor::fill_other_border(int channel, int row_index) {
@@ -54,7 +80,7 @@ void Tensor::fill_borders() {
   }
 }
 
-void Tensor::set_zero() { std::ranges::fill(values_, 0.0F); }
+void Tensor::set_zero() { values_.setZero(); }
 
 void copy_channels(const Tensor& from, int from_channel, int channels, Tensor& to, int to_channel) {
 #pragma omp for schedule(static)

@@ -40,13 +40,13 @@ using CacheLineFloats = std::vector<float, CacheLineAllocator<float>>;
 /// Values of shape channels x rows x columns, float32, each channel with a border around it, so
 /// that a convolution reads beyond the edges without a test for them.
 ///
-/// Memory: mapped as an Eigen tensor of rows with their borders x channels x columns with their
-/// borders. Row y of channel c begins at row(c, y); row(c, -border_rows()) to row(c, rows() +
-/// border_rows() - 1) and in each of them columns -kBorderColumns to padded_columns() +
-/// kBorderColumns - 1 may be read. Columns from columns() to padded_columns() hold whatever a
-/// vector kernel left there; they are part of the border. Every row begins with a cache line,
-/// because the widest vectors are as long; the tensor maps the memory and does not hold it, because
-/// Eigen aligns to 16 bytes.
+/// Memory: an Eigen tensor of rows with their borders x channels x columns with their borders. Row
+/// y of channel c begins at row(c, y); row(c, -border_rows()) to row(c, rows() + border_rows() - 1)
+/// and in each of them columns -kBorderColumns to padded_columns() + kBorderColumns - 1 may be
+/// read. Columns from columns() to padded_columns() hold whatever a vector kernel left there; they
+/// are part of the border. Every row begins with a cache line, because the widest vectors are as
+/// long. Eigen aligns to 16 bytes, so the tensor has one row of channels more than are used, and
+/// the first line begins up to 15 values behind its start.
 class Tensor {
  public:
   using Values = Eigen::Tensor<float, 3, Eigen::RowMajor>;
@@ -57,6 +57,11 @@ class Tensor {
   Tensor() = default;
   /// All zero. Throws Error unless channels, rows, columns >= 1 and 0 <= border_rows <= 16.
   Tensor(int channels, int rows, int columns, ColumnPadding padding, int border_rows = 1);
+  Tensor(const Tensor& other) { *this = other; }
+  Tensor& operator=(const Tensor& other);
+  Tensor(Tensor&&) noexcept = default;
+  Tensor& operator=(Tensor&&) noexcept = default;
+  ~Tensor() = default;
   /// A tensor with a shape but without values, for planning.
   static Tensor shape_alone(int channels, int rows, int columns, ColumnPadding padding,
                             int border_rows = 1);
@@ -74,7 +79,7 @@ class Tensor {
   const float* row(int channel, int row) const { return values_.data() + offset(channel, row); }
   /// All of it: rows with their borders x channels x columns with their borders.
   Eigen::TensorMap<const Values> with_borders() const {
-    return {values_.data(), rows_ + 2 * border_rows_, channels_, channel_stride()};
+    return {values_.data() + first_, rows_ + 2 * border_rows_, channels_, channel_stride()};
   }
   float& at(int channel, int row_, int column) { return row(channel, row_)[column]; }
   float at(int channel, int row_, int column) const { return row(channel, row_)[column]; }
@@ -98,8 +103,10 @@ class Tensor {
  private:
   void fill_other_border(int channel, int row);
   std::int64_t offset(int channel, int row) const {
-    return channel * channel_stride() + (row + border_rows_) * row_stride() + kBorderColumns;
+    return first_ + channel * channel_stride() + (row + border_rows_) * row_stride() +
+           kBorderColumns;
   }
+  void allocate();
 
   int channels_ = 0;
   int rows_ = 0;
@@ -107,7 +114,8 @@ class Tensor {
   int padded_columns_ = 0;
   int border_rows_ = 0;
   ColumnPadding padding_ = ColumnPadding::kCircular;
-  CacheLineFloats values_;
+  Values values_;
+  std::int64_t first_ = 0;  ///< where in values_ the first cache line begins
 };
 
 // Groups of channels of tensors, such as tiles and memory side by side. copy and clear: called by

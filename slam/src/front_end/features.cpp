@@ -21,10 +21,9 @@ constexpr float kMinSteepness = 0.5F;
 /// Returns in a row on one surface, from which on it need not stand: floors and ceilings have such
 /// runs. With 30 to 40 the real handheld OS0 is less accurate with 16 rows (weights/NOTEBOOK.md).
 constexpr int kLongRun = 45;
-// Of each of the sections into which a row is cut, as in LeGO-LOAM.
 /// Voxel size to which the points of a row are thinned.
 constexpr double kRowLeaf_m = 0.2;
-
+// Of each of the sections into which a row is cut, as in LeGO-LOAM.
 constexpr int kSections = 6;
 constexpr int kSharpEdges = 2;
 constexpr int kEdges = 20;

@@ -28,7 +28,7 @@ struct InputChoice {
 /// the usual ones.
 void declare_input(Command& command, InputChoice& choice, const std::string& what = "",
                    const std::string& sensor = "");
-/// --stream, --return, --row-order, --capture and --stamps alone.
+/// --stream, --return, --row-order, --capture (or --motion-corrected) and --stamps alone.
 void declare_reading(Command& command, InputChoice& choice);
 /// --imu alone.
 void declare_imu(Command& command, InputChoice& choice);

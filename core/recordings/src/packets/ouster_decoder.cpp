@@ -66,6 +66,7 @@ void OusterDecoder::begin(const Packet& packet, std::uint32_t id) {
   const auto columns = static_cast<std::size_t>(metadata_.sensor.columns);
   const auto pixels = columns * static_cast<std::size_t>(metadata_.sensor.rows());
   OusterFrame frame;
+  frame.frame_id = id;
   if (options_.with_points) {
     frame.range_mm.assign(pixels, 0);
     frame.reflectivity.assign(pixels, 0);

@@ -27,6 +27,7 @@ ImuSample ouster_imu_sample(Bytes packet, const OusterMetadata& metadata);
 
 /// One turn as the sensor sent it: rows x columns, not de-staggered.
 struct OusterFrame {
+  std::uint32_t frame_id = 0;
   std::vector<std::uint32_t> range_mm;             ///< the first (strongest) return; 0: none
   std::vector<std::uint32_t> second_range_mm;      ///< empty with a single return
   std::vector<std::uint16_t> reflectivity;         ///< of the first return

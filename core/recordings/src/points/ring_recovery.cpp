@@ -146,8 +146,9 @@ RingRecovery recovery_from(const std::vector<RingSegment>& segments, const std::
     used[row_of[s]] = true;
     bool off = assignment.deviation_beyond_parallax(s, row_of[s]) > kMaxElevationDeviation;
     if (s > 0) {
-      recovery.spurious_wraps +=
-          static_cast<int>(segment.begins_with_wrap && row_of[s] == row_of[s - 1]);
+      const bool new_row = row_of[s] != row_of[s - 1];
+      recovery.spurious_wraps += static_cast<int>(segment.begins_with_wrap && !new_row);
+      recovery.missed_wraps += static_cast<int>(!segment.begins_with_wrap && new_row);
       // The height of a ring seen in few directions does not predict that of a whole one, and that
       // of a ring seen in new directions is a guess.
       const RingSegment& before = segments[last_sure];

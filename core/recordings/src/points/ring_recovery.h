@@ -11,6 +11,7 @@ namespace hqslam::recordings {
 struct RingRecovery {
   std::vector<std::uint16_t> row;  ///< per point, 0 the highest beam
   int spurious_wraps = 0;          ///< azimuth wraps that did not begin a new ring
+  int missed_wraps = 0;            ///< rings that began without a wrap
   int empty_rings = 0;             ///< rings of the sensor without a point
   /// Share of the points in rings that do not follow the beam table: near 0 for scans of this
   /// sensor.

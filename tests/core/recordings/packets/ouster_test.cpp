@@ -207,8 +207,7 @@ TEST_CASE("turns that the recording cuts off are left out unless nothing else is
   OusterDecoder decoder(small_metadata(profile));
   const auto frames = decoded(decoder, packets);
   REQUIRE(frames.size() == 1);
-  OusterDecoder second(small_metadata(profile));
-  CHECK(frames[0].timestamp_ns == decoded(second, ouster_turns(profile, {2}))[0].timestamp_ns);
+  CHECK(frames[0].frame_id == 2);
   CHECK(decoder.partial_scans() == 2);
 
   auto one = ouster_turns(profile, {1});
@@ -254,10 +253,11 @@ TEST_CASE("a text that nests deeper than any metadata is not taken for an Ouster
 
 TEST_CASE("real Ouster frames have every value that Ouster's own decoder reads") {
   // Digests of values whose MD5 digests are those that Ouster's decoder comes with.
-  for (const auto& [name, digest] :
-       {std::pair("packets/ouster/OS-0-128-U1_v2.3.0_1024x10", std::uint64_t{2255424449135168262}),
-        std::pair("packets/ouster/OS-0-32-U1_v2.2.0_1024x10",
-                  std::uint64_t{11331563746950871072U})}) {
+  for (const auto& [name, frame, digest] :
+       {std::tuple("packets/ouster/OS-0-128-U1_v2.3.0_1024x10", 1491U,
+                   std::uint64_t{2255424449135168262}),
+        std::tuple("packets/ouster/OS-0-32-U1_v2.2.0_1024x10", 1453U,
+                   std::uint64_t{11331563746950871072U})}) {
     const auto path = real_data(name);
     if (!path) return;
     CAPTURE(*path);
@@ -268,6 +268,7 @@ TEST_CASE("real Ouster frames have every value that Ouster's own decoder reads")
     const std::vector<OusterFrame> frames = decoder.take_scans();
     REQUIRE(frames.size() == 1);
     const OusterFrame& of_it = frames[0];
+    CHECK(of_it.frame_id == frame);
     std::uint64_t found = hash_of(of_it.timestamp_ns);
     for (const auto* values : {&of_it.status, &of_it.range_mm, &of_it.second_range_mm}) {
       found = hash_of(*values, found);

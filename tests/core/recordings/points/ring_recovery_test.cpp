@@ -86,6 +86,7 @@ TEST_CASE("rings are recovered whichever way the sensor turns and wherever rings
         const KnownScan known = a_square(sensor, {first_azimuth_rad, direction});
         const RingRecovery recovery = recovered(known, sensor);
         CHECK(recovery.spurious_wraps == 0);
+        CHECK(recovery.missed_wraps == 0);
         CHECK(recovery.off_table_share < 0.05);
         CHECK(stored_ring_after_ring(known.scan, sensor));
       }
@@ -112,6 +113,7 @@ TEST_CASE("rings beside a near wall, which lasers one above the other see higher
     const KnownScan known = only(street, [&](int row, double) { return row >= first_ring; });
     const RingRecovery recovery = recovered(known, sensor);
     CHECK(recovery.spurious_wraps == 0);
+    CHECK(recovery.missed_wraps == 0);
     CHECK(recovery.off_table_share < 0.25);  // 0.5 is another sensor
   }
 }
@@ -140,7 +142,9 @@ TEST_CASE("a wrap that is missing between any two rings is found") {
   // so there is nothing to tell their heights apart.
   for (int ring = 1; ring + 1 < 64; ++ring) {
     CAPTURE(ring);
-    CHECK(recovered(without_wrap_after(known, ring), sensor).empty_rings == 0);
+    const RingRecovery recovery = recovered(without_wrap_after(known, ring), sensor);
+    CHECK(recovery.missed_wraps == 1);
+    CHECK(recovery.empty_rings == 0);
   }
 }
 
@@ -150,6 +154,7 @@ TEST_CASE("a spurious wrap, a missing wrap and an empty ring in one scan are all
       with_stray_point_in(without_wrap_after(without_ring(a_square(sensor, {}), 20), 35), 50);
   const RingRecovery recovery = recovered(damaged, sensor);
   CHECK(recovery.spurious_wraps == 1);
+  CHECK(recovery.missed_wraps == 1);
   CHECK(recovery.empty_rings == 1);
 }
 
